@@ -70,17 +70,18 @@ results/fuzz/%.nc: always
 	$(STEP).run.fuzz plan=config/robustness.yaml --settings '{"name": "$*", "count": $(FUZZ_COUNT), "seed": $(SEED)}' -o $@
 
 ACCURACY_INTO := $(BIN)/bearingwear step studies.accuracy
+ACCURACY_DOCS := $(ACCURACY_INTO).docs.docs_with_part plan=config/accuracy.yaml docs=docs/accuracy.md
 ACCURACY_GIVEN := trade=results/accuracy/accuracy.nc
 accuracy-docs: $(STAMP) # after `snakemake accuracy`: its numbers into docs/accuracy.md, and a figure
-	$(ACCURACY_INTO).tables.docs_with_block $(ACCURACY_GIVEN) plan=config/accuracy.yaml docs=docs/accuracy.md -o docs/accuracy.md
+	$(ACCURACY_DOCS) $(ACCURACY_GIVEN) --settings '{"part": "accuracy"}' -o docs/accuracy.md
 	$(ACCURACY_INTO).figures.figure $(ACCURACY_GIVEN) --settings '{"which": "overview"}' -o docs/figures/tradeoff.png
 
-EFFECTS_GIVEN := trade=results/accuracy/effects.nc plan=config/accuracy.yaml docs=docs/accuracy.md
+EFFECTS_GIVEN := trade=results/accuracy/effects.nc
 effects-docs: $(STAMP) # single effects and worn grooves alone, solved anew, into docs/accuracy.md and a figure: 3 minutes
 	$(BIN)/snakemake -j1 results/accuracy/effects.nc
-	$(ACCURACY_INTO).effects.docs_with_effects $(EFFECTS_GIVEN) -o docs/accuracy.md
-	$(ACCURACY_INTO).groove_tables.docs_with_grooves $(EFFECTS_GIVEN) -o docs/accuracy.md
-	$(ACCURACY_INTO).figures.figure trade=results/accuracy/effects.nc --settings '{"which": "grooves"}' -o docs/figures/grooves.png
+	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) --settings '{"part": "effects"}' -o docs/accuracy.md
+	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) --settings '{"part": "grooves"}' -o docs/accuracy.md
+	$(ACCURACY_INTO).figures.figure $(EFFECTS_GIVEN) --settings '{"which": "grooves"}' -o docs/figures/grooves.png
 
 docs: $(STAMP) # the site, into build/site; opens from disk, needs no network
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'

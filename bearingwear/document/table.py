@@ -56,6 +56,21 @@ def table_of(
     return Block(title, rows=tuple(rows), lines=lines, axes=len(axes))
 
 
+def points_block(
+    title: str,
+    columns: Mapping[str, str],
+    points: Sequence[Sequence[Any]],
+    lines: tuple[str, ...] = (),
+    axes: int = 1,
+) -> Block:
+    """A table of points, each with a value for each column; columns by label, with their units."""
+    rows = (
+        Row(label, unit, tuple(point[k] for point in points))
+        for k, (label, unit) in enumerate(columns.items())
+    )
+    return Block(title, rows=tuple(rows) if points else (), lines=lines, axes=axes)
+
+
 def _kind(variable: xr.DataArray) -> tuple[str, str, str]:
     """Name in the table of variables, unit of the file, and what it is shown as."""
     name, units = str(variable.name).partition(".")[0], variable.attrs.get("units", "1")

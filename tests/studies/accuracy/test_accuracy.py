@@ -16,23 +16,24 @@ from support import ROOT
 
 from bearingwear.cli import main
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.units import Rough
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking.check import read_record, record
 from bearingwear.studies.dataset import write_dataset
-from workflow.studies.accuracy.effects import EFFECT_KINDS, effect_differences, effect_rows
-from workflow.studies.accuracy.factor_table import cell_texts
+from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, table_cells
+from workflow.studies.accuracy.docs import PARTS, differences
+from workflow.studies.accuracy.effects import effect_rows
 from workflow.studies.accuracy.figures import FRONT, integration_figure, steady_figure
 from workflow.studies.accuracy.gather import gathered_sweeps
-from workflow.studies.accuracy.groove_tables import groove_differences, what_auto_saves
+from workflow.studies.accuracy.groove_tables import what_auto_saves
 from workflow.studies.accuracy.plan import (
     ACCURACY_FILE,
     FIGURE_NAMES,
     PRESET_KEYS,
     AccuracyPlan,
-    Tolerance,
 )
 from workflow.studies.accuracy.study import study_of_accuracy
-from workflow.studies.accuracy.tables import SECTIONS, agree, section, table_rows
+from workflow.studies.accuracy.tables import SECTIONS, section, section_tables
 
 PLAN_FILE = ROOT / ACCURACY_FILE
 NOT_CONVERGED = 1
@@ -286,10 +287,10 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     docs.write_text("\n".join(["# Accuracy\n", *parts, "## Later\n"]), encoding="utf-8")
     outputs = [tmp_path / "a.csv", tmp_path / "a.md"]
     given = [f"trade={trade}", f"plan={PLAN_FILE}"]
-    assert step("tables.accuracy_tables", *given, outputs=outputs) == 0
-    table = outputs[1].read_text(encoding="utf-8")
-    assert "| 50 equal strips | 5 | 0.01 | 0.01 | 0.03 | 0.01 |" in table
-    assert "nan" not in table + outputs[0].read_text(encoding="utf-8")
+    assert step("docs.accuracy_tables", *given, outputs=outputs) == 0
+    tables = outputs[1].read_text(encoding="utf-8")
+    assert "| 50 equal strips | 5 | 0.01 | 0.01 | 0.03 | 0.01 |" in tables
+    assert "nan" not in tables + outputs[0].read_text(encoding="utf-8")
     assert (
         len(outputs[0].read_text(encoding="utf-8").splitlines()) == 1 + load(trade).sizes["point"]
     )
@@ -297,92 +298,122 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     given.append(f"docs={docs}")
 
     def renew():
-        for run in ("effects.docs_with_effects", "groove_tables.docs_with_grooves"):
-            assert step(run, *given, outputs=[docs]) == 0
-        return step("tables.docs_with_block", *given, outputs=[docs])
+        return {step("docs.docs_with_part", *given, outputs=[docs], part=part) for part in PARTS}
 
     def check():
-        return step("tables.check_docs", *given, outputs=[tmp_path / "check.txt"])
+        return step("docs.check_docs", *given, outputs=[tmp_path / "check.txt"])
 
     assert check() == 2  # no such part yet
-    assert renew() == 0 and check() == 0
+    assert renew() == {0} and check() == 0
     assert (tmp_path / "check.txt").read_text().endswith("accuracy.md: agrees\n")
     once = docs.read_text(encoding="utf-8")
-    assert once.startswith("# Accuracy\n\n<!-- effects: begin -->\nMade by") and table in once
-    assert once.index("<!-- grooves: end -->\n\n## Later\n") < once.index(table)
-    assert renew() == 0 and docs.read_text(encoding="utf-8") == once  # not a second time
+    assert once.startswith("# Accuracy\n\n<!-- effects: begin -->\nMade by")
+    cells = table_cells(once)
+    assert cells.items() >= table_cells(tables).items()
+    assert once.index("<!-- grooves: end -->\n\n## Later\n") < once.index("| 50 equal strips |")
+    assert renew() == {0} and docs.read_text(encoding="utf-8") == once  # not a second time
+    assert step("docs.docs_with_part", *given, outputs=[docs], part="x") == 2
 
-    capsys.readouterr()
-    docs.write_text(once.replace("| 50 equal strips | 5 | 0.01 ", "| 50 equal strips | 5 | 0.03 "))
-    assert check() == 3
-    said = capsys.readouterr().err
-    assert said.count("\n") == 2 and said.endswith("accuracy.md: 1 numbers differ\n")
-    assert "50 equal strips: QV, median: says 0.03, a run gives 0.01" in said
-    docs.write_text(once.replace("| 50 equal strips | 5 | 0.01 ", "| 50 equal strips | 5 | 0.019 "))
-    assert check() == 0
-    docs.write_text(once.replace("| `gyro_worn` | 0.918 |", "| `gyro_worn` | 0.94 |", 1))
-    assert check() == 3
-    said = "growth and temperature, fixed position: growth at speed, gyro_worn: preload: says 0.94"
-    assert said in capsys.readouterr().err
-    docs.write_text(once.replace("| yes |", "| no |", 1))
-    assert check() == 3
-    said = "worn grooves, constant force: loss of 0.3 A a², gyro_fresh: `auto` follows: says no"
-    assert said in capsys.readouterr().err
-    docs.write_text(once.replace("| 50 equal strips |", "| 51 equal strips |"))
-    assert check() == 3
-    assert "50 equal strips: missing" in capsys.readouterr().err
+    for old, new, said in [
+        (
+            "| 50 equal strips | 5 | 0.01 ",
+            "| 50 equal strips | 5 | 0.03 ",
+            "50 equal strips: QV, median: says 0.03, a run gives 0.01",
+        ),
+        ("| 50 equal strips | 5 | 0.01 ", "| 50 equal strips | 5 | 0.019 ", ""),
+        (
+            "| gyro_worn | 0.918 |",
+            "| gyro_worn | 0.94 |",
+            "fixed position: growth at speed, gyro_worn: preload: says 0.94",
+        ),
+        (
+            "| yes |",
+            "| no |",
+            "Worn grooves, constant force: loss of 0.3 A a², gyro_fresh: followed by auto: says no",
+        ),
+        ("| 50 equal strips |", "| 51 equal strips |", "50 equal strips: missing"),
+    ]:
+        assert old in once
+        docs.write_text(once.replace(old, new, 1))
+        capsys.readouterr()
+        assert check() == (3 if said else 0)
+        error = capsys.readouterr().err
+        assert said in error
+        assert not said or error.count("\n") == 2
+        assert not said or error.endswith("accuracy.md: 1 numbers differ\n")
 
 
-def test_agreement_within_the_tolerance():
-    tolerance = Tolerance(error=2.0, floor=1e-6, floor_dynamic=1e-3, time=4.0)
-    assert agree("0.1", 1.9e-3, "x", "steady", tolerance)
-    assert not agree("0.1", 2.2e-3, "x", "steady", tolerance)
-    assert agree("1e-07", 9e-7, "x", "steady", tolerance)
-    assert agree("0.001", 9e-4, "x", "long", tolerance)
-    assert not agree("0.001", 9e-4, "x", "steady", tolerance)
-    assert agree("< 0.001", 1.9e-5, "x", "steady", tolerance)
-    assert not agree("< 0.001", 2.2e-5, "x", "steady", tolerance)
-    assert not agree("0.1", 1e-6, "x", "steady", tolerance)
-    assert agree("10", 3.0, "times as fast", "long", tolerance)
-    assert not agree("10", 50.0, "times as fast", "long", tolerance)
-    assert not agree("5", 6.0, "scenes", "long", tolerance)
-    assert agree("–", math.nan, "x", "long", tolerance) and not agree(
-        "–", 1.0, "x", "long", tolerance
+def test_agreement_within_the_tolerance(plan):
+    error, exact = Agreement(2.1, 0.1, "%"), Agreement(1.0)
+    for old, new in (
+        ("0.1", "0.2"),
+        ("0.001", "0.09"),
+        ("< 0.001", "0.1"),
+        ("–", "–"),
+        ("5", "10"),
+    ):
+        assert error.holds(old, new) and error.holds(new, old)
+    for old, new in (("0.1", "0.22"), ("–", "1"), ("5", "11"), ("< 0.001", "0.22")):
+        assert not error.holds(old, new) and not error.holds(new, old)
+    assert Agreement(2.1).holds("< 0.001", "0.002") and not Agreement(2.1).holds(
+        "< 0.001", "0.0032"
     )
+    assert exact.holds("5", "5") and not exact.holds("5", "6")
+    assert exact.holds("yes", "yes") and not exact.holds("yes", "no")
+
+
+def test_tolerances_of_tables_are_those_of_the_plan(plan):
+    empty = xr.Dataset({name: ("point", np.array([], dtype=object)) for name in ("sweep", "label")})
+    empty = empty.assign({f"error_{name}": ("point", []) for name in ("total_qv", "contact_qv")})
+    assert plan.tolerance.floor < plan.tolerance.floor_dynamic
+    names = ("error_residual_preload", "error_wear_rate", "error_life", "reference_time")
+    empty = empty.assign({name: ("point", []) for name in (*names, "wall_time", "status")})
+    for table in section_tables(empty, plan):
+        floor = {True: plan.tolerance.floor, False: plan.tolerance.floor_dynamic}
+        assert table.columns["life"].floor == 100.0 * floor[table.title == SECTIONS["steady"]]
+        assert table.columns["life"].factor == 1.05 * plan.tolerance.error
+        assert table.columns["times as fast"].factor == plan.tolerance.time
 
 
 def test_the_docs_hold_every_row_of_the_plan(plan):
-    said = table_rows((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
+    said = table_cells((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
     rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
     assert rows <= set(said)
     assert all(len(said[row]) == 8 for row in rows)
 
 
 @pytest.mark.long
-def test_the_docs_hold_every_effect_of_the_plan(trade, plan):
+def test_the_docs_hold_every_row_of_a_run(trade):
     """Each row, on each scene; of the numbers made up here the docs say others."""
-    for differences in (effect_differences, groove_differences):
-        found = differences(load(trade), plan, ROOT / "docs" / "accuracy.md")
+    for part in PARTS:
+        found = differences(trade, PLAN_FILE, ROOT / "docs" / "accuracy.md", part)
         assert found and not [line for line in found if line.endswith("missing")]
 
 
 @pytest.mark.long
 def test_effects_are_factors_over_the_first_point(trade, plan):
-    rows = list(effect_rows(load(trade), plan))
-    assert len(rows) == 5 * len(plan.effects) and len(plan.effects) == 14
-    for (_, text, _, factors), k in zip(rows[:15:5], (1, 2, 3), strict=True):
+    assert len(plan.effects) == 14
+    for effect, k in zip(plan.effects[:3], (1, 2, 3), strict=True):
+        rows = list(effect_rows(load(trade), effect))
+        assert len(rows) == 5
+        text, _, *factors = rows[0]
         share = 1.0 + 0.1 ** (k + 1)
         assert text in ("growth at speed", "that, inner ring +5 K", "that, warm by friction")
         assert_allclose(factors, [*3 * [share / 1.1], 2.0**k, 2.0**k], rtol=1e-12)
-    cells = cell_texts([1.23456, 0.0, math.nan, 1.2345, 7.77], list(EFFECT_KINDS.values()))
-    assert cells == ["1.23", "0", "–", "1.2", "7.8"]
-    kinds = ["error", "error", "whether"]
-    assert cell_texts([0.012345, math.nan, 1.0], kinds) == ["1.2 %", "–", "yes"]
+
+
+def test_cells_have_the_digits_that_are_known():
+    row = ["a", "b", 1.23456, 0.0, math.nan, Rough(1.2345), Rough(7.77), 0.00012, "yes"]
+    units = ["", "", "", "", "", "%", ""]
+    columns = {f"{k}": Agreement(unit=unit) for k, unit in enumerate(units)}
+    table = CheckedTable(title="x", columns=columns, rows=[row])
+    *_, cells = table_cells(table.text, axes=2).values()
+    assert cells == ["1.23", "0", "–", "1.2", "7.8", "< 0.001", "yes"]
 
 
 @pytest.mark.long
 def test_lives_below_the_limit_of_auto_are_named(trade, plan):
     said = what_auto_saves(load(trade), plan)
     assert (
-        "the 16 of these 36 lives below 0.1 gaps" in said
+        "the 16 of these 36 lives that end below 0.1 gaps" in said
     )  # 0.03 and 0.09 of 0.1, four scenes, two methods

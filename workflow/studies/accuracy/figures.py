@@ -14,8 +14,8 @@ from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.words import in_words, percent_in_text
 from bearingwear.studies.dataset import loaded
+from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.groove_figure import grooves_figure
-from workflow.studies.accuracy.points import names, points_where
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
 _CPU = "processor_time"

@@ -102,3 +102,16 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
     }
     label = {"long_name": "wall time of the reference", "units": "s"}
     return variables | {"reference_time": ("point", time, label)}
+
+
+def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
+    """The points whose texts (scene, sweep, against, ...) are the ones given."""
+    mask = np.ones(trade.sizes["point"], dtype=bool)
+    for name, text in texts.items():
+        mask &= trade[name].values == text
+    return trade.isel(point=mask)
+
+
+def names(trade: xr.Dataset, variable: str) -> list[str]:
+    """Values of a text variable in the order of the file."""
+    return list(dict.fromkeys(trade[variable].values))

@@ -9,9 +9,9 @@ from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure
 from bearingwear.results.units import span
 from bearingwear.results.words import in_words
+from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.groove_tables import against_finest, by_end
 from workflow.studies.accuracy.plan import CELL_COUNTS
-from workflow.studies.accuracy.points import names, points_where
 
 _SWEEPS = (("grooves_spring", "cells_spring"), ("grooves_held", "cells_held"))
 _TITLES = ("constant force", "fixed position")

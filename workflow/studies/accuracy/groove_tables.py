@@ -1,43 +1,19 @@
-"""What following the grooves changes and costs: its own marked part of docs/accuracy.md."""
+"""What following the grooves changes and costs: a part of docs/accuracy.md."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.lives.groove_life import REQUIRED
-from bearingwear.results.units import digits, span
-from bearingwear.scene.checking.check import read_record
-from bearingwear.studies.dataset import loaded
-from workflow.studies.accuracy.factor_table import (
-    ERROR,
-    FACTOR,
-    TIME_FACTOR,
-    WHETHER,
-    FactorTable,
-    answers_agree_within,
-    table_differences,
-    tables_text,
-)
-from workflow.studies.accuracy.marked import MarkedPart
+from bearingwear.results.units import Rough, digits, span
+from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, answers_agree_within
+from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.plan import AccuracyPlan
-from workflow.studies.accuracy.points import names, points_where
 
-_PART = MarkedPart("grooves")
-_RATIOS = (("life", FACTOR), ("end_qv", FACTOR), ("life_processor_time", TIME_FACTOR))
-LIFE_COLUMNS = {
-    "life": FACTOR,
-    "life, bands": FACTOR,
-    "end QV": FACTOR,
-    "QV, bands": FACTOR,
-    "time": TIME_FACTOR,
-    "time, bands": TIME_FACTOR,
-    "`auto` follows": WHETHER,
-}
-CELL_COLUMNS = {"life": ERROR, "end QV": ERROR, "times as fast": TIME_FACTOR}
-WORST = "worst"
-"""Stands for the scene in a table of cells and steps."""
+_RATIOS = {"life": "life", "QV at the end": "end_qv", "time": "life_processor_time"}
+_ERRORS = {"life": "life", "QV at the end": "end_qv"}
+_LEAST_ERROR = 0.01  # percent
 
 
 def by_end(points: xr.Dataset, scene: str) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
@@ -54,22 +30,23 @@ def by_end(points: xr.Dataset, scene: str) -> Iterator[tuple[str, dict[str, xr.D
         )
 
 
-def groove_tables(trade: xr.Dataset, plan: AccuracyPlan) -> list[FactorTable]:
-    """Worn grooves over Hertz' by the loss at the end; cells and steps."""
-    tables = []
-    for sweep in plan.groove_sweeps:
-        points, rows = points_where(trade, sweep=sweep), []
-        for scene in names(points, "scene"):
-            for end, one in by_end(points, scene):
-                ratios = [
-                    float(one[groove][name] / one["hertz"][name])
-                    for name, _ in _RATIOS
-                    for groove in ("worn", "bands")
-                ]
-                followed = float(one["worn"]["wear_over_gap"] > REQUIRED)
-                rows.append((f"loss of {end} A a²", scene, [*ratios, followed]))
-        tables.append(FactorTable(plan.sweeps[sweep].title, LIFE_COLUMNS, rows))
-    return [*tables, *(cell_table(trade, plan, sweep) for sweep in plan.cell_sweeps)]
+def groove_table(trade: xr.Dataset, plan: AccuracyPlan, sweep: str) -> CheckedTable:
+    """Worn grooves over Hertz' by the loss at the end."""
+    points, rows = points_where(trade, sweep=sweep), []
+    for scene in names(points, "scene"):
+        for end, one in by_end(points, scene):
+            ratios = [
+                float(one[groove][name] / one["hertz"][name])
+                for name in _RATIOS.values()
+                for groove in ("worn", "bands")
+            ]
+            followed = "yes" if float(one["worn"]["wear_over_gap"]) > REQUIRED else "no"
+            row = [f"loss of {end} A a²", scene, *ratios[:4], *map(Rough, ratios[4:]), followed]
+            rows.append(row)
+    agreements = {name: Agreement() for name in _RATIOS} | {"time": Agreement(plan.tolerance.time)}
+    columns = {name + track: one for name, one in agreements.items() for track in ("", ", bands")}
+    columns["followed by auto"] = Agreement()
+    return CheckedTable(title=plan.sweeps[sweep].title, columns=columns, rows=rows)
 
 
 def against_finest(points: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
@@ -88,7 +65,7 @@ def against_finest(points: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
             yield track, settings, point.assign(errors | {"faster": faster})
 
 
-def cell_table(trade: xr.Dataset, plan: AccuracyPlan, sweep: str) -> FactorTable:
+def cell_table(trade: xr.Dataset, plan: AccuracyPlan, sweep: str) -> CheckedTable:
     """The worst error of all scenes and tracks, and the median of how much faster."""
     found: dict[str, list[xr.Dataset]] = {}
     for _, settings, point in against_finest(points_where(trade, sweep=sweep)):
@@ -96,10 +73,12 @@ def cell_table(trade: xr.Dataset, plan: AccuracyPlan, sweep: str) -> FactorTable
     rows = []
     for settings, points in found.items():
         step, _, cells = settings.partition(", ")
-        errors = [max(float(p[f"error_{n}"]) for p in points) for n in ("life", "end_qv")]
-        faster = float(np.median([float(p["faster"]) for p in points]))
-        rows.append((f"{cells} cells, steps of {step}", WORST, [*errors, faster]))
-    return FactorTable(plan.sweeps[sweep].title, CELL_COLUMNS, rows)
+        errors = [max(float(p[f"error_{n}"]) for p in points) for n in _ERRORS.values()]
+        numbers = [*(100.0 * e for e in errors), np.median([float(p["faster"]) for p in points])]
+        rows.append([f"{cells} cells, steps of {step}", *map(Rough, numbers)])
+    agreement = Agreement(1.05 * plan.tolerance.error, _LEAST_ERROR, "%")  # and what digits round
+    columns = dict.fromkeys(_ERRORS, agreement) | {"times as fast": Agreement(plan.tolerance.time)}
+    return CheckedTable(title=plan.sweeps[sweep].title, axes=("what",), columns=columns, rows=rows)
 
 
 def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
@@ -128,44 +107,19 @@ def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     )
 
 
-def groove_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
-    """The marked part of docs/accuracy.md."""
-    return _PART.holding(
-        f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
-to be edited here.
-Lives end at the stated multiple of A a², the gap between ball and groove at the edge of the new
-contact, or at 40 % of the preload. The first tables list ratios to the life with Hertzian contact
-that ends at the same loss, for balls that wear evenly and in bands. "End QV" is QV at the end of
-life. Times are CPU times of lives with all error estimates. The last tables list errors relative to
-the finest cells and steps (as fractions of the gap), without error estimates: the worst of all
-scenes and wear patterns. The study checks these tables: results agree within
-{answers_agree_within()}, errors within a factor of {plan.tolerance.error:g}, times within a factor
-of {plan.tolerance.time:g}.
-
-{what_auto_saves(trade, plan)}
-
-{tables_text(groove_tables(trade, plan))}"""
-    )
-
-
-def grooves_table(trade: Path, plan: Path) -> str:
-    """Step: the tables alone."""
-    tables = groove_tables(loaded(trade, point=()), read_record(AccuracyPlan, plan))
-    return tables_text(tables) + "\n"
-
-
-def docs_with_grooves(trade: Path, plan: Path, docs: Path) -> str:
-    """Step: the docs with the block of this run in the place of the old one.
-
-    Raises
-    ------
-    CaseFileError
-        Where they have no such block.
-    """
-    text = groove_block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
-    return _PART.renewed(docs, text)
-
-
-def groove_differences(trade: xr.Dataset, plan: AccuracyPlan, docs: Path) -> list[str]:
-    """Where the block of the docs differs from a run; a line each."""
-    return table_differences(groove_tables(trade, plan), _PART, docs, plan.tolerance)
+def grooves_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTable]:
+    """Lives by the loss that ends them, and by cells and steps."""
+    return [
+        "Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not to be "
+        "edited here. Lives end at the stated multiple of A a², the gap between ball and groove at "
+        "the edge of the new contact, or at 40 % of the preload. The first tables list ratios to "
+        "the life with Hertzian contact that ends at the same loss, for balls that wear evenly and "
+        "in bands. Times are CPU times of lives with all error estimates. The last tables list "
+        "errors relative to the finest cells and steps (as fractions of the gap), without error "
+        "estimates: the worst of all scenes and wear patterns. The study checks these tables: "
+        f"results agree within {answers_agree_within()}, errors within a factor of "
+        f"{plan.tolerance.error:g}, times within a factor of {plan.tolerance.time:g}.",
+        what_auto_saves(trade, plan),
+        *(groove_table(trade, plan, sweep) for sweep in plan.groove_sweeps),
+        *(cell_table(trade, plan, sweep) for sweep in plan.cell_sweeps),
+    ]

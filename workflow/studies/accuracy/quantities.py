@@ -1,38 +1,45 @@
 """The variables of a sweep: what errors are of, and what else is kept of a point."""
 
-from bearingwear.studies.dataset import attrs
+from bearingwear.results.variable import STATUS, Variable, table
 
-QUANTITIES = {
-    "total_qv": attrs("QV of the bearing", "W"),
-    "qv_inner": attrs("QV of an inner contact, mean over the balls", "W"),
-    "qv_outer": attrs("QV of an outer contact, mean over the balls", "W"),
-    "residual_preload": attrs("residual preload", "N"),
-    "wear_rate": attrs("rate of the interference loss, counted as the scene says", "m s-1"),
-    "cage_wear_rate": attrs("wear rate of the cage, pockets and land", "m3 s-1"),
-    "life": attrs("wear life from new, counted as the scene says", "h"),
-    "end_qv": attrs("QV of the bearing at the end of its life", "W"),
-}
+QUANTITIES = table(
+    Variable("total_qv", (), "W", "QV of the bearing"),
+    Variable("qv_inner", (), "W", "QV of an inner contact, mean over the balls"),
+    Variable("qv_outer", (), "W", "QV of an outer contact, mean over the balls"),
+    Variable("residual_preload", (), "N", "residual preload"),
+    Variable("wear_rate", (), "m s-1", "rate of the interference loss, counted as the scene says"),
+    Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage, pockets and land"),
+    Variable("life", (), "h", "wear life from new, counted as the scene says"),
+    Variable("end_qv", (), "W", "QV of the bearing at the end of its life"),
+)
 """What the errors are of."""
 
-EXTRA = {
-    "wall_time": attrs("duration of the solve, warm, median of the repeats", "s"),
-    "wall_time_least": attrs("duration of the fastest repeat", "s"),
-    "processor_time": attrs("processor time of the solve, warm, median of the repeats", "s"),
-    "repeats": attrs("times that the solve was timed", "1"),
-    "life_wall_time": attrs("duration of finding the life, warm, median of the repeats", "s"),
-    "life_processor_time": attrs(
-        "processor time of finding the life, warm, median of the repeats", "s"
-    ),
-    "wear_over_gap": attrs(
-        "loss at the end of life over the gap at the contact's edge, before any solve", "1"
-    ),
-    "simulated_turns": attrs("shaft turns simulated until settled or used up", "1"),
-    "steps": attrs("steps taken and repeated", "1"),
-    "estimate_total_qv": attrs("estimated error of QV of the bearing, as the case has it", "1"),
-    "estimate_residual_preload": attrs("estimated error of the residual preload", "1"),
-    "estimate_wear_rate": attrs("estimated error of the rate of the interference loss", "1"),
-    "estimate_life": attrs("estimated error of the wear life", "1"),
-    "coriolis_energy_share": attrs("work of the Coriolis force left out, of the heat", "1"),
-    "azimuth_energy_share": attrs("work of the circumferential force left out, of the heat", "1"),
-}
+EXTRA = table(
+    Variable("wall_time", (), "s", "duration of the solve, warm, median of the repeats"),
+    Variable("wall_time_least", (), "s", "duration of the fastest repeat"),
+    Variable("processor_time", (), "s", "processor time of the solve, warm, median of the repeats"),
+    Variable("repeats", (), "1", "times that the solve was timed"),
+    Variable("life_wall_time", (), "s", "duration of finding the life, median of the repeats"),
+    Variable("life_processor_time", (), "s", "processor time of the same, median of the repeats"),
+    Variable("wear_over_gap", (), "1", "loss at the end of life over the gap at the contact edge"),
+    Variable("simulated_turns", (), "1", "shaft turns simulated until settled or used up"),
+    Variable("steps", (), "1", "steps taken and repeated"),
+    Variable("estimate_total_qv", (), "1", "estimated error of QV of the bearing"),
+    Variable("estimate_residual_preload", (), "1", "estimated error of the residual preload"),
+    Variable("estimate_wear_rate", (), "1", "estimated error of the rate of the interference loss"),
+    Variable("estimate_life", (), "1", "estimated error of the wear life"),
+    Variable("coriolis_energy_share", (), "1", "work of the Coriolis force over the heat"),
+    Variable("azimuth_energy_share", (), "1", "work of the circumferential force over the heat"),
+)
 """What else is kept of a point."""
+
+SWEEP = (
+    table(
+        Variable("label", (), "", "setting of the point", "O"),
+        Variable("value", (), "", "setting as a number"),
+        Variable("settings", (), "", "all settings of the point", "O"),
+        STATUS,
+    )
+    | QUANTITIES
+    | EXTRA
+)

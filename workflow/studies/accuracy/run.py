@@ -13,8 +13,6 @@ import xarray as xr
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.lives.groove_life import wear_over_gap
-from bearingwear.results.entries import common_attributes
-from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
@@ -29,13 +27,13 @@ from bearingwear.solvers.dynamic.windows import TimeRun
 from bearingwear.solvers.effects.choice import asymmetries
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.race_control import race_control_motion
-from bearingwear.solvers.result import Result
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
+from bearingwear.studies.dataset import filled
 from workflow.studies.accuracy.grooves import ended_scene, lived_through
 from workflow.studies.accuracy.machine import on_a_rotor
 from workflow.studies.accuracy.plan import SweepPoint
-from workflow.studies.accuracy.quantities import EXTRA, QUANTITIES
+from workflow.studies.accuracy.quantities import SWEEP
 from workflow.studies.accuracy.warmth import grown_scene
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
@@ -70,48 +68,23 @@ def solved_sweep(
         How often a solve is timed, unless the repeats have taken so long [s].
     """
     solves = [SweepPoint(**given) for given in points]
-    rows = [
-        point_values(load_scene(scene, point.overrides(scene_settings)), point, repeats, seconds)
-        for point in solves
-    ]
-    return _variables(solves, rows).assign_attrs(
-        common_attributes()
-        | {
-            "title": f"Accuracy against time: {scene_name}, {sweep_name}",
-            "scene_name": scene_name,
-            "sweep_name": sweep_name,
-            "sweep_title": title,
-            "sweep_kind": kind,
-            "against": against,
-            "comment": "Wall times differ from run to run, and with them the bytes of this file.",
-        }
+    rows = []
+    for point in solves:
+        varied = load_scene(scene, point.overrides(scene_settings))
+        said = {"label": point.label, "value": point.value, "settings": point.text}
+        rows.append(said | point_values(varied, point, repeats, seconds))
+    return filled(
+        SWEEP,
+        {"point": len(rows)},
+        rows,
+        title=f"Accuracy against time: {scene_name}, {sweep_name}",
+        scene_name=scene_name,
+        sweep_name=sweep_name,
+        sweep_title=title,
+        sweep_kind=kind,
+        against=against,
+        comment="Wall times differ from run to run, and with them the bytes of this file.",
     )
-
-
-def _variables(solves: Sequence[SweepPoint], rows: Sequence[Mapping[str, float]]) -> xr.Dataset:
-    """Points of a sweep and what was found at them, along `point`."""
-    texts = {
-        "label": ("setting of the point", [point.label for point in solves]),
-        "value": ("setting as a number", [point.value for point in solves]),
-        "settings": ("all settings of the point", [point.text for point in solves]),
-    }
-    variables: dict[str, Any] = {
-        name: (
-            "point",
-            np.array(column, dtype=float if name == "value" else object),
-            {"long_name": long_name},
-        )
-        for name, (long_name, column) in texts.items()
-    }
-    variables["status"] = (
-        "point",
-        np.array([row["status"] for row in rows], dtype=np.int8),
-        dataset(Result({"status": code.OK}))["status"].attrs,  # the flags of a case file
-    )
-    for name, attributes in {**QUANTITIES, **EXTRA}.items():
-        column = np.array([row.get(name, np.nan) for row in rows])
-        variables[name] = ("point", column, attributes)
-    return xr.Dataset(variables)
 
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:

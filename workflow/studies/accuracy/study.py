@@ -57,12 +57,10 @@ def study_of_accuracy(plan: AccuracyPlan) -> Study:
             trade="accuracy.nc",
             settings=lambda name: {"which": name},
         ),
-        table_step(
-            ("accuracy.csv", "accuracy.md"), "tables.accuracy_tables", name="tables", **trade
+        table_step(("accuracy.csv", "accuracy.md"), "docs.accuracy_tables", name="tables", **trade),
+        *(
+            table_step(part, "docs.part_tables", name=part, settings={"part": part}, **effects)
+            for part in ("effects", "grooves")
         ),
-        table_step("effects", "effects.effects_table", name="effects", **effects),
-        table_step("grooves", "groove_tables.grooves_table", name="grooves", **effects),
-        step(
-            "check", "check.txt", "tables.check_docs", docs="docs/accuracy.md", last=True, **trade
-        ),
+        step("check", "check.txt", "docs.check_docs", docs="docs/accuracy.md", last=True, **trade),
     )

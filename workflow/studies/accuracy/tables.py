@@ -1,32 +1,28 @@
-"""Tables of the study of accuracy, and the part of docs/accuracy.md that is made from it."""
+"""Every point of the study of accuracy as CSV, and its main part of docs/accuracy.md."""
 
 import csv
 import io
 import math
-import re
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.document.table import cell_text
-from bearingwear.results.units import digits, display, span
-from bearingwear.scene.checking.check import read_record
-from bearingwear.studies.dataset import loaded
-from bearingwear.studies.run_step import NotSolved
-from workflow.studies.accuracy.effects import effect_differences
-from workflow.studies.accuracy.groove_tables import groove_differences
-from workflow.studies.accuracy.marked import MarkedPart
-from workflow.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
-from workflow.studies.accuracy.points import points_where
+from bearingwear.results.units import display, span
+from workflow.studies.accuracy.checked_table import Agreement, CheckedTable
+from workflow.studies.accuracy.gather import names, points_where
+from workflow.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow
 
-_PART = MarkedPart("accuracy")
 _PERCENT = display("1", shown="%")
-_HEADER = (
-    "| what | scenes | QV, median | total QV | contact QV | preload | wear rate | life "
-    "| times as fast |"
-)
-ERRORS = ("total_qv", "total_qv", "contact_qv", "residual_preload", "wear_rate", "life")
+ERRORS = {
+    "QV, median": "total_qv",
+    "total QV": "total_qv",
+    "contact QV": "contact_qv",
+    "preload": "residual_preload",
+    "wear rate": "wear_rate",
+    "life": "life",
+}
 SECTIONS = {
     "steady": "Numbers, steady state",
     "ellipse": "Numbers, steady state with slip over the ellipse",
@@ -34,18 +30,9 @@ SECTIONS = {
     "long": "Numbers, dynamic, turns and settledness",
     "model": "Differences of model",
 }
-_NONE = "–"
-_PLAIN = ("scenes", "times as fast")  # columns that hold no percentages
-LOOSE, LOOSE_FLOOR = (
-    10.0,
-    0.1,
-)  # percent; spread of single scenes: runs with a cage part after some turns
-
-
-def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
-    """Step: every point as CSV, and what each simplification costs and saves as Markdown."""
-    points = loaded(trade, point=())
-    return points_csv(points), markdown(points, read_record(AccuracyPlan, plan))
+LOOSE = Agreement(10.0, 0.1)
+"""Of single scenes: runs with a cage part after some turns."""
+LOOSE_ERROR = LOOSE._replace(unit="%")
 
 
 def points_csv(trade: xr.Dataset) -> str:
@@ -64,19 +51,25 @@ def points_csv(trade: xr.Dataset) -> str:
     return text.getvalue()
 
 
-def cells(trade: xr.Dataset, row: TableRow) -> list[float]:
-    """Numbers of a row: scenes, errors, times as fast; NaN where there is none."""
+def cells(trade: xr.Dataset, row: TableRow) -> list:
+    """Number of scenes, errors in percent, times as fast; NaN where there is none."""
     points = points_where(trade, sweep=row.sweep, label=row.label)
     solved = points.isel(point=points["status"].values == 0)
-    found: list[float] = [float(solved.sizes["point"])]
-    for k, name in enumerate(ERRORS):
-        values = np.abs(solved[f"error_{name}"].values)
-        values = values[np.isfinite(values)]
-        reduce = np.median if k == 0 else np.max
-        found.append(float(reduce(values)) if values.size else math.nan)
+    errors = [
+        _over(
+            np.median if name == "QV, median" else np.max, np.abs(solved[f"error_{error}"].values)
+        )
+        for name, error in ERRORS.items()
+    ]
     ratio = solved["reference_time"].values / solved["wall_time"].values
-    found.append(float(np.median(ratio)) if ratio.size else math.nan)
-    return found
+    faster = _over(np.median, ratio)
+    return [solved.sizes["point"], *(100.0 * error for error in errors), faster]
+
+
+def _over(reduce: Any, values: np.ndarray) -> float:
+    """Median or most of the values that are known."""
+    known = values[np.isfinite(values)]
+    return float(reduce(known)) if known.size else math.nan
 
 
 def section(plan: AccuracyPlan, row: TableRow) -> str:
@@ -87,61 +80,58 @@ def section(plan: AccuracyPlan, row: TableRow) -> str:
     return sweep.base if sweep.against == FIRST else sweep.against
 
 
-def markdown(trade: xr.Dataset, plan: AccuracyPlan) -> str:
-    """The table of what each simplification costs and saves."""
-    lines = []
+def section_tables(trade: xr.Dataset, plan: AccuracyPlan) -> list[CheckedTable]:
+    """What each simplification costs and saves."""
+    tables, tolerance = [], plan.tolerance
     for name, title in SECTIONS.items():
-        rows = [row for row in plan.table if section(plan, row) == name]
-        if not rows:
-            continue
-        lines += [f"**{title}**", "", _HEADER, "| --- |" + " ---: |" * 8]
-        for row in rows:
-            count, *errors, speed = cells(trade, row)
-            texts = [f"{count:.0f}", *(_PERCENT.text(e) for e in errors), digits(speed)]
-            lines.append(f"| {row.text} | " + " | ".join(texts) + " |")
-        lines.append("")
-    return "\n".join(lines).rstrip() + "\n"
+        floor = tolerance.floor if name == "steady" else tolerance.floor_dynamic
+        error = Agreement(1.05 * tolerance.error, 100.0 * floor, "%")  # and what digits round off
+        columns = {
+            "scenes": Agreement(1.0),
+            **dict.fromkeys(ERRORS, error),
+            "times as fast": Agreement(tolerance.time),
+        }
+        rows = [[r.text, *cells(trade, r)] for r in plan.table if section(plan, r) == name]
+        if rows:
+            tables.append(CheckedTable(title=title, axes=("what",), columns=columns, rows=rows))
+    return tables
 
 
-def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
-    """The marked part of docs/accuracy.md."""
+def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTable]:
+    """What settings and models cost and save; presets; estimates of errors against true ones."""
     tolerance = plan.tolerance
     of_table = trade["scene"].values[np.isin(trade["sweep"].values, [r.sweep for r in plan.table])]
     scenes = ", ".join(f"`{name}`" for name in plan.scenes if name in of_table)
-    return _PART.holding(
-        f"""## Accuracy against time
-
-Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here.
-Errors are absolute values in percent of each scene's reference (`config/accuracy.yaml`). The first
-column is the median over the scenes; the others are the worst scene. All other settings are those
-of the reference. "Times as fast" is the speed relative to that reference, the median over the
-scenes, measured with compiled code on an idle machine. Scenes: {scenes}.
-
-Repeated runs agree within a factor of {tolerance.error:g} in errors and {tolerance.time:g} in
-times. Errors below {100.0 * tolerance.floor:g} % (dynamic: {100.0 * tolerance.floor_dynamic:g} %)
-are noise. The study checks these tables.
-
-{markdown(trade, plan)}
-Unless a row states otherwise, all models here follow the paper: slip is evaluated on the centre
-line, and the balance of normal forces neglects traction. A single ball would displace the race
-radially, so three balls represent all. With a cage, two runs that differ in the last digit diverge
-after some turns; only their means agree. The motion neglects the Coriolis force and the
-circumferential component of the normal forces. The energy account includes their work, as a share
-of the heat: {booked(trade)}. {of_weight(trade)}
-
-**The presets, scene by scene**: errors in percent of each scene's reference; of the life for steady
-solves, of the loss rate for dynamic ones. QV of a single contact is far more sensitive than total
-QV. The last two columns list the speed of draft relative to standard, and of standard relative to
-reference.
-
-{presets(trade)}
-
-**Estimated and true errors** of all points with an error estimate, including the extremes of the
-sweeps. An error counts as covered if it exceeds its estimate by no more than the uncertainty of the
-reference (its own estimate plus its check). "Over error" is the median ratio of estimate to error.
-
-{estimates(trade)}"""
-    )
+    return [
+        "## Accuracy against time",
+        "Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here. Errors "
+        "are absolute values relative to each scene's reference (`config/accuracy.yaml`). The "
+        "first column is the median over the scenes; the others are the worst scene. All other "
+        'settings are those of the reference. "Times as fast" is the speed relative to that '
+        "reference, the median over the scenes, measured with compiled code on an idle machine. "
+        f"Scenes: {scenes}.",
+        f"Repeated runs agree within a factor of {tolerance.error:g} in errors and "
+        f"{tolerance.time:g} in times. Errors below {100.0 * tolerance.floor:g} % (dynamic: "
+        f"{100.0 * tolerance.floor_dynamic:g} %) are noise. The study checks these tables.",
+        *section_tables(trade, plan),
+        "Unless a row states otherwise, all models here follow the paper: slip is evaluated on the "
+        "centre line, and the balance of normal forces neglects traction. A single ball would "
+        "displace the race radially, so three balls represent all. With a cage, two runs that "
+        "differ in the last digit diverge after some turns; only their means agree. The motion "
+        "neglects the Coriolis force and the circumferential component of the normal forces. The "
+        "energy account includes their work, as a share of the heat: "
+        f"{booked(trade)}. {of_weight(trade)}",
+        presets(trade),
+        "Errors are relative to each scene's reference: of the life for steady solves, of the loss "
+        "rate for dynamic ones. QV of a single contact is far more sensitive than total QV. The "
+        "last two columns list the speed of draft relative to standard, and of standard relative "
+        "to reference.",
+        estimates(trade),
+        "All points with an error estimate count, including the extremes of the sweeps. An error "
+        "counts as covered if it exceeds its estimate by no more than the uncertainty of the "
+        'reference (its own estimate plus its check). "Over error" is the median ratio of estimate '
+        "to error.",
+    ]
 
 
 def of_weight(trade: xr.Dataset) -> str:
@@ -156,47 +146,48 @@ def booked(trade: xr.Dataset) -> str:
     points = points_where(trade, sweep="long", label="reference")
     texts = []
     for name, text in (("coriolis", "Coriolis"), ("azimuth", "circumferential")):
-        values = np.abs(points[f"{name}_energy_share"].values)
-        values = values[np.isfinite(values)]
-        most = float(values.max()) if values.size else math.nan
+        most = _over(np.max, np.abs(points[f"{name}_energy_share"].values))
         texts.append(f"{text} up to {_PERCENT.text(most)} %")
     return ", ".join(texts)
 
 
-def presets(trade: xr.Dataset) -> str:
-    """Table of the errors of draft and standard in each scene, and the time they save."""
-    lines = [
-        "| solve, scene | draft: QV | contact | life | standard: QV | contact | life "
-        "| faster | faster |",
-        "| --- |" + " ---: |" * 8,
-    ]
-    for sweep, kind, last in (("steady", "steady", "life"), ("dynamic", "dynamic", "wear_rate")):
+def presets(trade: xr.Dataset) -> CheckedTable:
+    """Errors of draft and standard in each scene, and the time they save."""
+    rows: list[list] = []
+    for sweep, last in (("steady", "life"), ("dynamic", "wear_rate")):
         points = points_where(trade, sweep=f"preset_{sweep}")
-        for scene in dict.fromkeys(points["scene"].values):
-            one = {
-                label: points_where(points, scene=scene, label=label)
+        for scene in names(points, "scene"):
+            draft, standard, reference = (
+                points_where(points, scene=scene, label=label).isel(point=0)
                 for label in ("draft", "standard", "reference")
-            }
-            cells = [f"{kind}, `{scene}`"]
-            for label in ("draft", "standard"):
-                for name in ("total_qv", "contact_qv", last):
-                    cells.append(_PERCENT.text(abs(float(one[label][f"error_{name}"].values[0]))))
-            times = [float(part["wall_time"].values[0]) for part in one.values()]
-            cells += [digits(times[1] / times[0]), digits(times[2] / times[1])]
-            lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
-
-
-def estimates(trade: xr.Dataset) -> str:
-    """How often the estimates that results carry are above the true error, as a table."""
-    lines = [
-        "| estimate of | steady: points | covered | over error "
-        "| dynamic: points | covered | over error |",
-        "| --- |" + " ---: |" * 6,
+            )
+            errors = [
+                100.0 * abs(float(one[f"error_{name}"]))
+                for one in (draft, standard)
+                for name in ("total_qv", "contact_qv", last)
+            ]
+            pairs = ((standard, draft), (reference, standard))
+            faster = [float(one["wall_time"] / other["wall_time"]) for one, other in pairs]
+            rows.append([sweep, scene, *errors, *faster])
+    errors_of = [
+        f"{name}, {one}" for name in ("draft", "standard") for one in ("QV", "contact", "life")
     ]
-    names = {"total_qv": "QV", "residual_preload": "preload", "wear_rate": "wear rate"}
-    for name, text in (names | {"life": "life"}).items():
-        row = [text]
+    columns = dict.fromkeys(errors_of, LOOSE_ERROR) | {"draft, faster": LOOSE}
+    columns |= {"standard, faster": LOOSE}
+    title, axes = "The presets, scene by scene", ("solve", "scene")
+    return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
+
+
+def estimates(trade: xr.Dataset) -> CheckedTable:
+    """How often the estimates that results carry are above the true error."""
+    quantities = {"total_qv": "QV", "residual_preload": "preload", "wear_rate": "wear rate"}
+    columns: dict[str, Agreement] = {}
+    for solve in ("steady", "dynamic"):
+        columns |= {f"{solve}, points": LOOSE, f"{solve}, covered": LOOSE_ERROR}
+        columns[f"{solve}, over error"] = LOOSE
+    rows = []
+    for name, text in (quantities | {"life": "life"}).items():
+        row: list = [text]
         for against in ("steady", "long"):
             points = points_where(trade, against=against, kind="numerical")
             error = np.abs(points[f"error_{name}"].values)
@@ -205,14 +196,12 @@ def estimates(trade: xr.Dataset) -> str:
             least = error - [doubt[s] for s in points["scene"].values]
             both = np.isfinite(error) & np.isfinite(estimate)
             error, estimate, least = error[both], estimate[both], least[both]
-            row.append(str(both.sum()))
-            if both.any():
-                row.append(f"{_PERCENT.text(np.mean(estimate >= least))} %")
-                row.append(digits(float(np.median(estimate / np.maximum(error, 1e-9)))))
-            else:
-                row += [_NONE, _NONE]
-        lines.append("| " + " | ".join(row) + " |")
-    return "\n".join(lines)
+            share = 100.0 * np.mean(estimate >= least) if both.any() else math.nan
+            over = _over(np.median, estimate / np.maximum(error, 1e-9))
+            row += [int(both.sum()), float(share), over]
+        rows.append(row)
+    title, axes = "Estimated and true errors", ("estimate of",)
+    return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
 
 
 def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
@@ -221,107 +210,3 @@ def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
     own = points_where(points, label="reference")[f"estimate_{name}"].values
     other = np.abs(points_where(points, label="check")[f"error_{name}"].values)
     return float(np.nansum(own) + np.nansum(other))
-
-
-def docs_with_block(trade: Path, plan: Path, docs: Path) -> str:
-    """Step: the docs with the block of this run in the place of the old one, or at the end."""
-    text = block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
-    old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
-    if _PART.stands_in(old):
-        return _PART.renewed(docs, text)
-    return f"{old.rstrip()}\n\n{text}\n"
-
-
-def check_docs(trade: Path, plan: Path, docs: Path) -> str:
-    """Step: says that the docs agree with a run.
-
-    Raises
-    ------
-    NotSolved
-        A line for each number that differs beyond the tolerance.
-    """
-    points, read = loaded(trade, point=()), read_record(AccuracyPlan, plan)
-    lines = differences(points, read, docs) + effect_differences(points, read, docs)
-    lines += groove_differences(points, read, docs)
-    if lines:
-        raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
-    return f"{docs}: agrees\n"
-
-
-def differences(trade: xr.Dataset, plan: AccuracyPlan, docs: str | Path) -> list[str]:
-    """Where docs/accuracy.md differs from a run beyond the tolerance; a line each.
-
-    Raises
-    ------
-    CaseFileError
-        Where the file has no such block.
-    """
-    docs = Path(docs)
-    said = table_rows(_PART.split(docs)[1])
-    found = []
-    for row in plan.table:
-        part = section(plan, row)
-        where = f"{SECTIONS[part]}: {row.text}"
-        if (SECTIONS[part], row.text) not in said:
-            found.append(f"{docs}: {where}: missing")
-            continue
-        columns = _HEADER.strip("| ").split(" | ")[1:]
-        for name, text_said, value in zip(
-            columns, said[SECTIONS[part], row.text], cells(trade, row), strict=True
-        ):
-            if not agree(text_said, value, name, part, plan.tolerance):
-                given = digits(value) if name in _PLAIN else _PERCENT.text(value)
-                found.append(f"{docs}: {where}: {name}: says {text_said}, a run gives {given}")
-    planned = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
-    for key, texts in table_rows(block(trade, plan)).items():
-        if key in planned:
-            continue
-        old = said.get(key, [])
-        if len(old) != len(texts) or not all(map(alike, old, texts)):
-            found.append(f"{docs}: {key[1]}: says {' '.join(old)}, a run gives {' '.join(texts)}")
-    return found
-
-
-def alike(said: str, given: str) -> bool:
-    """Whether two cells of the tables of presets and estimates say the same, within a factor 10."""
-    try:
-        one, other = (_number(text.removesuffix(" %")) for text in (said, given))
-    except ValueError:
-        return said == given
-    low, high = sorted((max(one, LOOSE_FLOOR), max(other, LOOSE_FLOOR)))
-    return high <= LOOSE * low
-
-
-def _number(said: str) -> float:
-    """The number of a cell, or what it says to be below."""
-    return float(said.removeprefix("< "))
-
-
-def table_rows(text: str) -> dict[tuple[str, str], list[str]]:
-    """Cells of each row of the block, by section and first cell."""
-    rows, title = {}, ""
-    for line in text.splitlines():
-        if match := re.fullmatch(r"\*\*(.+)\*\*", line):
-            title = match[1]
-        elif line.startswith("| ") and not line.startswith(("| what", "| ---")):
-            first, *rest = (cell.strip() for cell in line.strip("| ").split(" | "))
-            rows[title, first] = rest
-    return rows
-
-
-def agree(said: str, value: float, column: str, part: str, tolerance: Tolerance) -> bool:
-    """Whether a cell and a number are the same within the tolerance."""
-    if said == _NONE or not math.isfinite(value):
-        return said == _NONE and not math.isfinite(value)
-    number = _number(said)
-    if column == "scenes":
-        return number == value
-    if column == "times as fast":
-        factor, floor = tolerance.time, 0.0
-    else:
-        factor, number = tolerance.error, 0.01 * number
-        floor = tolerance.floor if part == "steady" else tolerance.floor_dynamic
-        if said.startswith("<"):
-            floor = max(floor, number)
-    low, high = sorted((max(number, floor), max(value, floor)))
-    return high <= factor * 1.05 * low  # and what the digits round off

@@ -6,64 +6,48 @@ import json
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
-from bearingwear.document.markdown import markdown_table
-from bearingwear.results.units import digits, display, in_print, span
+from bearingwear.document.document import Block, Document
+from bearingwear.document.markdown import as_markdown
+from bearingwear.document.table import points_block, table_of
 from bearingwear.results.words import in_words, methods
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
 from workflow.studies.identify.figures import candidates_message, fitting
-from workflow.studies.identify.search import FIT_RESULTS
+from workflow.studies.identify.search import CANDIDATE, FIT_RESULTS
 
-_SKID = display("1", shown="%")
+_SKID_NOTE = (
+    "Slip of the whole ball in the rolling direction above 0.6 µm is not required. The table has "
+    "the largest skid ratio at the drags that fit."
+)
 
 
 def candidates_table(candidates: Path) -> str:
     """Step: what was stated, how many bearings fit it, and each of those, as Markdown."""
     found = loaded(candidates, candidate=())
-    stated = json.loads(found.attrs["statements"])
-    count = np.bincount(found["fit_result"].values, minlength=len(FIT_RESULTS))
-    fits, basis = fitting(found), counted(found)
-    names = [name for name, _ in methods(found)]
-    rows = [
-        [
-            digits(float(one["pitch_diameter"])),
-            str(int(one["ball_count"])),
-            digits(float(one["inner_groove_factor"])),
-            digits(float(one["contact_angle"])),
-            span([float(one["drag_low"]), float(one["drag_high"])]),
-            _SKID.text(one["skid_ratio"]),
-            *(
-                digits(float(life.isel(loss_basis=c)))
-                for c in (basis, 1 - basis)
-                for life in one["life"]
-            ),
-        ]
-        for one in (fits.isel(candidate=i) for i in range(fits.sizes["candidate"]))
-    ]
-    ways = " | ".join(
-        f"life, {in_words(name)}, counting {in_words(COUNTS[c])} (h)"
-        for c in (basis, 1 - basis)
-        for name in names
+    stated = json.loads(found.attrs["statements"]).items()
+    count = np.bincount(found["fit_result"].values, minlength=len(FIT_RESULTS)).tolist()
+    results = [*zip(map(in_words, FIT_RESULTS), count, strict=True)]
+    blocks = (
+        points_block("", {"statement": "", "value": ""}, [(in_words(k), v) for k, v in stated]),
+        points_block("", {"result": "", "candidates": ""}, results),
+        _fits(found),
     )
-    text = [
-        "# Bearings that fit what the paper states",
-        f"{candidates_message(found)}. A fit to a text, no validation.",
-        markdown_table("statement | value", [[in_words(k), str(v)] for k, v in stated.items()]),
-        markdown_table(
-            "what was found | candidates",
-            [
-                [in_words(name), str(number)]
-                for name, number in zip(FIT_RESULTS, count, strict=True)
-            ],
-        ),
-        "Slip of the whole ball in the rolling direction above 0.6 µm is not required. The table "
-        "has the largest skid ratio at the drags that fit.",
-        markdown_table(
-            "pitch diameter (mm) | balls | inner groove factor | contact angle (°) | "
-            f"drag density that fits ({in_print('kg/m3')}) | {_SKID.label('largest skid ratio')} | "
-            f"{ways}",
-            rows,
-        ),
+    message = f"{candidates_message(found)}. A fit to a text, no validation."
+    return as_markdown(
+        Document(("Bearings that fit what the paper states", message), blocks=blocks)
+    )
+
+
+def _fits(found: xr.Dataset) -> Block:
+    """A line for each bearing that fits."""
+    fits, basis = fitting(found), counted(found)
+    columns = [(fits[n], "") for n in CANDIDATE if n not in ("fit_result", "skid_ratio", "life")]
+    columns.append((fits["skid_ratio"].assign_attrs(shown="%"), ""))
+    columns += [
+        (one["life"].isel(loss_basis=c), f"{in_words(name)}, counting {in_words(COUNTS[c])}")
+        for c in (basis, 1 - basis)
+        for name, one in methods(fits)
     ]
-    return "\n\n".join(text) + "\n"
+    return table_of(fits, ("candidate",), columns, lines=(_SKID_NOTE,))

@@ -8,24 +8,28 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels import status as code
+from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import COUNTS
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.steady import steady_values
+from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis
-from workflow.studies.robustness.run import attributes
+from workflow.studies.robustness.run import named
 
 BRANCH_WAYS = ("up", "down", "anew")
-_QUANTITIES = (
-    "orbit_share",
-    "total_qv",
-    "loss_rate",
-    "branch",
-    "stable",
-    "gyroscopic_slip_share",
+_ALONG = Variable("along", ("along",), "", "value of the key")
+_BRANCH = table(
+    STATUS,
+    Variable("orbit_share", (), "1", "orbit rate over shaft rate"),
+    Variable("total_qv", (), "W", "QV of the bearing"),
+    Variable("loss_rate", (), "m s-1", "rate of the loss of balls and races"),
+    Variable("branch", (), "1", "branch of the steady states", "i1"),
+    Variable("stable", (), "1", "whether the state is stable", "i1"),
+    Variable("gyroscopic_slip_share", (), "1", "larger gyroscopic share of the slip"),
 )
 
 
@@ -48,36 +52,28 @@ def branch(
     Returns
     -------
     Dataset
-        Over `way` (up, down, anew) and `point`: status, orbit speed, QV, rate of loss, branch,
-        stability.
+        Over `way` (up, down, anew) and `along`.
     """
     axis = record(KeyAxis, along, "along")
     base = bare(with_values(load_scene(scene).to_dict(), changes))
-    n = len(axis.values)
-    columns = {key: np.full((len(BRANCH_WAYS), n), np.nan) for key in _QUANTITIES}
-    status = np.zeros((len(BRANCH_WAYS), n), dtype=np.int8)
-    for k, way in enumerate(BRANCH_WAYS):
+    rows = []
+    for way in BRANCH_WAYS:
         last: np.ndarray | None = None
-        for point in range(n - 1, -1, -1) if way == "down" else range(n):
-            data = with_values(base, {axis.key: axis.values[point]})
+        states = []
+        for value in reversed(axis.values) if way == "down" else axis.values:
+            data = with_values(base, {axis.key: value})
             state, last = _followed(data, None if way == "anew" else last)
-            status[k, point] = state.pop("status")
-            for key, value in state.items():
-                columns[key][k, point] = value
-    return xr.Dataset(
-        {"status": (("way", "point"), status)}
-        | {key: (("way", "point"), column) for key, column in columns.items()}
-        | {"along": ("point", list(axis.values))},
-        attrs=attributes(
-            "branches",
-            name,
-            {
-                "shown": title,
-                "key": axis.key,
-                "log": int(axis.is_log),
-                "ways": " ".join(BRANCH_WAYS),
-            },
-        ),
+            states.append(state)
+        rows += states[::-1] if way == "down" else states
+    return filled(
+        _BRANCH,
+        {"way": len(BRANCH_WAYS), _ALONG: axis.values},
+        rows,
+        **named("branches", name),
+        shown=title,
+        key=axis.key,
+        log=int(axis.is_log),
+        ways=" ".join(BRANCH_WAYS),
     )
 
 

@@ -10,15 +10,25 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels import status as code
+from bearingwear.results.variable import STATUS, Variable, table
+from bearingwear.results.variables import CASE
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import Scene
+from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.closed_forms import closed_form
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis
-from workflow.studies.robustness.run import attributes, solved_values, violations
+from workflow.studies.robustness.run import named, solved_values, violations
 
 _SHOWN = ("total_qv", "skid_ratio", "residual_preload")
+STATES = table(
+    STATUS,
+    Variable("violations", (), "", "what is wrong; empty where nothing is", "O"),
+    *(CASE[name] for name in _SHOWN),
+    Variable("gyroscopic_slip_share", (), "1", "larger gyroscopic share of the slip"),
+)
+X, Y = (Variable(name, (name,), "", "value of a key") for name in "xy")
 
 
 def state_map(
@@ -47,53 +57,34 @@ def state_map(
     """
     along_x, along_y = record(KeyAxis, x, "x"), record(KeyAxis, y, "y")
     base = bare(with_values(load_scene(scene).to_dict(), changes))
-    shape = (len(along_y.values), len(along_x.values))
-    status, wrong = np.zeros(shape, dtype=np.int8), np.full(shape, "", dtype=object)
-    shown = {key: np.full(shape, np.nan) for key in (*_SHOWN, "gyroscopic_slip_share")}
-    lines = {
-        f"{kind}_{limit}": np.full(len(along_x.values), np.nan)
-        for kind in ("boundary", "estimate")
-        for limit in limits
-    }
-    for i, at_x in enumerate(along_x.values):
+    states, borders = [], []
+    for at_x in along_x.values:
         line = MapLine(base, along_x.key, at_x, along_y)
-        column = []
-        for j, at_y in enumerate(along_y.values):
-            varied = line.scene(at_y)
-            solution = solved_values(varied, "steady")
-            status[j, i] = solution["status"]
-            wrong[j, i] = "; ".join(violations(varied, "steady", solution))
-            if solution["status"] == code.OK:
-                for key in _SHOWN:
-                    shown[key][j, i] = solution[key]
-                shown["gyroscopic_slip_share"][j, i] = share_of(solution)
-            column.append(solution)
+        states.append([line.state(at_y) for at_y in along_y.values])
+        border = {}
         for limit, value in limits.items():
-            lines[f"boundary_{limit}"][i] = line.boundary(limit, value, column)
-            lines[f"estimate_{limit}"][i] = line.estimate(limit, value)
-    variables = _variables({"status": status, "violations": wrong} | shown, lines, limits)
-    axes = {
-        "shown": title,
-        "x_key": along_x.key,
-        "y_key": along_y.key,
-        "x_log": int(along_x.is_log),
-        "y_log": int(along_y.is_log),
-    }
-    coordinates = {"x": list(along_x.values), "y": list(along_y.values)}
-    return xr.Dataset(variables, coordinates, attrs=attributes("maps", name, axes))
-
-
-def _variables(
-    over: Mapping[str, np.ndarray],
-    lines: Mapping[str, np.ndarray],
-    limits: Mapping[str, float | None],
-) -> dict[str, Any]:
-    """Values over both axes, and lines along x with the limit that each is of."""
-    variables: dict[str, Any] = {key: (("y", "x"), values) for key, values in over.items()}
-    for key, values in lines.items():
-        beyond = limits[key.partition("_")[2]]
-        variables[key] = ("x", values, {} if beyond is None else {"limit": beyond})
-    return variables
+            border[f"boundary_{limit}"] = line.boundary(limit, value, states[-1])
+            border[f"estimate_{limit}"] = line.estimate(limit, value)
+        borders.append(border)
+    axes = {Y: along_y.values, X: along_x.values}
+    found = filled(
+        STATES,
+        axes,
+        [state for row in zip(*states, strict=True) for state in row],
+        **named("maps", name),
+        shown=title,
+        x_key=along_x.key,
+        y_key=along_y.key,
+        x_log=int(along_x.is_log),
+        y_log=int(along_y.is_log),
+    )
+    text = "limit along y, solved or by a closed form"
+    kinds = table(*(Variable(key, (), "", text) for key in borders[0]))
+    lines = filled(kinds, {X: along_x.values}, borders)
+    for key in lines:
+        value = limits[str(key).partition("_")[2]]
+        lines[key].attrs |= {} if value is None else {"limit": value}
+    return found.merge(lines, combine_attrs="override")
 
 
 class MapLine:
@@ -106,13 +97,24 @@ class MapLine:
     def scene(self, y: float) -> Scene:
         return scene_from_dict(with_values(self.base, {self.axis.key: y}))
 
+    def state(self, y: float) -> dict[str, Any]:
+        """A row of `STATES`."""
+        scene = self.scene(y)
+        values = solved_values(scene, "steady")
+        wrong = "; ".join(violations(scene, "steady", values))
+        row = {"status": values["status"], "violations": wrong}
+        if values["status"] != code.OK:
+            return row
+        row |= {key: values[key] for key in _SHOWN}
+        return row | {"gyroscopic_slip_share": np.max(values["gyroscopic_slip_share"])}
+
     def boundary(self, limit: str, value: float | None, solutions: list[dict]) -> float:
         """Where a limit is passed, from the solutions at the points of the axis; NaN if never."""
         beyond = partial(excess, limit, value)
         return crossing(
             self.axis,
             list(map(beyond, solutions)),
-            lambda y: beyond(solved_values(self.scene(y), "steady")),
+            lambda y: beyond(self.state(y)),
         )
 
     def estimate(self, limit: str, value: float | None) -> float:
@@ -124,19 +126,12 @@ class MapLine:
         return crossing(self.axis, list(map(beyond, self.axis.values)), beyond)
 
 
-def share_of(values: Mapping[str, Any]) -> float:
-    """Larger gyroscopic share of the slip of both contacts, NaN where nothing was solved."""
-    if int(values["status"]) != code.OK:
-        return math.nan
-    return float(np.max(values["gyroscopic_slip_share"]))
-
-
 def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
-    """A number that is positive beyond a limit, NaN where that cannot be said."""
+    """A number that is positive beyond a limit, NaN where a row of `STATES` does not say."""
     if value is None:
         return 1.0 if values["status"] in (code.CONTACT_LOST, code.PRELOAD_GONE) else -1.0
     if limit == "gyroscopic_slip":
-        return share_of(values) - value
+        return float(values.get("gyroscopic_slip_share", math.nan)) - value
     return abs(float(values.get("skid_ratio", math.nan))) - value
 
 

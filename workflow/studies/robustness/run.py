@@ -9,17 +9,25 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.variable import Variable, table
 from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.solve import solved
+from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
 from workflow.studies.robustness.lives import WORN_LIFE, life_of, life_violations
 from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
+
+ENDS = table(
+    Variable("status", (), "", "how it ended; -1: no such bearing", "i1"),
+    Variable("violations", (), "", "what is wrong; empty where nothing is", "O"),
+    Variable("states", (), "1", "steady states found; 0 where none or not asked for", "i1"),
+    Variable("largest_qv_ratio", (), "1", "by what share QV differs most among them"),
+)
 
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
 """Share of a friction that is nothing: a ball that bears no load."""
@@ -47,27 +55,15 @@ def random_scenes(
     Returns
     -------
     Dataset
-        Over `trial`: status (-1: no such bearing, refused before any solve), the keys drawn,
-        `violations`: what is wrong, empty where nothing is; `states`: steady states found (0 where
-        none or not asked for), and `largest_qv_ratio`: by what share QV differs most among them.
+        Over `trial`: `ENDS`, and the keys drawn.
     """
     base = load_scene(scene).to_dict()
     trials = list(drawn(draws(draw), seed, count))
-    ends = [end_of(base, values, fidelity) for values in trials]
-    columns: dict[str, Any] = {
-        "status": np.array([end["status"] for end in ends], dtype=np.int8),
-        "violations": np.array([end["violations"] for end in ends], dtype=object),
-        "states": np.array([end["states"] for end in ends], dtype=np.int8),
-        "largest_qv_ratio": np.array([end["largest_qv_ratio"] for end in ends]),
-    }
-    for key in draw:
-        column = [values[key] for values in trials]
-        text = isinstance(column[0], str)
-        columns[key] = np.array(column, dtype=object if text else float)
-    return xr.Dataset(
-        {key: ("trial", column) for key, column in columns.items()},
-        attrs=attributes("scene_classes", name, {"fidelity": fidelity, "seed": seed}),
-    )
+    kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
+    keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
+    rows = [end_of(base, values, fidelity) | values for values in trials]
+    more = {"fidelity": fidelity, "seed": seed}
+    return filled(ENDS | keys, {"trial": count}, rows, **named("scene_classes", name), **more)
 
 
 def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
@@ -194,17 +190,6 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
     return flows | {name: max(1e-9, min(1e-5, values[key])) for name, key in rounding.items()}
 
 
-def attributes(kind: str, name: str, more: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes of a file, with the versions that a case file has."""
-    common = common_attributes()
-    kept = (
-        "Conventions",
-        "source",
-        "source_hash",
-        "package_version",
-        "numpy_version",
-        "numba_version",
-    )
-    shared = {key: common[key] for key in kept}
-    title = f"Robustness: {kind}, {name}"
-    return shared | {"title": title, "kind": kind, "name": name} | dict(more)
+def named(kind: str, name: str) -> dict[str, str]:
+    """Attributes by which files of the study are told apart."""
+    return {"title": f"Robustness: {kind}, {name}", "kind": kind, "name": name}

@@ -4,48 +4,43 @@ from pathlib import Path
 
 import xarray as xr
 
-from bearingwear.document.markdown import markdown_table
+from bearingwear.document.markdown import block_markdown
+from bearingwear.document.table import points_block
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.units import display
 from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.robustness.ends import WITHOUT_REASON
 
 _KINDS = {"scene_classes": "random", "maps": "map"}
-_HEADER = (
-    "scenes | solved | verified | of these with several states | refused | for what reason | "
-    "without a reason | wrong"
-)
 NO_REASON = [STATUS_NAMES[code] for code in (OK, *WITHOUT_REASON)]
 
 
 def ends_table(counts: Path) -> str:
     """Step: how the scenes ended, as Markdown."""
     found = loaded(counts, set=(), end=())
-    names = found.attrs["ends"].split()
-    rows = [_row(found.isel(set=k), names) for k in range(found.sizes["set"])]
-    return markdown_table(_HEADER, rows) + "\n"
+    rows = [_row(found.isel(set=k)) for k in range(found.sizes["set"])]
+    units = dict.fromkeys(rows[0], "") | {"QV of these differs by up to": "%"}
+    return block_markdown(points_block("", units, [[*row.values()] for row in rows])) + "\n"
 
 
-def _row(one: xr.Dataset, names: list[str]) -> list[str]:
+def _row(one: xr.Dataset) -> dict[str, int | float | str]:
     reasons = [
         f"{in_words(name)} {int(number)}"
-        for name, number in zip(names, one["count"].values, strict=True)
+        for name, number in zip(one.attrs["ends"].split(), one["count"].values, strict=True)
         if number and name not in NO_REASON
     ]
-    apart = display("1", shown="%").text(one["largest_qv_ratio"])
-    multiple = f"{int(one['multiple_states'])}, by up to {apart} % of QV"
-    return [
-        f"{in_words(one['name'].item())}, {_KINDS[one['kind'].item()]}",
-        f"{int(one['trials'])}",
-        f"{int(one['verified'])}",
-        multiple if one["multiple_states"] else "0",
-        f"{int(one['refused'])}",
-        ", ".join(reasons) or "–",
-        f"{int(one['unexplained'])}",
-        f"{int(one['violations'])}",
-    ]
+    return {
+        "scenes": f"{in_words(one['name'].item())}, {_KINDS[one['kind'].item()]}",
+        "solved": int(one["trials"]),
+        "verified": int(one["verified"]),
+        "several states": int(one["multiple_states"]),
+        "QV of these differs by up to": 100.0 * float(one["largest_qv_ratio"]),
+        "refused": int(one["refused"]),
+        "for what reason": ", ".join(reasons) or "–",
+        "without a reason": int(one["unexplained"]),
+        "wrong": int(one["violations"]),
+    }
 
 
 def wrong_answers(counts: Path) -> str:

@@ -1,0 +1,109 @@
+"""Parts of docs/accuracy.md that are made from the study: each stands between two marks."""
+
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+
+import xarray as xr
+
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.scene.checking.check import read_record
+from bearingwear.studies.dataset import loaded
+from bearingwear.studies.run_step import NotSolved
+from workflow.studies.accuracy.checked_table import CheckedTable
+from workflow.studies.accuracy.effects import effects_part
+from workflow.studies.accuracy.groove_tables import grooves_part
+from workflow.studies.accuracy.plan import AccuracyPlan
+from workflow.studies.accuracy.tables import accuracy_part, points_csv
+
+PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTable]]] = {
+    "accuracy": accuracy_part,
+    "effects": effects_part,
+    "grooves": grooves_part,
+}
+"""Paragraphs and tables of each part."""
+
+
+def part_of(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
+    """Paragraphs and tables of a part.
+
+    Raises
+    ------
+    CaseFileError
+        One line.
+    """
+    if name not in PARTS:
+        raise CaseFileError(f"part: got {name}, expected {', '.join(PARTS)}")
+    return PARTS[name](loaded(trade, point=()), read_record(AccuracyPlan, plan))
+
+
+def part_tables(trade: Path, plan: Path, part: str) -> str:
+    """Step: the tables of a part alone, as Markdown."""
+    return "\n\n".join(_texts(tables_in(part_of(trade, plan, part)))) + "\n"
+
+
+def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
+    """Step: every point as CSV, and what each simplification costs and saves as Markdown."""
+    return points_csv(loaded(trade, point=())), part_tables(trade, plan, "accuracy")
+
+
+def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
+    """Step: the docs with a part of this run in the place of the old one, or at the end."""
+    begin, end = _marks(part)
+    text = "\n\n".join(_texts(part_of(trade, plan, part)))
+    old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
+    before, _, rest = old.partition(begin)
+    after = rest.partition(end)[2] if end in rest else "\n"
+    if not rest:
+        before = f"{before.rstrip()}\n\n"
+    return f"{before}{begin}\n{text}\n{end}{after}"
+
+
+def check_docs(trade: Path, plan: Path, docs: Path) -> str:
+    """Step: says that the docs agree with a run.
+
+    Raises
+    ------
+    NotSolved
+        A line for each number that differs beyond the tolerance.
+    CaseFileError
+        Where they lack a part.
+    """
+    lines = [line for part in PARTS for line in differences(trade, plan, docs, part)]
+    if lines:
+        raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
+    return f"{docs}: agrees\n"
+
+
+def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
+    """Where a part of the docs differs from a run beyond the tolerance; a line each.
+
+    Raises
+    ------
+    CaseFileError
+        Where they lack the part.
+    """
+    begin, end = _marks(part)
+    inside, closed, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
+    if not closed:
+        raise CaseFileError(f"{docs}: has no part between {begin} and {end}")
+    tables = tables_in(part_of(trade, plan, part))
+    return [f"{docs}: {line}" for table in tables for line in table.differences(inside)]
+
+
+def tables_in(part: list[str | CheckedTable]) -> list[CheckedTable]:
+    return [one for one in part if isinstance(one, CheckedTable)]
+
+
+def _texts(part) -> list[str]:
+    """Markdown, the lines of paragraphs at most 100 columns long."""
+    return [
+        textwrap.fill(one, width=100, break_long_words=False, break_on_hyphens=False)
+        if isinstance(one, str)
+        else one.text
+        for one in part
+    ]
+
+
+def _marks(part: str) -> tuple[str, str]:
+    return f"<!-- {part}: begin -->", f"<!-- {part}: end -->"
