@@ -21,7 +21,7 @@ from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking.check import read_record, record
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, table_cells
-from workflow.studies.accuracy.docs import PARTS, differences
+from workflow.studies.accuracy.docs import DOCS_PARTS, differences
 from workflow.studies.accuracy.effects import effect_rows
 from workflow.studies.accuracy.figures import FRONT, integration_figure, steady_figure
 from workflow.studies.accuracy.gather import gathered_sweeps
@@ -298,7 +298,9 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     given.append(f"docs={docs}")
 
     def renew():
-        return {step("docs.docs_with_part", *given, outputs=[docs], part=part) for part in PARTS}
+        return {
+            step("docs.docs_with_part", *given, outputs=[docs], part=part) for part in DOCS_PARTS
+        }
 
     def check():
         return step("docs.check_docs", *given, outputs=[tmp_path / "check.txt"])
@@ -385,7 +387,7 @@ def test_the_docs_hold_every_row_of_the_plan(plan):
 @pytest.mark.long
 def test_the_docs_hold_every_row_of_a_run(trade):
     """Each row, on each scene; of the numbers made up here the docs say others."""
-    for part in PARTS:
+    for part in DOCS_PARTS:
         found = differences(trade, PLAN_FILE, ROOT / "docs" / "accuracy.md", part)
         assert found and not [line for line in found if line.endswith("missing")]
 

@@ -16,8 +16,8 @@ ANSWER = 1.02
 """Factor within which two runs of the same program give the same answer."""
 _ROUNDING = 1e-3
 
-Cells = dict[tuple[str, ...], list[str]]
-"""Cells of numbers by the title and the first cells of their row."""
+TableCells = dict[tuple[str, ...], list[str]]
+"""TableCells of numbers by the title and the first cells of their row."""
 
 
 class Agreement(NamedTuple):
@@ -73,9 +73,9 @@ class CheckedTable:
                     yield f"{where}: {name}: says {one}, a run gives {other}"
 
 
-def table_cells(text: str, axes: int = 1) -> Cells:
-    """Cells of all tables of a Markdown text that stand below a line in bold."""
-    found, title = Cells(), ""
+def table_cells(text: str, axes: int = 1) -> TableCells:
+    """TableCells of all tables of a Markdown text that stand below a line in bold."""
+    found, title = TableCells(), ""
     for line in text.splitlines():
         if bold := re.fullmatch(r"\*\*(.+)\*\*", line):
             title = bold[1]

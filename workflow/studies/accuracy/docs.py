@@ -16,7 +16,7 @@ from workflow.studies.accuracy.groove_tables import grooves_part
 from workflow.studies.accuracy.plan import AccuracyPlan
 from workflow.studies.accuracy.tables import accuracy_part, points_csv
 
-PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTable]]] = {
+DOCS_PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTable]]] = {
     "accuracy": accuracy_part,
     "effects": effects_part,
     "grooves": grooves_part,
@@ -24,7 +24,7 @@ PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTable]]]
 """Paragraphs and tables of each part."""
 
 
-def part_of(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
+def docs_part(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
     """Paragraphs and tables of a part.
 
     Raises
@@ -32,14 +32,14 @@ def part_of(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
     CaseFileError
         One line.
     """
-    if name not in PARTS:
-        raise CaseFileError(f"part: got {name}, expected {', '.join(PARTS)}")
-    return PARTS[name](loaded(trade, point=()), read_record(AccuracyPlan, plan))
+    if name not in DOCS_PARTS:
+        raise CaseFileError(f"part: got {name}, expected {', '.join(DOCS_PARTS)}")
+    return DOCS_PARTS[name](loaded(trade, point=()), read_record(AccuracyPlan, plan))
 
 
 def part_tables(trade: Path, plan: Path, part: str) -> str:
     """Step: the tables of a part alone, as Markdown."""
-    return "\n\n".join(_texts(tables_in(part_of(trade, plan, part)))) + "\n"
+    return "\n\n".join(_texts(tables_in(docs_part(trade, plan, part)))) + "\n"
 
 
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
@@ -50,7 +50,7 @@ def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
 def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
     """Step: the docs with a part of this run in the place of the old one, or at the end."""
     begin, end = _marks(part)
-    text = "\n\n".join(_texts(part_of(trade, plan, part)))
+    text = "\n\n".join(_texts(docs_part(trade, plan, part)))
     old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
     before, _, rest = old.partition(begin)
     after = rest.partition(end)[2] if end in rest else "\n"
@@ -69,7 +69,7 @@ def check_docs(trade: Path, plan: Path, docs: Path) -> str:
     CaseFileError
         Where they lack a part.
     """
-    lines = [line for part in PARTS for line in differences(trade, plan, docs, part)]
+    lines = [line for part in DOCS_PARTS for line in differences(trade, plan, docs, part)]
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
     return f"{docs}: agrees\n"
@@ -87,7 +87,7 @@ def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
     inside, closed, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
     if not closed:
         raise CaseFileError(f"{docs}: has no part between {begin} and {end}")
-    tables = tables_in(part_of(trade, plan, part))
+    tables = tables_in(docs_part(trade, plan, part))
     return [f"{docs}: {line}" for table in tables for line in table.differences(inside)]
 
 

@@ -18,7 +18,7 @@ from bearingwear.solvers.steady import steady_values
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis
-from workflow.studies.robustness.run import named
+from workflow.studies.robustness.run import study_attributes
 
 BRANCH_WAYS = ("up", "down", "anew")
 _ALONG = Variable("along", ("along",), "", "value of the key")
@@ -69,7 +69,7 @@ def branch(
         _BRANCH,
         {"way": len(BRANCH_WAYS), _ALONG: axis.values},
         rows,
-        **named("branches", name),
+        **study_attributes("branches", name),
         shown=title,
         key=axis.key,
         log=int(axis.is_log),

@@ -19,10 +19,10 @@ from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.closed_forms import closed_form
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis
-from workflow.studies.robustness.run import named, solved_values, violations
+from workflow.studies.robustness.run import solved_values, study_attributes, violations
 
 _SHOWN = ("total_qv", "skid_ratio", "residual_preload")
-STATES = table(
+MAP_STATES = table(
     STATUS,
     Variable("violations", (), "", "what is wrong; empty where nothing is", "O"),
     *(CASE[name] for name in _SHOWN),
@@ -68,10 +68,10 @@ def state_map(
         borders.append(border)
     axes = {Y: along_y.values, X: along_x.values}
     found = filled(
-        STATES,
+        MAP_STATES,
         axes,
         [state for row in zip(*states, strict=True) for state in row],
-        **named("maps", name),
+        **study_attributes("maps", name),
         shown=title,
         x_key=along_x.key,
         y_key=along_y.key,
@@ -98,7 +98,7 @@ class MapLine:
         return scene_from_dict(with_values(self.base, {self.axis.key: y}))
 
     def state(self, y: float) -> dict[str, Any]:
-        """A row of `STATES`."""
+        """A row of `MAP_STATES`."""
         scene = self.scene(y)
         values = solved_values(scene, "steady")
         wrong = "; ".join(violations(scene, "steady", values))
@@ -127,7 +127,7 @@ class MapLine:
 
 
 def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
-    """A number that is positive beyond a limit, NaN where a row of `STATES` does not say."""
+    """A number that is positive beyond a limit, NaN where a row of `MAP_STATES` does not say."""
     if value is None:
         return 1.0 if values["status"] in (code.CONTACT_LOST, code.PRELOAD_GONE) else -1.0
     if limit == "gyroscopic_slip":

@@ -22,7 +22,7 @@ from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
 from workflow.studies.robustness.lives import WORN_LIFE, life_of, life_violations
 from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
 
-ENDS = table(
+TRIALS = table(
     Variable("status", (), "", "how it ended; -1: no such bearing", "i1"),
     Variable("violations", (), "", "what is wrong; empty where nothing is", "O"),
     Variable("states", (), "1", "steady states found; 0 where none or not asked for", "i1"),
@@ -55,7 +55,7 @@ def random_scenes(
     Returns
     -------
     Dataset
-        Over `trial`: `ENDS`, and the keys drawn.
+        Over `trial`: `TRIALS`, and the keys drawn.
     """
     base = load_scene(scene).to_dict()
     trials = list(drawn(draws(draw), seed, count))
@@ -63,7 +63,9 @@ def random_scenes(
     keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
     rows = [end_of(base, values, fidelity) | values for values in trials]
     more = {"fidelity": fidelity, "seed": seed}
-    return filled(ENDS | keys, {"trial": count}, rows, **named("scene_classes", name), **more)
+    return filled(
+        TRIALS | keys, {"trial": count}, rows, **study_attributes("scene_classes", name), **more
+    )
 
 
 def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
@@ -190,6 +192,6 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
     return flows | {name: max(1e-9, min(1e-5, values[key])) for name, key in rounding.items()}
 
 
-def named(kind: str, name: str) -> dict[str, str]:
+def study_attributes(kind: str, name: str) -> dict[str, str]:
     """Attributes by which files of the study are told apart."""
     return {"title": f"Robustness: {kind}, {name}", "kind": kind, "name": name}
