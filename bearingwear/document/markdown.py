@@ -13,7 +13,8 @@ _MARKUP = re.compile(r"[\\`*~#|\[\]]|(?<![^\W_])_|_(?![^\W_])")
 
 def plain_text(text: str) -> str:
     """A text of somebody else, for Markdown: nothing in it is markup or HTML."""
-    return _MARKUP.sub(r"\\\g<0>", html.escape(text, quote=False))
+    escaped = html.escape(text, quote=False).replace("&lt; ", "< ")  # no tag begins with a space
+    return _MARKUP.sub(r"\\\g<0>", escaped)
 
 
 def as_markdown(document: Document) -> str:

@@ -11,8 +11,8 @@ from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, ans
 from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.plan import AccuracyPlan
 
-_RATIOS = {"life": "life", "QV at the end": "end_qv", "time": "life_processor_time"}
-_ERRORS = {"life": "life", "QV at the end": "end_qv"}
+_RATIOS = {"life": "life", "end QV": "end_qv", "time": "life_processor_time"}
+_ERRORS = {"life": "life", "end QV": "end_qv"}
 _LEAST_ERROR = 0.01  # percent
 
 
@@ -45,7 +45,7 @@ def groove_table(trade: xr.Dataset, plan: AccuracyPlan, sweep: str) -> CheckedTa
             rows.append(row)
     agreements = {name: Agreement() for name in _RATIOS} | {"time": Agreement(plan.tolerance.time)}
     columns = {name + track: one for name, one in agreements.items() for track in ("", ", bands")}
-    columns["followed by auto"] = Agreement()
+    columns["followed"] = Agreement()
     return CheckedTable(title=plan.sweeps[sweep].title, columns=columns, rows=rows)
 
 
@@ -114,8 +114,9 @@ def grooves_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTab
         "edited here. Lives end at the stated multiple of A a², the gap between ball and groove at "
         "the edge of the new contact, or at 40 % of the preload. The first tables list ratios to "
         "the life with Hertzian contact that ends at the same loss, for balls that wear evenly and "
-        "in bands. Times are CPU times of lives with all error estimates. The last tables list "
-        "errors relative to the finest cells and steps (as fractions of the gap), without error "
+        'in bands, and whether `auto` follows the grooves. "End QV" is QV at the end of life. '
+        "Times are CPU times of lives with all error estimates. The last tables list errors "
+        "relative to the finest cells and steps (as fractions of the gap), without error "
         "estimates: the worst of all scenes and wear patterns. The study checks these tables: "
         f"results agree within {answers_agree_within()}, errors within a factor of "
         f"{plan.tolerance.error:g}, times within a factor of {plan.tolerance.time:g}.",

@@ -62,10 +62,8 @@ def random_scenes(
     kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
     keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
     rows = [end_of(base, values, fidelity) | values for values in trials]
-    more = {"fidelity": fidelity, "seed": seed}
-    return filled(
-        TRIALS | keys, {"trial": count}, rows, **study_attributes("scene_classes", name), **more
-    )
+    attributes = study_attributes("scene_classes", name) | {"fidelity": fidelity, "seed": seed}
+    return filled(TRIALS | keys, {"trial": count}, rows, **attributes)
 
 
 def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
@@ -193,5 +191,5 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
 
 
 def study_attributes(kind: str, name: str) -> dict[str, str]:
-    """Attributes by which files of the study are told apart."""
+    """Attributes by which files of the study are attributes apart."""
     return {"title": f"Robustness: {kind}, {name}", "kind": kind, "name": name}
