@@ -378,17 +378,17 @@ def _tried(path: str) -> list[str]:
     if result.status != "ok":
         return [f"does not solve: {result.status}: {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
-    told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
+    lines = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
     if scene.bearing.maker is not None:
         from bearingwear.solvers.bearing.at_rest import RestingPair
 
         pair = RestingPair.of(scene)
         axial, radial = (1e-6 * one for one in pair.rigidity)
-        told.append(
+        lines.append(
             f"a rigid pair of these at rest: {axial:.3g} N/um axial, {radial:.3g} radial; an axial "
             f"force of {pair.lift_off:.3g} N unloads one"
         )
-    return told + [f"  {line}" for line in warning_lines(result.attrs)]
+    return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
 def _limits(args: argparse.Namespace) -> DesignLimits:

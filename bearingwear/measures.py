@@ -137,17 +137,17 @@ class Measure:
         """The worst of the values of one variable [SI]; `preload_N` as in `critical`."""
         return self.extreme(values / preload_N if self.over_preload else values)
 
-    def critical(self, of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
+    def critical(self, value_of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
         """The worst value [SI], and the variable that has it.
 
         Parameters
         ----------
-        of : callable
+        value_of : callable
             Values of a variable by its name: of a state, at a step of a life.
         preload_N : float or array_like
             Initial, of each value of the residual preload.
         """
-        found = [(self.value(of(name), preload_N), name) for name in self.variables]
+        found = [(self.value(value_of(name), preload_N), name) for name in self.variables]
         known = [one for one in found if one[0] == one[0]] or found
         return min(known) if self.falls else max(known)
 

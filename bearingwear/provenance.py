@@ -49,9 +49,9 @@ def sources(*modules: str) -> tuple[Path, ...]:
 @functools.cache
 def _data(path: Path) -> tuple[Path, ...]:
     """Files beside a module that are not Python and whose names stand in it."""
-    beside = _not_python(path.parent)
-    text = path.read_text(encoding="utf-8") if beside else ""
-    return tuple(file for file in beside if f'"{file.name}"' in text)
+    data_files = _not_python(path.parent)
+    text = path.read_text(encoding="utf-8") if data_files else ""
+    return tuple(file for file in data_files if f'"{file.name}"' in text)
 
 
 @functools.cache

@@ -77,13 +77,13 @@ def launch_verdict(found: Launched) -> list[str]:
 def _asked(scene: Scene, found: Launched) -> list[str]:
     a, asked = scene.arrangement, scene.launch or Launch()
     assert a is not None
-    told = [f"at rest, rotor of {a.rotor_mass_kg:g} kg"]
-    told += (
+    parts = [f"at rest, rotor of {a.rotor_mass_kg:g} kg"]
+    parts += (
         [f"centre of mass {a.rotor_offset_mm:g} mm from the middle"] if a.rotor_offset_mm else []
     )
     for way, g in (("along", found.axial_g), ("across", found.radial_g)):
-        told += [f"{digits(g)} g {way}"] if g else []
-    lines = [", ".join(told)]
+        parts += [f"{digits(g)} g {way}"] if g else []
+    lines = [", ".join(parts)]
     if found.frequencies is not None and (
         asked.axial_density_g2_Hz is not None or asked.radial_density_g2_Hz is not None
     ):
@@ -115,14 +115,14 @@ def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
         Row("force along", "N", tuple(load.axial for load in loads), "axial_force"),
         Row("force across", "N", tuple(load.radial for load in loads), "radial_force"),
     ]
-    for label, unit, name, of in (
+    for label, unit, name, value_of in (
         ("shift along", "um", "shift", lambda one: _UM * one.shift),
         ("shift across", "um", "across", lambda one: _UM * one.across),
         ("tilt", "mrad", "tilt", lambda one: _MM * one.tilt),
         ("spring extends by", "um", "slide", lambda one: _UM * one.slide),
         ("force on the stop", "N", "on_stop", lambda one: one.on_stop),
     ):
-        values = tuple(math.nan if one is None else _unrounded(of(one)) for one in held)
+        values = tuple(math.nan if one is None else _unrounded(value_of(one)) for one in held)
         if name not in ("slide", "on_stop") or any(values):
             rows.append(Row(label, unit, values, name))
     return rows
@@ -134,12 +134,12 @@ def _bearing_rows(loads: Sequence[LaunchLoad], k: int) -> list[Row]:
             label,
             unit,
             tuple(
-                math.nan if one.rotor is None else _unrounded(of(one.rotor.bearings[k]))
+                math.nan if one.rotor is None else _unrounded(value_of(one.rotor.bearings[k]))
                 for one in loads
             ),
             name,
         )
-        for label, unit, name, of in _OF_BEARING
+        for label, unit, name, value_of in _OF_BEARING
     ]
 
 

@@ -99,8 +99,12 @@ def _of_each(file: Any) -> list[Block]:
 
 def _calibrated(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """By which tests the scene was calibrated."""
-    by = scene.get("calibrated")
-    return (f"calibrated by {by['rows']} tests of {by['tests']}",) if by else ()
+    calibration = scene.get("calibrated")
+    return (
+        (f"calibrated by {calibration['rows']} tests of {calibration['tests']}",)
+        if calibration
+        else ()
+    )
 
 
 def _ends(file: Any, name: str) -> list[Row]:

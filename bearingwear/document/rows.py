@@ -94,8 +94,8 @@ def _joined(rows: Sequence[Row]) -> Row:
     )
 
 
-def mean(of: np.ndarray) -> float:
-    return float(of.mean()) if of.size else float("nan")
+def mean(values: np.ndarray) -> float:
+    return float(values.mean()) if values.size else float("nan")
 
 
 def mean_rows(

@@ -223,8 +223,8 @@ def _stiffness_rows(file: Any) -> tuple[Row, ...]:
     each = np.diagonal(values(file, "stiffness_matrix"))
     units = {"radial": ("N m-1", each[1:3]), "tilting": ("N m rad-1", each[3:5])}
     return tuple(
-        quantity_row(f"dynamic {way} stiffness", unit, [both.mean()], f"{way}_stiffness")
-        for way, (unit, both) in units.items()
+        quantity_row(f"dynamic {way} stiffness", unit, [bearings.mean()], f"{way}_stiffness")
+        for way, (unit, bearings) in units.items()
     )
 
 

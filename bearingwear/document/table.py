@@ -93,8 +93,8 @@ def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
     columns = {
         head: texts for name in dataset.data_vars for head, texts in _of(dataset, name, axes)
     }
-    along = [_axis_texts(dataset[axis]) for axis in axes]
-    points = itertools.product(*along)
+    axis_texts = [_axis_texts(dataset[axis]) for axis in axes]
+    points = itertools.product(*axis_texts)
     rows = zip(*columns.values(), strict=True)
     lines = [[*point, *row] for point, row in zip(points, rows, strict=True)]
     text = io.StringIO()

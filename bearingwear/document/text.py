@@ -52,13 +52,13 @@ def _points(block: Block) -> list[str]:
     """A line for each point; heads stand on several lines, as their columns are narrow."""
     heads, points = block.table
     narrow = [max(12, *(len(text) for text in column)) for column in zip(*points, strict=True)]
-    over = [textwrap.wrap(head, width) for head, width in zip(heads, narrow, strict=True)]
-    height = max(map(len, over), default=0)
+    wrapped_heads = [textwrap.wrap(head, width) for head, width in zip(heads, narrow, strict=True)]
+    height = max(map(len, wrapped_heads), default=0)
     widths = [
         max(width, *(len(part) for part in parts), 0)
-        for width, parts in zip(narrow, over, strict=True)
+        for width, parts in zip(narrow, wrapped_heads, strict=True)
     ]
-    rows = [[(parts[k : k + 1] or [""])[0] for parts in over] for k in range(height)]
+    rows = [[(parts[k : k + 1] or [""])[0] for parts in wrapped_heads] for k in range(height)]
     title = [f"  {block.title}"] if block.title else []
     return title + [
         "  " + "  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True))

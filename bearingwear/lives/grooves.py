@@ -133,13 +133,13 @@ class Grooves:
             lengths.append(self.depth / (deepest / gap).max())
             if (films := side.bearing.films) is not None:
                 wear = point_of(state).wear
-                through = films.time_through(
+                wear_through_times = films.time_through(
                     wear.grooves.max(axis=1),
                     0.5 * wear.ball,
                     rate.grooves.max(axis=1),
                     0.5 * rate.ball,
                 )
-                lengths.append(FILM_STEP * self.depth / STEP * through)
+                lengths.append(FILM_STEP * self.depth / STEP * wear_through_times)
         return float(min(lengths))
 
     def is_too_deep(self, now: Node, new: Node) -> bool:

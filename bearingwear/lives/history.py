@@ -30,8 +30,8 @@ def life_values(scene: Scene, life: Life) -> dict:
     }
     each = []
     for side, states in zip(scene.sides, life.bearings, strict=True):
-        along = history_values(states) | film_values(side, states, times)
-        each.append(along | {"loss_at_end": states[-1].loss})
+        histories = history_values(states) | film_values(side, states, times)
+        each.append(histories | {"loss_at_end": states[-1].loss})
     return values | joined(each)
 
 
@@ -54,15 +54,15 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
         return values
     left = history_values(states, ["film_left"])["history_film_left"]  # (steps, 3)
     time = times[:, COUNTS.index(scene.wear.counts)]
-    through = [_time_of_nothing(time, part) for part in left.T]
+    wear_through_times = [_time_of_nothing(time, part) for part in left.T]
     left = np.maximum(left, 0.0)
     values |= history_values(states, ["film_worn_share"])
     if films.race.film is not None:
         values["history_race_film"] = left[:, :2]
-        values["race_film_worn_through"] = np.array(through[:2])
+        values["race_film_worn_through"] = np.array(wear_through_times[:2])
     if films.ball.film is not None:
         values["history_ball_film"] = left[:, 2]
-        values["ball_film_worn_through"] = through[2]
+        values["ball_film_worn_through"] = wear_through_times[2]
     return values
 
 

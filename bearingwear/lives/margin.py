@@ -74,8 +74,8 @@ def arrangement_torque(scene: Scene, losses: Losses, bare: bool = False) -> floa
     operation = scene.operation
     speed = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * RPM
     tandem = scene.pair.tandem if scene.pair is not None else (1,)
-    both = power * 2 if len(power) < len(tandem) else power
-    return sum(n * P for n, P in zip(tandem, both, strict=True)) / speed
+    powers = power * 2 if len(power) < len(tandem) else power
+    return sum(n * P for n, P in zip(tandem, powers, strict=True)) / speed
 
 
 def losses_at_end(scene: Scene) -> Losses | None:

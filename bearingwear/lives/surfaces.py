@@ -166,7 +166,7 @@ class Surfaces:
         ]
         self.start = np.concatenate([one.start for one in self.each])
         ends = [0, *accumulate(one.start.size for one in self.each)]
-        self._parts = [slice(*both) for both in zip(ends[:-1], ends[1:], strict=True)]
+        self._parts = [slice(*bounds) for bounds in zip(ends[:-1], ends[1:], strict=True)]
         self.origin, self.range = 0.0, sum(one.room for one in self.each)
 
     def parts(self, worn: np.ndarray) -> Iterator[tuple[EvenWear, np.ndarray]]:

@@ -161,8 +161,8 @@ class WornParts:
         rates[p.ball] = values["ball_wear_rate"] + (ball - new).sum(axis=1)  # pockets wear it too
         rates[p.diameter] = 2.0 * rates[p.ball] / (math.pi * D**2)
         rates[p.race] = n * race.mean(axis=0)
-        on, track = np.where(a > 0.0, a, np.inf), values["contact_track_radius"]
-        rates[p.groove] = groove_depth_rates(n, race, on, track).mean(axis=0)
+        semi_axis, track = np.where(a > 0.0, a, np.inf), values["contact_track_radius"]
+        rates[p.groove] = groove_depth_rates(n, race, semi_axis, track).mean(axis=0)
         slips = values["gyroscopic_slip"], values["rolling_slip"]
         rates[p.deepest] = depth_peak(values, *slips) * rates[p.groove]
         return rates

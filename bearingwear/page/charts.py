@@ -196,7 +196,7 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
     )
 
 
-def _line(line: ChartLine, k: int, at: _Place, height: float, log: bool) -> Iterable[str]:
+def _line(line: ChartLine, k: int, place: _Place, height: float, log: bool) -> Iterable[str]:
     """The line, bold within all limits; its lane, its points, and the recommended one.
 
     Nothing stands at zero on a logarithmic axis.
@@ -206,7 +206,7 @@ def _line(line: ChartLine, k: int, at: _Place, height: float, log: bool) -> Iter
         for (x, y), note in zip(line.points, line.notes, strict=True)
     ]
     for a, b in line.beyond:
-        left, right = at(a, 1.0)[0], at(b, 1.0)[0]
+        left, right = place(a, 1.0)[0], place(b, 1.0)[0]
         if height > SMALL_CHART[1]:
             yield (
                 f'<rect class="tint {line.method}" data-x="{a:g} {b:g}" x="{left:.1f}" y="0" '
@@ -220,28 +220,28 @@ def _line(line: ChartLine, k: int, at: _Place, height: float, log: bool) -> Iter
     for (x0, y0, kept), (x1, y1, still) in zip(known, known[1:], strict=False):
         if y0 is not None and y1 is not None:
             look = f"line {line.method}" + ("" if kept and still else " pale")
-            yield _stroke(look, (x0, y0), (x1, y1), at)
+            yield _stroke(look, (x0, y0), (x1, y1), place)
     if line.band and line.star:
         x = line.star[0]
-        yield _stroke(f"band {line.method}", (x, line.band[0]), (x, line.band[1]), at)
+        yield _stroke(f"band {line.method}", (x, line.band[0]), (x, line.band[1]), place)
     changed = {k for k in range(1, len(line.ends)) if line.ends[k] != line.ends[k - 1]}
-    for k, (x, y, within) in enumerate(known):
+    for k, (x, y, is_allowed) in enumerate(known):
         if y is not None:
             shape = _DIAMOND if k in changed else _DOT
-            yield _mark("dot" if within else "dot pale", line.method, shape, x, y, at)
+            yield _mark("dot" if is_allowed else "dot pale", line.method, shape, x, y, place)
     if line.star and (line.star[1] > 0.0 or not log):
-        yield _mark("star", line.method, _STAR, *line.star, at)
+        yield _mark("star", line.method, _STAR, *line.star, place)
 
 
-def _stroke(look: str, start: tuple[float, float], end: tuple[float, float], at: _Place) -> str:
-    (x0, y0), (x1, y1) = at(*start), at(*end)
+def _stroke(look: str, start: tuple[float, float], end: tuple[float, float], place: _Place) -> str:
+    (x0, y0), (x1, y1) = place(*start), place(*end)
     numbers = " ".join(f"{number:.6g}" for number in (*start, *end))
     path = f"M{x0:.1f} {y0:.1f}L{x1:.1f} {y1:.1f}"
     return f'<path class="{look}" data-at="{numbers}" d="{path}"/>'
 
 
-def _mark(kind: str, method: str, shape: str, x: float, y: float, at: _Place) -> str:
-    left, top = at(x, y)
+def _mark(kind: str, method: str, shape: str, x: float, y: float, place: _Place) -> str:
+    left, top = place(x, y)
     return (
         f'<path class="{kind} {method}" data-at="{x:.6g} {y:.6g}" d="{shape}" '
         f'transform="translate({left:.1f} {top:.1f})"/>'

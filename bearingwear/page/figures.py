@@ -74,8 +74,8 @@ def drawings(files: Sequence[Path], data: Mapping[str, Sequence[str]]) -> Iterat
     for file in files:
         if file.suffix == ".svg":
             other = file.with_suffix(".png")
-            behind = [Path(path) for path in data.get(str(file), ())]
-            yield _drawing(file, other if other in files else None, behind)
+            sources = [Path(path) for path in data.get(str(file), ())]
+            yield _drawing(file, other if other in files else None, sources)
 
 
 def _drawing(file: Path, png: Path | None, data: Sequence[Path]) -> Drawing:

@@ -149,10 +149,10 @@ def page(
             sections=list(scenes.values()),
             across=across,
             unsolved=[
-                (section.scene["name"], what, of - solved)
+                (section.scene["name"], what, source - solved)
                 for section in scenes.values()
-                for what, solved, of in section.solved
-                if solved < of
+                for what, solved, source in section.solved
+                if solved < source
             ],
             keys=list(key_blocks(inputs)),
             versions=_versions(made),
@@ -231,7 +231,7 @@ def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answere
             continue
         answer = load_document(file)
         charts = load_charts(one) if (one := file.with_name(CHARTS)) in files else None
-        beside = [path for path in files if path.parent.parent == file.parent]
+        siblings = [path for path in files if path.parent.parent == file.parent]
         # what charts show is not drawn again
         drawn = [
             figure
@@ -245,7 +245,7 @@ def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answere
                 charts.question if charts else "",
                 charts.charts if charts else (),
                 drawn,
-                [path for path in beside if path.suffix in (".md", ".svg")],
+                [path for path in siblings if path.suffix in (".md", ".svg")],
             )
         )
     return sorted(found, key=lambda one: one.answer.rank)

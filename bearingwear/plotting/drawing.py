@@ -116,11 +116,14 @@ def _in_words(figure: Figure) -> dict[str, str | None]:
     def distinct(texts: Iterable[str]) -> str:
         return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
 
-    up, along = distinct(a.get_ylabel() for a in axes), distinct(a.get_xlabel() for a in axes)
+    ordinates, abscissae = (
+        distinct(a.get_ylabel() for a in axes),
+        distinct(a.get_xlabel() for a in axes),
+    )
     panels = distinct(a.get_title(loc="left") for a in axes)
     keys = distinct(text.get_text() for legend in figure.legends for text in legend.get_texts())
     parts = (
-        f"{up} against {along}",
+        f"{ordinates} against {abscissae}",
         f"Panels: {panels}" if panels else "",
         f"Legend: {keys}" if keys else "",
     )
@@ -196,7 +199,7 @@ def dash_keys(styles: dict[float, str]) -> list[Line2D]:
 def lines(
     panel: Any,
     values: xr.DataArray,
-    along: str,
+    axis: str,
     label: str = "",
     unit: Display | None = None,
     status: xr.DataArray | None = None,
@@ -208,14 +211,14 @@ def lines(
     ----------
     panel : Axes
     values : DataArray
-        Over `along` and, where it has them, `preload_method` and `race`.
-    along : str
+        Over `axis` and, where it has them, `preload_method` and `race`.
+    axis : str
     label : str
         Of the ordinate, without unit.
     unit : Display, optional
         In which the values are shown; without one they are drawn as they are.
     status : DataArray, optional
-        Of each case over `along` and `preload_method`: a cross at the foot where it was not solved.
+        Of each case over `axis` and `preload_method`: a cross at the foot where it was not solved.
     **look
         Of the lines; it comes after that of a race.
 
@@ -232,11 +235,11 @@ def lines(
         styles = list(RACE_STYLES.values()) if "race" in one.dims else [{}]
         for k, style in enumerate(styles):
             line = shown.isel(race=k) if "race" in one.dims else shown
-            panel.plot(one[along], line, **{**style, "color": colour, **look})
+            panel.plot(one[axis], line, **{**style, "color": colour, **look})
         if status is not None:
             here = status.isel(preload_method=slot) if name else status
-            failed |= mark_failed(panel, one[along], here, colour, slot)
-    panel.set_xlabel(ABSCISSAE[along])
+            failed |= mark_failed(panel, one[axis], here, colour, slot)
+    panel.set_xlabel(ABSCISSAE[axis])
     if label:
         panel.set_ylabel(unit.label(label) if unit else label)
     return failed

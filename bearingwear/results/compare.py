@@ -87,9 +87,9 @@ def difference(
             )
         found = _differences(a, b, tolerance)
     lines = [f"A {os.fspath(first)}", f"B {os.fspath(second)}", "", *_lines(found)]
-    within = f" to {tolerance:g} of its largest value" if tolerance else ""
+    tolerance_text = f" to {tolerance:g} of its largest value" if tolerance else ""
     lines.append(
-        f"same {kind}: the scene, and all {found.compared} variables{within}"
+        f"same {kind}: the scene, and all {found.compared} variables{tolerance_text}"
         if found.same
         else f"{len(found.scene)} keys of the scene and {len(found.variables)} of "
         f"{found.compared} variables differ"
@@ -133,7 +133,7 @@ def _lines(found: Differences) -> list[str]:
 
 
 def _texts_of(title: str, texts: dict[str, tuple[str, str]]) -> list[str]:
-    rows = [(key, *both) for key, both in texts.items()]
+    rows = [(key, *pair) for key, pair in texts.items()]
     return _table([(title, "A", "B"), *rows]) if rows else []
 
 

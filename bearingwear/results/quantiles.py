@@ -201,8 +201,11 @@ def causes_told(scene: Mapping[str, Any]) -> str:
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
     parts = (("Scatter within a batch", False), ("Unknown for a batch", True))
     found = [
-        (text, ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == of))
-        for text, of in parts
+        (
+            text,
+            ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == cause),
+        )
+        for text, cause in parts
     ]
     middle = "L10 and L50 are those of the median batch. " if all(name for _, name in found) else ""
     return middle + " ".join(f"{text}: {names}." for text, names in found if names)

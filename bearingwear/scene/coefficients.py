@@ -57,8 +57,8 @@ class Measured:
 
 def _measured(row: Mapping[str, str]) -> Measured:
     ends = {
-        of: tuple(float(row[f"{end}_{of}"] or math.nan) for end in ("least", "largest"))
-        for of in ("wear", "friction")
+        quantity: tuple(float(row[f"{end}_{quantity}"] or math.nan) for end in ("least", "largest"))
+        for quantity in ("wear", "friction")
     }
     words = ("surface", "against", "film", "conditions", "source", "url", "read")
     return Measured(**ends, **{name: row[name] for name in words})  # type: ignore[arg-type]
@@ -238,8 +238,8 @@ def rubbing(pair: str | None, film: str | None) -> Rubbing:
     found, dry = RUBBING[pair or "steel/steel", film or "none"], RUBBING["steel/steel", "none"]
     rule = f"docs/coefficients.md: {', '.join(found.rows)}"
 
-    def coefficient(of: LogSpread) -> float:
-        return float(f"{of.median * STEEL_GPA * 1e9:.3g}")
+    def coefficient(spread: LogSpread) -> float:
+        return float(f"{spread.median * STEEL_GPA * 1e9:.3g}")
 
     on_it: dict[str, object] | None = None
     if film == "mos2":
@@ -271,8 +271,8 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     scene : mapping
         As `Scene.to_dict` has it. The middle of each distribution is the scene's own value.
     """
-    of, on_it = scene["bearing"], scene["friction"].get("film")
-    parts = [scene["materials"][of[f"{part}_material"]] for part in ("ball", "race")]
+    bearing, on_it = scene["bearing"], scene["friction"].get("film")
+    parts = [scene["materials"][bearing[f"{part}_material"]] for part in ("ball", "race")]
     coated = on_it is not None or any(part.get("film") for part in parts)
     pair = "steel/steel" if all(map(_is_steel, parts)) else ""
     row = RUBBING.get((pair, "mos2" if coated else "none"))

@@ -201,8 +201,8 @@ def _check_spread(data: Mapping[str, Any]) -> None:
 def _undecided(scene: Scene) -> dict[str, Any]:
     """Data of a scene without what its accuracy has decided, so that another one may."""
     plain = scene.to_dict()
-    preset, over = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
-    for path, value in preset.keys(over, _cage_wears(plain)).items():
+    preset, slip_area = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
+    for path, value in preset.keys(slip_area, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
         if plain[block][name] == value:
             del plain[block][name]
@@ -219,9 +219,9 @@ def _cage_wears(plain: Mapping[str, Any]) -> bool:
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
     """Fill in what the accuracy asked for decides, where the scene does not."""
     model = plain.get("model") or {}
-    over = slip_is_over(model.get("contact", Model.contact), model.get("slip_over"))
+    slip_area = slip_is_over(model.get("contact", Model.contact), model.get("slip_over"))
     preset = accuracy_preset(model.get("accuracy", Model.accuracy))
-    keys = preset.keys(over, _cage_wears(plain))
+    keys = preset.keys(slip_area, _cage_wears(plain))
     for path, value in keys.items():
         block, _, name = path.partition(".")
         plain[block] = {name: value} | (plain.get(block) or {})

@@ -61,13 +61,13 @@ def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:
     Torque and power may be unknown where the others are not, and are then left out alone.
     """
     total = sum(parts, start=np.full(MEASURED, ROUNDING))
-    qv, preload, balls, both, torque, power = total
+    qv, preload, balls, balls_and_races, torque, power = total
     if not np.isfinite(total[:4]).all():
         return {}
     found = {
         "qv_error_estimate": qv,
         "residual_preload_error_estimate": preload,
-        "wear_rate_error_estimate": np.array([balls, both]),
+        "wear_rate_error_estimate": np.array([balls, balls_and_races]),
     }
     more = {"shaft_torque_error_estimate": torque, "friction_power_error_estimate": power}
     return found | {name: value for name, value in more.items() if np.isfinite(value)}

@@ -269,7 +269,7 @@ class OnRotor:
     def _state(
         self,
         losses: tuple[float, float],
-        at: float,
+        position: float,
         found: RotorTrial | int,
         shift: Callable[[Sequence[SolvedBearing]], float],
     ) -> RotorState:
@@ -278,7 +278,7 @@ class OnRotor:
             self.nearby.forget()
             lost = self.sides[0].unsteady if found == code.NO_STEADY_STATE else found
             return RotorState(lost)
-        self.nearby.found(losses, at)
+        self.nearby.found(losses, position)
         states = found.states
         status = next((one.status for one in states if one.status != code.OK), code.OK)
         return self.arranged(states, RotorState(status, states, shift(states)))

@@ -58,15 +58,15 @@ def filled(
             coords |= coordinate(axis, values)
             sizes[axis.name] = coords[axis.name].size
     inner = {dim for variable in table.values() for dim in variable.dims}
-    along = {name: size for name, size in sizes.items() if name not in inner}
-    if len(rows) != math.prod(along.values()):
-        raise ValueError(f"got {len(rows)} rows, expected {along}")
+    outer = {name: size for name, size in sizes.items() if name not in inner}
+    if len(rows) != math.prod(outer.values()):
+        raise ValueError(f"got {len(rows)} rows, expected {outer}")
     require_known({name for row in rows for name in row}, table)
     variables = {}
     for name, variable in table.items():
         data = _column(variable, [row.get(name) for row in rows], sizes)
-        data = data.reshape((*along.values(), *data.shape[1:]))
-        variables[name] = xr.Variable((*along, *variable.dims), data, variable.attributes)
+        data = data.reshape((*outer.values(), *data.shape[1:]))
+        variables[name] = xr.Variable((*outer, *variable.dims), data, variable.attributes)
     if isinstance(attributes.get("scene"), Scene):
         attributes["scene"] = attributes["scene"].json
     return xr.Dataset(variables, coords, common_attributes() | attributes)

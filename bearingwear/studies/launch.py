@@ -223,6 +223,6 @@ def own_page(folder: Path) -> Path | None:
     made, page = folder / PAGE, folder / PAGE.name
     if not made.is_file():
         return None
-    up = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
-    write_text(page, made.read_text(encoding="utf-8").replace(f'href="{up}', 'href="'))
+    root = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
+    write_text(page, made.read_text(encoding="utf-8").replace(f'href="{root}', 'href="'))
     return page

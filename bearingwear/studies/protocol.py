@@ -249,7 +249,9 @@ class Step(Task):
             maker = self.before.get(_in(self.folder, path))
             if maker is not None and set(self.wildcards) <= set(maker.wildcards):
                 points = zip(maker.jobs(), (maker.points or {}).values(), strict=True)
-                return {tuple(job[name] for name in self.wildcards): of for job, of in points}
+                return {
+                    tuple(job[name] for name in self.wildcards): inputs for job, inputs in points
+                }
         return {} if self.wildcards else {(): None}
 
 
@@ -320,7 +322,7 @@ def step(
     known = {key: rest.pop(key) for key in [*rest] if key in Step.__dataclass_fields__}
     points = each if isinstance(each, Mapping) or each is None else {key: key for key in each}
     if points is not None:
-        points = {key if isinstance(key, tuple) else (key,): of for key, of in points.items()}
+        points = {key if isinstance(key, tuple) else (key,): value for key, value in points.items()}
     return Step(
         name=name,
         outputs=(outputs,) if isinstance(outputs, str) else tuple(outputs),

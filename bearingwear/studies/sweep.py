@@ -162,9 +162,9 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
         for scene, what, fidelity in jobs
     ]
     made = stacked([dataset(result) for result in results], {_POINT: len(results)})
-    told = gathered_warnings(result.attrs for result in results)
+    warnings = gathered_warnings(result.attrs for result in results)
     fidelities = [result.attrs["fidelity"] for result in results]
-    return made.assign_attrs(fidelity=fidelities, warnings=told)
+    return made.assign_attrs(fidelity=fidelities, warnings=warnings)
 
 
 def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:

@@ -201,8 +201,8 @@ def _block_faults(
 def _meant(path: str, file: Part) -> str:
     """The message for an unknown key that belongs to another block; empty if it belongs to none."""
     block, _, name = path.rpartition(".")
-    beside = part_at(file, block)
-    if beside is not None and difflib.get_close_matches(name, beside.below):
+    siblings = part_at(file, block)
+    if siblings is not None and difflib.get_close_matches(name, siblings.below):
         return ""
     places: dict[str, list[str]] = {}
     for place in _places(file, ""):

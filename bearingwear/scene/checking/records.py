@@ -220,10 +220,10 @@ def _part(hint: Any, key: Key, **more: Any) -> Part:
     each: dict[str, Any] = {"least": 0, "most": None, "names": (), "single": False, "allowed": ""}
     item_key = replace(key, meaning=key.each, each="", **each)
     if get_origin(hint) is tuple:
-        of, *others = get_args(hint)
+        element, *others = get_args(hint)
         if others != [...]:
             key = replace(key, least=len(get_args(hint)), most=len(get_args(hint)))
-        return Part("list", key, item=_part(of, item_key), nullable=nullable, **more)
+        return Part("list", key, item=_part(element, item_key), nullable=nullable, **more)
     if get_origin(hint) is not None:
         item = _part(get_args(hint)[1], item_key)
         return Part("mapping", key, item=item, nullable=nullable, **more)

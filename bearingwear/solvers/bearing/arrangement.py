@@ -154,10 +154,10 @@ def joined_attributes(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Attributes of both: sentences one after the other, counts added."""
     made: dict[str, Any] = {}
     for name in each[0].keys() | each[1].keys():
-        both = [attrs.get(name) for attrs in each]
-        if any(isinstance(one, str) for one in both):
-            each_one = enumerate(both, 1)
+        values = [attrs.get(name) for attrs in each]
+        if any(isinstance(one, str) for one in values):
+            each_one = enumerate(values, 1)
             made[name] = "; ".join(f"bearing {k}: {one}" for k, one in each_one if one is not None)
         else:
-            made[name] = sum(one for one in both if one is not None)
+            made[name] = sum(one for one in values if one is not None)
     return dict(sorted(made.items()))

@@ -207,13 +207,13 @@ def grown(g: Geometry, growth: Growth, axial: float) -> Geometry:
     moved_i = g.R_i * heat.inner_ring + growth.inner.speed + growth.inner.fit
     moved_o = g.R_o * heat.outer_ring + growth.outer.speed + growth.outer.fit
     wider = (g.r_o * heat.outer_ring - g.r_i * heat.inner_ring) * math.cos(g.alpha0)
-    along = g.BD * math.sin(g.alpha0) + axial
+    axial_distance = g.BD * math.sin(g.alpha0) + axial
     across = g.BD * math.cos(g.alpha0) + (moved_i - moved_o)
     return g._replace(
         D0=g.D0 * (1.0 + heat.balls),
         dm=g.dm + (moved_i + moved_o) + wider,
-        alpha0=math.atan2(along, across),
-        BD=math.hypot(along, across),
+        alpha0=math.atan2(axial_distance, across),
+        BD=math.hypot(axial_distance, across),
         R_o=g.R_o + moved_o,
         R_i=g.R_i + moved_i,
         r_i=g.r_i * (1.0 + heat.inner_ring),

@@ -107,9 +107,9 @@ class Balls(NamedTuple):
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
         """Stiffness of the bearing by position (4, 4)."""
-        along, across = self.along, self.across
+        axial, across = self.along, self.across
         k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
-        return (along.T * k) @ along + (across.T * turn) @ across
+        return (axial.T * k) @ axial + (across.T * turn) @ across
 
 
 def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -120,11 +120,11 @@ def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     factor, peak = [], []
     for diameter in D.tolist():
-        both = [
+        contacts = [
             race_contact(g, race, diameter, math.cos(g.alpha0), math.nan) for race in (INNER, OUTER)
         ]
-        factor.append(sum(one.K ** (-2.0 / 3.0) for one in both) ** -1.5)
-        peak.append([1.5 / (math.pi * one.c_a * one.c_b) for one in both])
+        factor.append(sum(one.K ** (-2.0 / 3.0) for one in contacts) ** -1.5)
+        peak.append([1.5 / (math.pi * one.c_a * one.c_b) for one in contacts])
     return np.array(factor), np.array(peak)
 
 
@@ -205,9 +205,14 @@ class RotorAtRest:
         for k, (one, n) in enumerate(zip((still * 2)[:2], a.tandem, strict=True)):
             g, own = geometry(one), 1.0 - 2.0 * k
             # place on the rotor of the inner groove centres, at which the balls' forces act
-            at = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + groove_arm(g))
+            position = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + groove_arm(g))
             motion = np.zeros((3, 4))
-            motion[0, _X], motion[1, _Z], motion[1, _TILT], motion[2, _TILT] = own, 1.0, -at, own
+            motion[0, _X], motion[1, _Z], motion[1, _TILT], motion[2, _TILT] = (
+                own,
+                1.0,
+                -position,
+                own,
+            )
             motion[0, _SLIDE] = k
             D, preload = worn_diameters(one, g), float(one.operation.preload_N)
             mounted = place_as_mounted(mounted_geometry(one), preload)
@@ -274,7 +279,7 @@ class RotorAtRest:
         Damped Newton steps: where balls are loose, nothing may resist in some direction.
         """
         lengths = np.array([1.0, 1.0, 1.0 / self.seats[0].g.R_i, 1.0])[free]
-        at = np.ix_(free, free)
+        block = np.ix_(free, free)
 
         def energy(q: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, float]:
             E, slope, K, largest = 0.5 * q @ k_s @ q - force @ q, k_s @ q - force, k_s, 0.0
@@ -284,7 +289,7 @@ class RotorAtRest:
                 slope = slope + n * (b.Q @ b.along)
                 K = K + n * b.stiffness(seat.factor)
                 largest = max(largest, n * float(b.Q.sum()))
-            return float(E), slope[free] * lengths, K[at] * np.outer(lengths, lengths), largest
+            return float(E), slope[free] * lengths, K[block] * np.outer(lengths, lengths), largest
 
         E, slope, K, largest = energy(q)
         firm = max(float(np.sum(one.factor)) for one in self.seats) * math.sqrt(UM)
@@ -414,12 +419,12 @@ def launched(scene: Scene) -> Launched:
         if density is not None:
             assert frequencies is not None
             found[k] = miles(density, frequencies[k], asked.amplification)
-    along, across = (g * weight for g in found)
-    asked_for = {"along +X": (along, 0.0), "along -X": (-along, 0.0)} if along else {}
+    axial, across = (g * weight for g in found)
+    asked_for = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
     if across:
         asked_for |= {"across": (0.0, across)}
-        if along:
-            asked_for |= {"+X, across": (along, across), "-X, across": (-along, across)}
+        if axial:
+            asked_for |= {"+X, across": (axial, across), "-X, across": (-axial, across)}
     loads = [LaunchLoad(name, *F, rest.under(*F)) for name, F in asked_for.items()]
     limit, source = min((yield_pressure(one) for one in scene.sides), key=lambda one: one[0])
     return Launched(

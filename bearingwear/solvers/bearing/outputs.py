@@ -132,9 +132,11 @@ def wear_values(
     """
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a, parts)
-    on = a.min(axis=1) > 0.0  # balls off a race loosen no fit
+    in_contact = a.min(axis=1) > 0.0  # balls off a race loosen no fit
     each = D, ball_rate, race_rate, a, track
-    losses = diameter_loss_rates(n, *(each if on.all() else (one[on] for one in each)))
+    losses = diameter_loss_rates(
+        n, *(each if in_contact.all() else (one[in_contact] for one in each))
+    )
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
         "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),

@@ -88,10 +88,10 @@ def race_control_matrix(
     psi = azimuths(g.n_balls)[: len(D)]
     each = np.array(
         [
-            place_tangent(g, d, load, at, tuple(delta), tilt, state)
+            place_tangent(g, d, load, azimuth, tuple(delta), tilt, state)
             if state.Q_i > 0.0
             else (0.0, 0.0, 0.0, 0.0)
-            for d, load, at, state in zip(D, loads, psi, states, strict=True)
+            for d, load, azimuth, state in zip(D, loads, psi, states, strict=True)
         ]
     ).reshape(-1, 2, 2)
     maps = groove_maps(g.R_i, azimuths(g.n_balls))

@@ -82,8 +82,8 @@ def dynamic_error_estimates(
         by_steps,
     ]
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
-    qv, _, balls, both, preload, torque = drift
-    return summed([*parts, np.array([qv, preload, balls, both, torque, torque])])
+    qv, _, balls, balls_and_races, preload, torque = drift
+    return summed([*parts, np.array([qv, preload, balls, balls_and_races, torque, torque])])
 
 
 def thrust_part(scene: Scene, start: Start) -> np.ndarray:

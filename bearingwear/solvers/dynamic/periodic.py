@@ -202,8 +202,8 @@ def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np
             return None
         system.time, system.h = tally.time, tally.h
         weights = (1.5 * rate, -2.0 * rate, 0.5 * rate) if step else (rate, -rate, 0.0)
-        of = (system.y, system.bearing, system.buffers, system.stages)
-        if not carry_tangents(weights, old, older, *of, new):
+        buffers = (system.y, system.bearing, system.buffers, system.stages)
+        if not carry_tangents(weights, old, older, *buffers, new):
             return None
         old, older, new = new, old, older
     return old.T

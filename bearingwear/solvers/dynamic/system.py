@@ -256,8 +256,8 @@ class DynamicSystem:
     def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
         """Move the state on from this instant; time and first step stay as they are."""
         grid = TimeGrid(origin=self.time, dt=duration, first=0)
-        of = (self.y, self.bearing, self.buffers, self.stages)
-        return advance_and_record(control, grid, 0, intervals, self.h, *of, self._unread)
+        model = (self.y, self.bearing, self.buffers, self.stages)
+        return advance_and_record(control, grid, 0, intervals, self.h, *model, self._unread)
 
     @functools.cached_property
     def _unread(self) -> Recorder:
@@ -281,10 +281,10 @@ class DynamicSystem:
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):
             raise ValueError(f"state of {state.size} numbers where {len(self.packed())} are")
-        at = 0
+        offset = 0
         for part in parts:
-            part[...] = state[at : at + part.size].reshape(part.shape)
-            at += part.size
+            part[...] = state[offset : offset + part.size].reshape(part.shape)
+            offset += part.size
         self.h, self.time = float(h[0]), time
         # Kept, because the equilibrium starts from the last positions.
         self.buffers.balls.factors[:] = 0.0

@@ -304,10 +304,10 @@ class TimeRun:
         cage, history = self.system.bearing.cage, self.recorder.history
         if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
             return 1.0
-        off = history.cage[stretch, record.POSITION + 1 : record.POSITION + 3].astype(float)
+        offset = history.cage[stretch, record.POSITION + 1 : record.POSITION + 3].astype(float)
         if cage.land == INNER_LAND:
-            off -= history.displacement[stretch, 1:]
-        return 1.0 - float(np.hypot(*off.T).mean()) / cage.gap
+            offset -= history.displacement[stretch, 1:]
+        return 1.0 - float(np.hypot(*offset.T).mean()) / cage.gap
 
     def window(self, length: int, interrupt: Interrupt) -> int:
         """Simulate a window and record it; returns a status."""
@@ -317,9 +317,9 @@ class TimeRun:
         self.loads = LoadRange(len(self.system.bearing.D))
         before_last, self.trend = self.trend, Trend(self.grid.turns)
         self.opening = self.system.snapshot()
-        for at in range(0, length, points):
-            count = min(points, length - at)
-            if at + points >= length:
+        for first in range(0, length, points):
+            count = min(points, length - first)
+            if first + points >= length:
                 self.before_last_turn = self.system.packed(), self.system.time
             before, summed = integrals.copy(), sums.bearing.copy()
             status = self.advance(count)

@@ -57,7 +57,7 @@ def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iter
     elif not prefix:
         yield Evidence(scene, chosen, State(status, warmth | dict(values)), case=values)
     else:
-        along = {name[len(prefix) :]: one for name, one in values.items() if prefix in name}
+        histories = {name[len(prefix) :]: one for name, one in values.items() if prefix in name}
         for k in (0, -1):
-            state = {name: np.asarray(one)[k] for name, one in along.items()}
+            state = {name: np.asarray(one)[k] for name, one in histories.items()}
             yield Evidence(scene, chosen, State(status, warmth | state), life=values)

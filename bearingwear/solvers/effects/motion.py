@@ -60,8 +60,8 @@ def spin_across_share(scene: Scene) -> float:
     1.0003 + 0.5968 A/B of Brewe and Hamrock (1977).
     """
     g = mounted_geometry(scene)
-    both = (curvatures(g, race, g.D0, math.cos(g.alpha0)) for race in (INNER_RACE, OUTER_RACE))
-    return max(0.0003 + 0.5968 * A / B for A, B in both)
+    pairs = (curvatures(g, race, g.D0, math.cos(g.alpha0)) for race in (INNER_RACE, OUTER_RACE))
+    return max(0.0003 + 0.5968 * A / B for A, B in pairs)
 
 
 def slip(chosen: Choice) -> Iterator[str]:

@@ -71,9 +71,9 @@ def _rounded(e: Evidence) -> Finding | None:
     if not slip > 0.0:
         return None
     v_r, error = e.scene.friction.slip_regularisation_m_s, e.state["shaft_torque_error_estimate"]
-    by = f", by about {100.0 * error:.2g} %" if error < 1.0 else ""
+    error_text = f", by about {100.0 * error:.2g} %" if error < 1.0 else ""
     excess = v_r / (ROUNDED_SLIP * slip)
-    return {"v_r": v_r, "slip": slip, "by": by, "better": 0.01 * slip, "excess": excess}
+    return {"v_r": v_r, "slip": slip, "by": error_text, "better": 0.01 * slip, "excess": excess}
 
 
 def _unwatched(e: Evidence) -> Finding | None:

@@ -41,10 +41,10 @@ def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[di
         for found in warnings_of(side, chosen, of_bearing(values, k) if values else None):
             said.setdefault(found["id"], []).append(found | {"bearing": k + 1})
     worst = []
-    for both in said.values():
-        found = max(both, key=lambda one: one["excess"] or 0.0)
+    for findings in said.values():
+        found = max(findings, key=lambda one: one["excess"] or 0.0)
         number, sentence = found.pop("bearing"), found["sentence"]
-        if [one["sentence"] for one in both] != [sentence] * len(scene.sides):
+        if [one["sentence"] for one in findings] != [sentence] * len(scene.sides):
             sentence = f"bearing {number}: {sentence}"
         worst.append(found | {"sentence": sentence})
     return worst

@@ -316,7 +316,7 @@ class WornBearing:
         for k, (force, sigma) in enumerate(zip(self.forces(point), SIDES, strict=True)):
             x, qv = point.x[k], point.qv_along[k]
             places = x + self.shift(k, force.alpha, g)
-            along = wandering(self.arc[k], places, qv, self.wander * self.major[k])
+            wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
             factor: float | np.ndarray = race
             if self.films is not None:
                 depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
@@ -328,12 +328,12 @@ class WornBearing:
                 there, _ = self.films.factors(covered, covered, on_ball, pressure)
                 qv = qv * (there / ball)
                 off_ball[k] *= qv.sum() / point.qv_along[k].sum()
-            grooves[k] = g.n_balls * factor * along / (2.0 * np.pi * point.track[k])
+            grooves[k] = g.n_balls * factor * wear / (2.0 * np.pi * point.track[k])
             if self.bands:
                 places = latitude(sigma, force.alpha, beta) - x / R
                 wander = self.wander * self.major[k] / R
-                along = wandering(self.latitude, places[::-1], qv[::-1] * R, wander) / R
-                band += ball * along / (2.0 * np.pi * R * np.cos(self.latitude))
+                wear = wandering(self.latitude, places[::-1], qv[::-1] * R, wander) / R
+                band += ball * wear / (2.0 * np.pi * R * np.cos(self.latitude))
         even = 0.0 if self.bands else 2.0 * ball * off_ball.sum() / (np.pi * D * D)
         return WornDepths(float(even), grooves, band)
 

@@ -42,8 +42,8 @@ def designs(motions: xr.Dataset) -> list[MappedCage]:
     """Every cage of a map under the gravity at which it wears most."""
     found = []
     for values in itertools.product(*(motions[axis].values.tolist() for axis in DESIGN)):
-        at = dict(zip(DESIGN, values, strict=True))
-        one = motions.sel(at)
+        values_of = dict(zip(DESIGN, values, strict=True))
+        one = motions.sel(values_of)
         mean, ends = one["mean_work"].values[:, 0], one["mean_work_interval"].values[:, 0]
         if not np.isfinite(mean).any():
             continue
@@ -51,7 +51,7 @@ def designs(motions: xr.Dataset) -> list[MappedCage]:
         quiet = one["share"].values[:, list(QUIET)].sum(axis=1).min()
         low, high = ends[worst].tolist()
         shares = one["share"].values[worst]
-        found.append(MappedCage(at, float(mean[worst]), low, high, float(quiet), shares))
+        found.append(MappedCage(values_of, float(mean[worst]), low, high, float(quiet), shares))
     return found
 
 
@@ -68,11 +68,11 @@ def own_design(motions: xr.Dataset, every: list[MappedCage]) -> MappedCage | Non
     )
 
     def distance(one: MappedCage) -> float:
-        off = 0.0
+        difference = 0.0
         for axis, value in zip(DESIGN, own, strict=True):
             scale = max(abs(value), float(np.max(np.abs(motions[axis].values))), 1e-12)
-            off += abs(one.at[axis] - value) / scale * (1e3 if axis == "guide" else 1.0)
-        return off
+            difference += abs(one.at[axis] - value) / scale * (1e3 if axis == "guide" else 1.0)
+        return difference
 
     return min(every, key=distance, default=None)
 
@@ -95,11 +95,11 @@ def quiet_region(motions: xr.Dataset) -> str:
     """Region of quiet cages, in a sentence."""
     every = designs(motions)
     quiet = [one for one in every if one.quiet >= MOSTLY]
-    under = "at every gravity of the map" if motions.sizes["gravity"] > 1 else "here"
+    gravity = "at every gravity of the map" if motions.sizes["gravity"] > 1 else "here"
     if not quiet:
-        return f"No cage of the map is quiet {under}"
+        return f"No cage of the map is quiet {gravity}"
     if len(quiet) == len(every):
-        return f"Every cage of the map is quiet {under}"
+        return f"Every cage of the map is quiet {gravity}"
     parts = []
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     for values in itertools.product(*(motions[axis].values.tolist() for axis in varied)):
@@ -113,7 +113,7 @@ def quiet_region(motions: xr.Dataset) -> str:
             where = ", ".join(map(in_design_words, varied, values))
             parts.append(f"{where + ': ' if where else ''}friction {upto}{mu}")
     return (
-        f"Quiet {under} ({100.0 * MOSTLY:.0f} % of the runs float, hang or turn with the balls): "
+        f"Quiet {gravity} ({100.0 * MOSTLY:.0f} % of the runs float, hang or turn with the balls): "
         f"{'; '.join(parts)}"
     )
 

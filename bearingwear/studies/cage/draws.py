@@ -65,8 +65,8 @@ def cage_value(scene: Scene, name: str) -> float:
     if name == WEAR:
         return 1.0
     if name == GRAVITY_ANGLE:
-        along, *across = scene.operation.gravity_m_s2
-        return math.degrees(math.atan2(math.hypot(*across), abs(along)))
+        axial, *across = scene.operation.gravity_m_s2
+        return math.degrees(math.atan2(math.hypot(*across), abs(axial)))
     return float(getattr(getattr(scene, UNCERTAIN_CAGE[name]), name))
 
 

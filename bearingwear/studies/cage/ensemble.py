@@ -106,12 +106,12 @@ def is_met(rows: Sequence[RunRow], plan: Ensemble) -> bool:
     return known and half_interval(values) <= plan.within * abs(float(values.mean()))
 
 
-def share_interval(count: int, of: int) -> tuple[float, float]:
+def share_interval(count: int, total: int) -> tuple[float, float]:
     """Wilson's interval of a share."""
     z = float(norm.ppf(INTERVAL[1]))
-    p, weight = count / of, z * z / of
+    p, weight = count / total, z * z / total
     middle = (p + 0.5 * weight) / (1.0 + weight)
-    half = z * math.sqrt(p * (1.0 - p) / of + weight / (4.0 * of)) / (1.0 + weight)
+    half = z * math.sqrt(p * (1.0 - p) / total + weight / (4.0 * total)) / (1.0 + weight)
     return max(middle - half, 0.0), min(middle + half, 1.0)
 
 

@@ -44,11 +44,11 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
     unit = display("J", total.values)
     others = {axis: 0 for axis in DESIGN[:-1] if axis not in varied}
     for k, (panel, gravity) in enumerate(zip(panels[0], gravities, strict=True)):
-        at = motions.isel(others | {"gravity": k})
+        subset = motions.isel(others | {"gravity": k})
         work = total.isel(others | {"gravity": k})
         for row, values in enumerate(lines):
             place = dict(zip(varied, values, strict=True))
-            shares = at["share"].sel(place).values
+            shares = subset["share"].sel(place).values
             for column, (share, mean) in enumerate(
                 zip(shares, work.sel(place).values, strict=True)
             ):

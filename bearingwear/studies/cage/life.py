@@ -163,9 +163,10 @@ class BetweenEnsembles(Trapezoid):
         wearing, h, share = self.wearing, x - now.x, (x - now.x) / (end.x - now.x)
         first, last = wearing.rates(now), wearing.rates(end)
         worn = now.worn + h * (first + 0.5 * share * (last - first))
-        both = now.states[0].values, end.states[0].values
+        limits = now.states[0].values, end.states[0].values
         mixed = {
-            name: (1.0 - share) * value + share * both[1][name] for name, value in both[0].items()
+            name: (1.0 - share) * value + share * limits[1][name]
+            for name, value in limits[0].items()
         }
         states = wearing.with_worn((State(OK, mixed),), worn)
         return Node(x, worn, states, self.clock(x))
@@ -196,11 +197,11 @@ def cage_life(life: Life, other: bool = True) -> xr.Dataset:
         attrs = {"cage_ended_by": measure.reached(worst, limit, name)}
         # Runs along the life draw alike, so errors add.
         half = np.trapezoid(error[:, int(not name.startswith(CAGE_PARTS[0]))], turns) / turns[-1]
-        both = turns[-1] * np.array([1.0 - half, 1.0 + half])
+        interval = turns[-1] * np.array([1.0 - half, 1.0 + half])
         values |= {
             "cage_life": turns[-1],
-            "cage_life_interval": both,
-            "cage_life_interval_with_wear": both / _wear_quantiles(scene)[::-1],
+            "cage_life_interval": interval,
+            "cage_life_interval_with_wear": interval / _wear_quantiles(scene)[::-1],
             "cage_hours": life.last.x,
         }
     values |= {

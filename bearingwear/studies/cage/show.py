@@ -163,16 +163,16 @@ def ensemble_figure(found: xr.Dataset) -> Figure:
     unit = display("J", found["pocket_work"].values, found["land_work"].values)
     torque = display("N m", found["torque_noise"].values)
     pairs = (("pocket_work", "land_work", unit, unit), ("offset", "torque_noise", None, torque))
-    for panel, (along, up, x_unit, y_unit) in zip(panels[0], pairs, strict=False):
-        x_unit = x_unit or display("m", found[along].values)
+    for panel, (x_name, y_name, x_unit, y_unit) in zip(panels[0], pairs, strict=False):
+        x_unit = x_unit or display("m", found[x_name].values)
         for code, colour in MOTION_COLOURS.items():
             some = motion == code
             panel.plot(
-                x_unit.of(found[along].values[some]), y_unit.of(found[up].values[some]),
+                x_unit.of(found[x_name].values[some]), y_unit.of(found[y_name].values[some]),
                 "o", color=colour, markersize=4, fillstyle="none",
             )  # fmt: skip
-        panel.set_xlabel(x_unit.label(in_words(along)))
-        panel.set_ylabel(y_unit.label(in_words(up)))
+        panel.set_xlabel(x_unit.label(in_words(x_name)))
+        panel.set_ylabel(y_unit.label(in_words(y_name)))
     if lives:
         _draw_life(panels[0, 2], found)
     seen = [code for code in MOTION_COLOURS if (motion == code).any()]

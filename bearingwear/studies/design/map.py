@@ -72,11 +72,11 @@ def _extremes() -> list[Variable]:
 def _at_ends() -> list[Variable]:
     """Of what stands in short tables, the value when new and at the end of life."""
     return [
-        Variable(f"{name}_at_{at}", (), one.si_unit, f"{one.words_of(name)} {when}")
+        Variable(f"{name}_at_{moment}", (), one.si_unit, f"{one.words_of(name)} {when}")
         for one in LIMITED.values()
         if one.brief
         for name in one.extremes
-        for at, when in (("start", "when new"), ("end", "at the end of life"))
+        for moment, when in (("start", "when new"), ("end", "at the end of life"))
     ]
 
 
@@ -163,8 +163,8 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
             found["time_to_slip_limit"] = np.full(2, np.inf)
             if found[SLIP_SHARE] >= slip_limit:
                 # the same way, ended by the share
-                until = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
-                found["time_to_slip_limit"] = lives(until).last.time
+                limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
+                found["time_to_slip_limit"] = lives(limited).last.time
     found["solves"], found["failed_solves"] = lives.solves, lives.failed
     return found
 
@@ -173,8 +173,8 @@ def new_point(scene: Scene) -> dict[str, Any]:
     """Limited quantities of the new bearing (SI); only its status if not ok."""
     if scene.cases:
         return worst_point([new_point(one) for one in scene.in_cases.values()])
-    until = with_end(scene, MET_WHEN_NEW)
-    one = HertzianLives(until)(until)
+    limited = with_end(scene, MET_WHEN_NEW)
+    one = HertzianLives(limited)(limited)
     found: dict[str, Any] = {"status": one.status}
     return found | _extremes_of(scene, worse_states(one, scene)) if one.status == OK else found
 
@@ -283,13 +283,13 @@ def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     if scene.drive is not None:
         known = [state.values.get("losses", (state.loss,)) for state in states]
         at_rest = {**at_rest, "torque_margin": least_margin(scene, [known[0], known[-1]])}
-    along = [
+    histories = [
         state.with_values({"lowest_frequency": _frequency(scene, state), **at_rest})
         for state in states
     ]
     for one in LIMITED.values():
         for name, variable in zip(one.extremes, one.variables, strict=True):
-            extreme = one.extreme([state[variable] for state in along])
+            extreme = one.extreme([state[variable] for state in histories])
             found[name] = extreme / scene.operation.preload_N if one.over_preload else extreme
     return found
 

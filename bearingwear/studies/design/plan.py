@@ -34,8 +34,8 @@ CHECKED_FIDELITIES = ("steady", "dynamic")
 
 
 def _limit(one: Measure) -> Key:
-    meaning, within = one.limit
-    return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, within)
+    meaning, bounds = one.limit
+    return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, bounds)
 
 
 _LIMITS: Any = optional_numbers({name: _limit(one) for name, one in LIMITED.items()})

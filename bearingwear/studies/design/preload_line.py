@@ -127,15 +127,15 @@ class Neighbours(NamedTuple):
             if is_all:
                 rise = max(step if end is self.a else -step, 0.0) + slack * width
                 return end.life * math.exp(rise * min(1.0, _SAFETY * share))
-        # beyond the ends of the map the life goes on as it does between these two
+        # beyond the ends of the map the trend between these two continues
         before = (self.before, self.a) if self.before else (self.a, self.b)
         after = (self.b, self.after) if self.after else (self.a, self.b)
         rise = min(_slope(*before, STEEPEST_LIFE) + slack, STEEPEST_LIFE)
         fall = max(_slope(*after, -STEEPEST_LIFE) - slack, -STEEPEST_LIFE)
         if rise * width <= step or -fall * width <= -step:
             return max(lives)
-        at = (step - fall * width) / (rise - fall)  # where both lines meet
-        return lives[0] * math.exp(rise * at)
+        crossing = (step - fall * width) / (rise - fall)  # of both lines
+        return lives[0] * math.exp(rise * crossing)
 
     @property
     def jumps(self) -> bool:
@@ -282,8 +282,8 @@ class PreloadLine:
 
     def leave_out_quick(self, low: float, high: float) -> None:
         """Forget quick lives between two exact ones, which see limits and jumps less sharply."""
-        between = [p for p, t in self.tried.items() if low < p < high and not t.exact]
-        for preload in between:
+        inner = [p for p, t in self.tried.items() if low < p < high and not t.exact]
+        for preload in inner:
             del self.tried[preload]
         self._guesses.clear()
 
@@ -320,22 +320,22 @@ class PreloadLine:
         zero where there is none.
         """
         x, lives, kept, *_ = self.guess(limits)
-        both = (lives[:-1] > 0.0) & (lives[1:] > 0.0)
+        alive = (lives[:-1] > 0.0) & (lives[1:] > 0.0)
         start, step = kept[:, :-1], np.diff(kept, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             root = -start / step
             low = np.max(np.where(step > 0.0, root, 0.0), axis=0, initial=0.0)
             high = np.min(np.where(step < 0.0, root, 1.0), axis=0, initial=1.0)
             never = np.any((step == 0.0) & (start < 0.0), axis=0)
-            k = np.flatnonzero(both & ~never & (low <= high))
+            k = np.flatnonzero(alive & ~never & (low <= high))
             shares, y = np.array([low, high])[:, k], np.log(lives)
         alone = np.flatnonzero((lives > 0.0) & np.all(kept >= 0.0, axis=0))
-        at = np.concatenate([x[alone], *(x[k] + shares * (x[k + 1] - x[k]))])
+        log_preloads = np.concatenate([x[alone], *(x[k] + shares * (x[k + 1] - x[k]))])
         found = np.concatenate([y[alone], *(y[k] + shares * (y[k + 1] - y[k]))])
         if not found.size:
             return 0.0, math.nan
         best = int(np.argmax(found))
-        return math.exp(found[best]), math.exp(at[best])
+        return math.exp(found[best]), math.exp(log_preloads[best])
 
     def guess(self, limits: DesignLimits) -> Guess:
         """Lives and how far the limits are: as new, less what wear takes at the preloads tried.
@@ -350,19 +350,19 @@ class PreloadLine:
             every = every[(every >= tried[0]) & (every <= tried[-1])]
             x = np.unique(np.concatenate([tried, every]))
             new = np.array([*self._new_room(limits, x), np.zeros(len(x))])
-            at = np.searchsorted(x, tried)
+            index = np.searchsorted(x, tried)
             exact = np.array([t.exact for t in known])
-            worn = _corrected(tried, margins - new[:, at], exact)
+            worn = _corrected(tried, margins - new[:, index], exact)
             steps = np.diff(worn, axis=1, append=worn[:, -1:])
             spread = _BEND * np.abs(steps[:, np.searchsorted(tried, x, side="right") - 1])
-            spread[:, at] = spread[-1] = 0.0
+            spread[:, index] = spread[-1] = 0.0
             room = new + [np.interp(x, tried, row) for row in worn]
-            room[:, at[exact]] = margins[:, exact]
+            room[:, index[exact]] = margins[:, exact]
             with np.errstate(divide="ignore", invalid="ignore"):
                 lives = _corrected(tried, np.log([[t.life for t in known]]), exact)
                 life = np.exp(np.interp(x, tried, lives[0]))
-            life[at] = np.exp(lives[0])
-            places = {t.preload: int(k) for t, k in zip(known, at, strict=True)}
+            life[index] = np.exp(lives[0])
+            places = {t.preload: int(k) for t, k in zip(known, index, strict=True)}
             self._guesses[limits] = Guess(x, np.nan_to_num(life), room, spread, places)
         return self._guesses[limits]
 
@@ -371,7 +371,9 @@ class PreloadLine:
         if self.new is None:
             return np.zeros((len(limits.given), len(x)))
         solved = self.new["status"] == OK
-        at = np.log(self.new["preload"])[solved]
-        if not at.size:
+        log_preloads = np.log(self.new["preload"])[solved]
+        if not log_preloads.size:
             return np.zeros((len(limits.given), len(x)))
-        return np.array([np.interp(x, at, row[solved]) for row in _room(self.new, limits)])
+        return np.array(
+            [np.interp(x, log_preloads, row[solved]) for row in _room(self.new, limits)]
+        )

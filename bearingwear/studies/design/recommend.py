@@ -315,14 +315,14 @@ class Search:
             self._at(line.method, r["preload"]) if "preload" in r else None
             for line, r in zip(lines, rows, strict=True)
         ]
-        both = [one for one in scenes if one is not None]
+        given_scenes = [one for one in scenes if one is not None]
         first = longer(np.nan_to_num(lives).tolist()) if len(lives) == 2 else None
         room = [] if first is None else self._limits_room(lines, first)
         asked: list[Callable[[], Any]] = [partial(lives_by_track, scenes, lives, self.basis)]
-        if first is not None and len(both) == 2:
+        if first is not None and len(given_scenes) == 2:
             asked = [  # what takes longest is begun first
-                partial(friction_room, both, lives, self.basis, first),
-                partial(criteria_room, both, self.basis, first),
+                partial(friction_room, given_scenes, lives, self.basis, first),
+                partial(criteria_room, given_scenes, self.basis, first),
                 *asked,
             ]
         *rooms, tracks = self.each(_called, asked)
@@ -334,7 +334,9 @@ class Search:
     def _limits_room(self, lines: Sequence[PreloadLine], first: int) -> list[Assumption]:
         names = list(self.limits.given)
         asking = [
-            limit_end(lines, self.limits, name, up, first) for name in names for up in (False, True)
+            limit_end(lines, self.limits, name, upward, first)
+            for name in names
+            for upward in (False, True)
         ]
         ends = answered(asking, self._solve)
         return [
@@ -391,23 +393,23 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
     """Index into `ACTIVE`: what keeps the best preload from one with a longer life."""
     known, best = line.in_order, found.best
     k = known.index(best)
-    beside = [known[n] for n in (k - 1, k + 1) if 0 <= n < len(known)]
+    neighbours = [known[n] for n in (k - 1, k + 1) if 0 <= n < len(known)]
     names = [*limits.given, ACTIVE[NOT_PRACTICAL]]
     margins = best.margins(limits)
-    passed = [t.margins(limits) for t in beside if t.solved and t.life > best.life]
+    passed = [t.margins(limits) for t in neighbours if t.solved and t.life > best.life]
     passed = [m for m in passed if m.min() < 0.0]
     if passed:
         return ACTIVE.index(names[int(np.argmin(min(passed, key=lambda m: m.min())))])
-    near = [*beside, *([found.cliff] if found.cliff else [])]
+    near = [*neighbours, *([found.cliff] if found.cliff else [])]
     if any(not t.solved for t in near):
         return NEXT_NOT_SOLVED
     if found.cliff or found.clear:
         return AT_CLIFF
     if margins.min() < AT_LIMIT:
         return ACTIVE.index(names[int(np.argmin(margins))])
-    if len(beside) < 2:
+    if len(neighbours) < 2:
         return END_OF_RANGE
-    ends = {int(t.values["end_criterion"]) for t in (*beside, best)}
+    ends = {int(t.values["end_criterion"]) for t in (*neighbours, best)}
     return OTHER_END if len(ends) > 1 else UNLIMITED
 
 

@@ -114,15 +114,15 @@ def reversal(
     """
     known = {0.0: guide(1.0) if now is None else now}
     last = 0.0
-    for at in (0.0, *map(math.log, factors)):
-        known[at] = known[at] if at in known else guide(math.exp(at))
-        if not known[at] > 0.0:
-            near = _root(lambda x: guide(math.exp(x)), known, last, at, to)
+    for position in (0.0, *map(math.log, factors)):
+        known[position] = known[position] if position in known else guide(math.exp(position))
+        if not known[position] > 0.0:
+            near = _root(lambda x: guide(math.exp(x)), known, last, position, to)
             if advantage is guide or math.isnan(near):
                 return math.exp(near)
             ends = 0.0, math.log(factors[-1])
             return math.exp(_confirmed(lambda x: advantage(math.exp(x)), near, ends, to))
-        last = at
+        last = position
     return math.nan
 
 
@@ -132,9 +132,9 @@ def _confirmed(advantage: Advantage, near: float, ends: tuple[float, float], to:
     """
     away = math.copysign(0.5 * to, ends[1])
 
-    def first(of: Callable[[float], bool], step: float, end: float) -> float:
+    def first(condition: Callable[[float], bool], step: float, end: float) -> float:
         x = near + step
-        while (end - x) * step > 0.0 and not of(x):
+        while (end - x) * step > 0.0 and not condition(x):
             step *= 2.0
             x += step
         return x if (end - x) * step > 0.0 else end

@@ -95,11 +95,13 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     for method, of_method in methods(uncertainty):
         one = of_method.sel(preload_choice=preload_drawn(of_method)).isel(loss_basis=basis)
         words = in_words(method)
-        within = tuple(map(float, one["class_index"].values))
-        rows.append(Row(f"{words}, within its kind", "", within, f"class_index.{method}"))
+        class_index = tuple(map(float, one["class_index"].values))
+        rows.append(Row(f"{words}, within its kind", "", class_index, f"class_index.{method}"))
         for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
-            at = one.sel(uncertain_inputs=inputs)
-            known = zip(at["total_index"].values, at["total_index_error"].values, strict=True)
+            indices = one.sel(uncertain_inputs=inputs)
+            known = zip(
+                indices["total_index"].values, indices["total_index_error"].values, strict=True
+            )
             texts = tuple(f"{a:.3f} ± {b:.3f}".replace("nan", "–") for a, b in known)
             rows.append(Row(f"{words}{more}", "", texts, f"total_index.{method}{more}"))
         used.append(f"{100 * float(one['index_share']):.4g} % ({words})")

@@ -138,13 +138,13 @@ def _off_the_cliff(line: PreloadLine, best: Tried, limits: DesignLimits) -> Aski
 def _cliff(line: PreloadLine, best: Tried, side: float) -> Asking:
     """The nearest preload on one side within `BESIDE` whose life is much shorter, or None."""
     while True:
-        beside = [t for t in line.in_order if t.exact and side * (t.preload - best.preload) > 0.0][
-            :: int(side)
-        ]
-        low = next((t for t in beside if t.life < FALL * best.life), None)
+        neighbours = [
+            t for t in line.in_order if t.exact and side * (t.preload - best.preload) > 0.0
+        ][:: int(side)]
+        low = next((t for t in neighbours if t.life < FALL * best.life), None)
         if low is None:
             return None
-        last = [best, *beside[: beside.index(low)]][-1]
+        last = [best, *neighbours[: neighbours.index(low)]][-1]
         if abs(math.log(last.preload / best.preload)) >= math.log(BESIDE):
             return None
         ends = sorted((last.preload, low.preload))

@@ -71,7 +71,7 @@ def verdict_on(
 def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Dataset:
     """Robustness of a choice, as variables of a file over `assumption` and `ball_track`."""
     columns = {"holds_from": "low", "assumed": "now", "holds_to": "high"}
-    values = {name: [getattr(one, of) for one in room] for name, of in columns.items()}
+    values = {name: [getattr(one, field) for one in room] for name, field in columns.items()}
     names = tuple(one.name for one in room)
     number = Variable(
         "assumption", ("assumption",), "", "what was assumed", dtype="i1", flags=names

@@ -225,13 +225,13 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
     for winner in dict.fromkeys(contest.longest for contest in contests):
         won = [contest for contest in contests if contest.longest == winner]
         if not winner:
-            at = dict(of_frictions)[str(winner)]
-            equal = f"No difference beyond the numerical error at {at}."
-            none = f"Neither can be used at {at}: both are beyond a limit when new."
+            frictions = dict(of_frictions)[str(winner)]
+            equal = f"No difference beyond the numerical error at {frictions}."
+            none = f"Neither can be used at {frictions}: both are beyond a limit when new."
             said.append(equal if winner is None else none)
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
-        margins = ", ".join(f"{margin} at {at}" for margin, at in by_margin)
+        margins = ", ".join(f"{margin} at {frictions}" for margin, frictions in by_margin)
         said.append(_sentence(f"{in_words(winner)} outlasts {in_words(won[0].other)}: {margins}"))
     return said
 
@@ -251,7 +251,7 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
         for life in lives
         if life.spread and life.spread.bearings.low == 0.0
     ]
-    where = ", ".join(f"{method} at {at}" for method, at in _grouped(found))
+    where = ", ".join(f"{method} at {frictions}" for method, frictions in _grouped(found))
     text = f"one bearing in twenty or more is beyond a limit when new: {where}"
     return _sentence(text) if found else ""
 
@@ -273,7 +273,9 @@ def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
     texts: dict[str, list[str]] = {}
     for method in dict.fromkeys(life.method for life in lives):
         ends = _grouped((life.end, life.friction) for life in lives if life.method == method)
-        text = "; ".join(end + (f" at {at}" if len(ends) > 1 else "") for end, at in ends)
+        text = "; ".join(
+            end + (f" at {frictions}" if len(ends) > 1 else "") for end, frictions in ends
+        )
         texts.setdefault(text, []).append(in_words(method))
     return [_sentence(f"{' and '.join(names)}: {text}") for text, names in texts.items()]
 

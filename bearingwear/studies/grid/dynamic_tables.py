@@ -33,37 +33,37 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
     one = over_all_balls(study.sel({axis: dynamic[axis] for axis in AXES}))
     other = over_all_balls(dynamic)
     shared = [name for name in other.data_vars if name in one]
-    both = {
+    solved = {
         f"{name}.{way}": found[name]
         for name in shared
         for way, found in (("steady", one), ("dynamic", other))
     }
     alone = {name: v for name, v in other.data_vars.items() if name not in shared}
-    return xr.Dataset(both | alone, attrs=dynamic.attrs)
+    return xr.Dataset(solved | alone, attrs=dynamic.attrs)
 
 
 def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
     """Step: every number of both as CSV, and the few that matter as Markdown."""
-    both = steady_and_dynamic(*both_ways(study, dynamic))
-    return cases_csv(both), _text(both)
+    solved = steady_and_dynamic(*both_ways(study, dynamic))
+    return cases_csv(solved), _text(solved)
 
 
-def _text(both: xr.Dataset) -> str:
-    change = (both["total_qv.dynamic"] / both["total_qv.steady"] - 1.0).rename("total_qv")
+def _text(solved: xr.Dataset) -> str:
+    change = (solved["total_qv.dynamic"] / solved["total_qv.steady"] - 1.0).rename("total_qv")
     change.attrs = {"units": "1", "shown": "%"}
     wear: list[tuple[xr.DataArray | str, str]]
     wear = [(f"ball_wear_rate.{way}", way) for way in WAYS]
     wear += [
-        (both[f"race_wear_rate.{way}"].isel(race=k), f"{race}, {way}")
+        (solved[f"race_wear_rate.{way}"].isel(race=k), f"{race}, {way}")
         for k, race in enumerate(RACES)
         for way in WAYS
     ]
-    wear += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in both]
+    wear += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in solved]
     drift = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
     still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged."
     blocks = (
         table_of(
-            both,
+            solved,
             [*AXES],
             [
                 *((f"total_qv.{way}", way) for way in WAYS),
@@ -73,43 +73,43 @@ def _text(both: xr.Dataset) -> str:
             "QV and preload",
             ("QV is that of the whole bearing.",),
         ),
-        table_of(both, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in both],)),
+        table_of(solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)),
         table_of(
-            both,
+            solved,
             [*AXES],
-            [(name, "") for name in drift if name in both],
+            [(name, "") for name in drift if name in solved],
             "How settled the means are",
-            tuple(_unsettled(both)) or (still,),
+            tuple(_unsettled(solved)) or (still,),
         ),
-        Block("Not solved", lines=tuple(_unsolved(both)) or (ALL_SOLVED,)),
+        Block("Not solved", lines=tuple(_unsolved(solved)) or (ALL_SOLVED,)),
     )
-    title = f"{scene_of(both)['name']}: solved dynamically, beside the steady state"
+    title = f"{scene_of(solved)['name']}: solved dynamically, beside the steady state"
     return as_markdown(Document((title,), blocks=blocks))
 
 
-def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
+def _points(solved: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
     """Each case in words and its place in the grid."""
-    for i, (name, _) in enumerate(methods(both)):
-        for j, mu in enumerate(both["friction"].values):
-            for k, loss in enumerate(both["ball_diameter_loss"].values):
+    for i, (name, _) in enumerate(methods(solved)):
+        for j, mu in enumerate(solved["friction"].values):
+            for k, loss in enumerate(solved["ball_diameter_loss"].values):
                 yield [in_words(name), f"{mu:g}", f"{loss:g}"], (i, j, k)
 
 
-def _unsettled(both: xr.Dataset) -> Iterator[str]:
+def _unsettled(solved: xr.Dataset) -> Iterator[str]:
     drifts = {"QV": "qv_drift_per_turn", "the wear of all parts": "wear_rate_drift_per_turn"}
     for what, name in drifts.items():
-        if name in both:
-            drift = (both[name] * both["evaluated_turns"]).transpose(*AXES).values
-            for words, index in _points(both):
+        if name in solved:
+            drift = (solved[name] * solved["evaluated_turns"]).transpose(*AXES).values
+            for words, index in _points(solved):
                 if abs(drift[index]) > LARGEST_DRIFT:
                     case, change = _case_in_words(words), f"{100 * drift[index]:+.2g} %"
                     yield f"{case}: {what} still drifts by {change} over the turns averaged"
 
 
-def _unsolved(both: xr.Dataset) -> Iterator[str]:
-    for words, index in _points(both):
+def _unsolved(solved: xr.Dataset) -> Iterator[str]:
+    for words, index in _points(solved):
         for way in WAYS:
-            status = int(both[f"status.{way}"].transpose(*AXES).values[index])
+            status = int(solved[f"status.{way}"].transpose(*AXES).values[index])
             if status != OK:
                 yield f"{_case_in_words(words)}, {way}: {in_words(STATUS_NAMES[status])}"
 

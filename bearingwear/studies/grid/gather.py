@@ -131,12 +131,12 @@ def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
         What the case files would hold, in the same order.
     """
     attributes: dict[str, Any] = {}
-    told = "[]"
+    warnings = "[]"
 
     def read() -> Iterator[xr.Dataset]:
-        nonlocal told
+        nonlocal warnings
         for dataset in datasets:
-            told = gathered_warnings([{"warnings": told}, dataset.attrs])
+            warnings = gathered_warnings([{"warnings": warnings}, dataset.attrs])
             attributes.update(attributes or dataset.attrs | _identity(dataset, Path("chunk"))[1])
             yield dataset
 
@@ -149,7 +149,7 @@ def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     for key in ("wall_time_s", "modelled", "residual"):
         attributes.pop(key, None)
     title = f"{len(cases)} cases of {json.loads(attributes['scene'])['name']}"
-    more = {"title": title, "warnings": told}
+    more = {"title": title, "warnings": warnings}
     return whole.assign_coords(coords).assign_attrs(attributes | more)
 
 

@@ -238,8 +238,8 @@ def _margins(fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float) 
             values = {one: fine[one].values[k] for one in measure.variables if one in fine}
             return measure.critical(lambda one: values.get(one, np.nan), preload_N)[0]
 
-        along = np.array([at(k) for k in range(fine.sizes["ball_diameter_loss"])])
-        found[name] = measure.margin(along, limit)
+        margins = np.array([at(k) for k in range(fine.sizes["ball_diameter_loss"])])
+        found[name] = measure.margin(margins, limit)
     return found
 
 
@@ -250,10 +250,10 @@ def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float,
         met = np.flatnonzero(margin <= 1e-12)  # the last grid point may be the limit itself
         if met.size:
             k = int(met[0])
-            at = loss[0]
+            end_loss = loss[0]
             if k > 0:
                 share = margin[k - 1] / (margin[k - 1] - margin[k])
-                at = loss[k - 1] + min(share, 1.0) * (loss[k] - loss[k - 1])
-            if not at >= end:
-                end, first = float(at), name
+                end_loss = loss[k - 1] + min(share, 1.0) * (loss[k] - loss[k - 1])
+            if not end_loss >= end:
+                end, first = float(end_loss), name
     return end, first

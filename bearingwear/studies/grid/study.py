@@ -142,7 +142,7 @@ def _lived(plan: Plan) -> list[Step]:
             },
             scene=SCENE,
             replaced=tuple(GRID_KEYS.values()),
-            settings=lambda of: {"changes": plan.dynamic_changes(*of), "fidelity": "dynamic"},
+            settings=lambda point: {"changes": plan.dynamic_changes(*point), "fidelity": "dynamic"},
             about="{scene}: a case solved dynamically",
             label="{scene}, dynamic: {case}",
             seconds=8.5,  # at 60 turns of the shaft
@@ -169,9 +169,9 @@ def _lived(plan: Plan) -> list[Step]:
                 for mu in plan.grids[scene].friction
             },
             scene=SCENE,
-            settings=lambda of: {
-                "friction": of[1],
-                "methods": plan.grids[of[0]].preload_method,
+            settings=lambda point: {
+                "friction": point[1],
+                "methods": plan.grids[point[0]].preload_method,
                 "samples": plan.uncertain_lives.samples,
                 "seed": plan.uncertain_lives.seed,
             },

@@ -84,8 +84,8 @@ class Batches:
         self.rows = np.stack([values[name].ravel() for name in names], axis=-1)
         factor = []
         for one in of_batches:
-            both = np.column_stack([np.tile(one, (len(of_wear), 1)), of_wear])
-            worn = values_at(scene, [*unknown, *fixed], both)[:, len(unknown) :]
+            rows = np.column_stack([np.tile(one, (len(of_wear), 1)), of_wear])
+            worn = values_at(scene, [*unknown, *fixed], rows)[:, len(unknown) :]
             factor.append(wear_factor(scene, fixed, worn))
         self.factor = np.array(factor)
 
@@ -131,10 +131,10 @@ def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> Ba
 
 def _of_lives(hours: np.ndarray, factor: np.ndarray) -> np.ndarray:
     """Quantiles over bearings (the second axis), and of these over batches and their factors."""
-    over = np.nanquantile if np.isnan(hours).any() else np.quantile
-    of_each = over(hours, PROBABILITIES, axis=1)  # (probability, batch, 2)
+    quantile = np.nanquantile if np.isnan(hours).any() else np.quantile
+    of_each = quantile(hours, PROBABILITIES, axis=1)  # (probability, batch, 2)
     every = (of_each[:, :, None] * factor[..., None]).reshape(len(PROBABILITIES), -1, 2)
-    return over(every, BATCH_PROBABILITIES, axis=1)
+    return quantile(every, BATCH_PROBABILITIES, axis=1)
 
 
 def _probabilities(values: int, count: int, seed: int) -> np.ndarray:

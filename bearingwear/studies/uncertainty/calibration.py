@@ -163,8 +163,8 @@ def calibrated(
     ]
     seen = [_observation(*one) for one in zip(found, curves, rows, strict=True)]
     before, after = posterior(prior, []), posterior(prior, seen)
-    by = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
-    new = _carried(scene, friction, after, by)
+    calibration = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
+    new = _carried(scene, friction, after, calibration)
     data = calibration_dataset(
         scene=new,
         unit=_wear_of(scene),
@@ -244,15 +244,15 @@ def _found(curve: Callable[[Scene, bool], Curve], scene: Scene, torque: bool, wh
         raise CaseFileError(f"{where}: {error}") from None
 
 
-def _observation(test: BearingTest, of: Curve, where: str) -> Observation:
-    scatter = math.hypot(of.scatter, test.error)
+def _observation(test: BearingTest, curve: Curve, where: str) -> Observation:
+    scatter = math.hypot(curve.scatter, test.error)
     if scatter == 0.0:
         problem = "got a measurement without error of bearings without scatter, expected one > 0"
         raise CaseFileError(f"{where}: error_percent: {problem}")
     torque = test.seen == SEEN_TORQUE
     return Observation(
         seen=math.log(1e-3 * test.value if torque else test.after),
-        model=of.model,
+        model=curve.model,
         scatter=scatter,
         of_wear=not torque,
         censored=test.seen == SEEN_RUN_OUT,
@@ -294,12 +294,12 @@ def _curve(
     if not friction:
         constant = values[0] + shift
         return Curve(lambda x: np.full(len(x), constant), 0.0, scatter)
-    at, known = nodes[:_NODES], values[:_NODES]
+    positions, known = nodes[:_NODES], values[:_NODES]
     used = np.isfinite(known)
-    line = PchipInterpolator(at[used], known[used])
+    line = PchipInterpolator(positions[used], known[used])
     missed = np.abs(line(nodes[_NODES:]) - values[_NODES:])
     error = float(np.nanmax(missed)) if np.isfinite(missed).any() else math.nan
-    first, last = at[used][[0, -1]]
+    first, last = positions[used][[0, -1]]
 
     def model(x: np.ndarray) -> np.ndarray:
         near = np.clip(x, first, last)
@@ -353,7 +353,7 @@ def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[f
     return math.hypot(float(logs.std()), wear.deviation), shift
 
 
-def _carried(scene: Scene, friction: str, after: Posterior, by: Calibrated) -> Scene:
+def _carried(scene: Scene, friction: str, after: Posterior, calibration: Calibrated) -> Scene:
     """The scene with the middles that the tests leave, and what they leave unknown."""
     x, y = after.normal("x"), after.normal("y")
     spread = dict(scene.uncertainty or {})
@@ -372,7 +372,7 @@ def _carried(scene: Scene, friction: str, after: Posterior, by: Calibrated) -> S
         middle = perturbed(found, {friction: _short(x)})
         assert middle is not None
         found = middle
-    return replace(found, uncertainty=spread, calibrated=by)
+    return replace(found, uncertainty=spread, calibrated=calibration)
 
 
 def _short(x: Normal) -> float:

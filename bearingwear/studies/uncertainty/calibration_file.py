@@ -130,7 +130,7 @@ def calibration_dataset(
             _STAGE: None,
             _LIFE_PROBABILITY: LIFE_PROBABILITIES,
             _BATCH: (_ENDS[0], 0.5, _ENDS[1]),
-            **{CALIBRATION_VARIABLES[name]: at for name, at in axes.items()},
+            **{CALIBRATION_VARIABLES[name]: values for name, values in axes.items()},
         },
         [found],
         title=f"Calibration of {scene.name}",
@@ -147,8 +147,8 @@ def _of_stages(
     """Intervals of friction, K_s/H and life, before and after."""
     L10 = float(norm.ppf(0.1)) * scatter
 
-    def ends(of: Normal) -> list[float]:
-        return [math.exp(of.mean + float(norm.ppf(p)) * of.deviation) for p in _ENDS]
+    def ends(normal: Normal) -> list[float]:
+        return [math.exp(normal.mean + float(norm.ppf(p)) * normal.deviation) for p in _ENDS]
 
     return {
         "friction_interval": [ends(one.normal("x")) for one in stages],
@@ -198,8 +198,8 @@ def _spanned(normals: Sequence[Normal]) -> np.ndarray:
     return np.linspace(low, high, _POINTS)
 
 
-def _marginal(grid: np.ndarray, shares: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _marginal(grid: np.ndarray, shares: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Density along one axis at some of its points."""
     if len(grid) == 1:
-        return np.zeros(len(at))
-    return np.interp(at, grid, shares / (grid[1] - grid[0]), left=0.0, right=0.0)
+        return np.zeros(len(points))
+    return np.interp(points, grid, shares / (grid[1] - grid[0]), left=0.0, right=0.0)

@@ -40,7 +40,7 @@ _COLOURS = dict(zip(STAGES, ("0.6", "black"), strict=True))
 def calibration_sheet(file: Any) -> Document:
     """Friction, K_s/H and life before and after, the tests, and what disagrees."""
     scene = json.loads(file.scene)
-    by = scene["calibrated"]
+    calibration = scene["calibrated"]
     film = "ball_race" not in scene["friction"]
     friction = ("film's shear strength", "MPa") if film else ("friction", "")
     rows = [
@@ -52,20 +52,23 @@ def calibration_sheet(file: Any) -> Document:
     if "friction_density" not in file.variables:  # its friction is known
         del rows[0]
     heading = (
-        f"{scene['name']}: calibrated by {by['rows']} test{'s' * (by['rows'] > 1)} of "
-        f"{by['tests']} (SHA-256 {by['sha256'][:12]})",
+        f"{scene['name']}: calibrated by {calibration['rows']} "
+        f"test{'s' * (calibration['rows'] > 1)} of {calibration['tests']} "
+        f"(SHA-256 {calibration['sha256'][:12]})",
         *(f"conflict: {text}" for text in conflicts(file)),
     )
-    facts = {"kind": "calibration", "conflicts": conflicts(file), **by}
+    facts = {"kind": "calibration", "conflicts": conflicts(file), **calibration}
     tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
     scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
-    told = (
+    summary = (
         f"Lives scatter by a factor of {digits(float(np.exp(scatter)))} within a batch (two "
         "thirds of them).",
         f"Lives are interpolated over friction to {100 * error:.1g} %.",
         "Probability: of a test as far from the model or farther, the others known.",
     )
-    return Document(heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=told)))
+    return Document(
+        heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=summary))
+    )
 
 
 def conflicts(file: Any) -> list[str]:
@@ -78,8 +81,8 @@ def conflicts(file: Any) -> list[str]:
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
         moved = float(getattr(file, name))
         if abs(moved) > _FAR:
-            by = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
-            found.append(f"{words} of the tests lies {by} what {scene['name']} had")
+            distance = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
+            found.append(f"{words} of the tests lies {distance} what {scene['name']} had")
     return found
 
 
@@ -97,12 +100,12 @@ def _tests(file: Any) -> Iterator[Row]:
     for label, flag, value, after, expected, p in of_each:
         name = SEEN[int(flag)]
         share = f"{100 * p:.2g} %"
-        between = Interval(*map(float, expected))
+        interval = Interval(*map(float, expected))
         unit = SEEN_AS[name].unit
         if name in (SEEN_LOSS, SEEN_PRELOAD):
             label, value, unit = f"{label} {digits(float(value))} {unit} after", after, "h"
         text = f"> {digits(float(value))}" if name == SEEN_RUN_OUT else digits(float(value))
-        yield Row(label, unit, (text, between, share))
+        yield Row(label, unit, (text, interval, share))
 
 
 def _pair(file: Any, name: str, ends: tuple[int, int] = (0, 1)) -> tuple[Interval, ...]:
@@ -119,12 +122,12 @@ def calibration_figure(found: xr.Dataset) -> Figure:
         panels.insert(0, ("friction", "friction_density", label, "density of its logarithm"))
     panels.append(("hours", "failed_share", "life (h)", "share of bearings failed"))
     figure, axes = new_figure(1, len(panels), 3.2 * len(panels), 3.2)
-    for panel, (axis, name, along, up) in zip(axes[0], panels, strict=True):
+    for panel, (axis, name, x_label, y_label) in zip(axes[0], panels, strict=True):
         for k, colour in enumerate(_COLOURS.values()):
             panel.plot(found[axis], found[name].isel(stage=k), color=colour)
         panel.set_xscale("log" if axis != "friction" else "linear")
-        panel.set_xlabel(along)
-        panel.set_ylabel(up)
+        panel.set_xlabel(x_label)
+        panel.set_ylabel(y_label)
         panel.set_ylim(0.0)
     for k, time in enumerate(found["after"].values):
         if np.isfinite(time) and SEEN[int(found["seen"][k])] in (SEEN_LIFE, SEEN_RUN_OUT):

@@ -114,16 +114,16 @@ def found_lives(
     return _found(hertzian, followed=worn.solved, groove_error=worn.error)
 
 
-def _found(of: Interpolated, **grooves: Any) -> FoundLives:
-    status = of.kind[:, 0]
-    life = np.exp(of.log)
+def _found(interpolated: Interpolated, **grooves: Any) -> FoundLives:
+    status = interpolated.kind[:, 0]
+    life = np.exp(interpolated.log)
     life[status != OK] = np.nan
     return FoundLives(
         life=life,
         status=status,
-        end_criterion=of.kind[:, 1],
-        solved=of.solved,
-        error=of.error,
+        end_criterion=interpolated.kind[:, 1],
+        solved=interpolated.solved,
+        error=interpolated.error,
         **grooves,
     )
 

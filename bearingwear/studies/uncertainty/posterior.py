@@ -120,15 +120,15 @@ class Posterior:
         step = self.y[1] - self.y[0]
         return self.density * step
 
-    def mean(self, of: np.ndarray) -> float:
+    def mean(self, values: np.ndarray) -> float:
         """Mean of a function given on the grid, (n, 1), (1, m) or (n, m)."""
-        return float((self.shares * of).sum())
+        return float((self.shares * values).sum())
 
     def normal(self, axis: str) -> Normal:
         """Mean and standard deviation of x or y."""
-        of = self.x[:, None] if axis == "x" else self.y[None, :]
-        mean = self.mean(of)
-        return Normal(mean, float(np.sqrt(max(self.mean((of - mean) ** 2), 0.0))))
+        axis_values = self.x[:, None] if axis == "x" else self.y[None, :]
+        mean = self.mean(axis_values)
+        return Normal(mean, float(np.sqrt(max(self.mean((axis_values - mean) ** 2), 0.0))))
 
     def correlation(self) -> float:
         """Correlation of x and y; zero if one of them is known."""
@@ -143,10 +143,10 @@ class Posterior:
         least = np.clip(model(self.x) - value, self.y[0], self.y[-1])
         pieces = self._integral
         k = np.clip(np.searchsorted(pieces.x, least) - 1, 0, len(pieces.x) - 2)
-        into, rows = least - pieces.x[k], np.arange(len(self.x))
+        offset, rows = least - pieces.x[k], np.arange(len(self.x))
         up_to = np.zeros(len(rows))
         for coefficient in pieces.c[:, k, rows]:
-            up_to = up_to * into + coefficient
+            up_to = up_to * offset + coefficient
         return float(1.0 - up_to.sum())
 
     def median_quantile(self, model: LogModel, probability: float, deviates: float = 0.0) -> float:
@@ -222,11 +222,11 @@ def probabilities(prior: Prior, tests: Sequence[Observation]) -> list[float]:
     return found
 
 
-def _axis(of: Normal, wide: float, points: int) -> np.ndarray:
-    half = wide * of.deviation
+def _axis(normal: Normal, wide: float, points: int) -> np.ndarray:
+    half = wide * normal.deviation
     if half == 0.0:
-        return np.array([of.mean])
-    return np.linspace(of.mean - half, of.mean + half, points)
+        return np.array([normal.mean])
+    return np.linspace(normal.mean - half, normal.mean + half, points)
 
 
 def _normalised(density: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -81,17 +81,17 @@ def quantiles_and_indices(
     CaseFileError
         One line: a file that is no such part, of another scene or sampling, or parts missing.
     """
-    of, plan = uncertain_scene(scene), Sampling(**sampling)
-    found = _parts(parts, of, plan)
+    problem_scene, plan = uncertain_scene(scene), Sampling(**sampling)
+    found = _parts(parts, problem_scene, plan)
     methods = list(dict.fromkeys(method for method, _ in found))
     table = [
-        _analysed(of, method, found[method, choice], plan)
+        _analysed(problem_scene, method, found[method, choice], plan)
         for method in methods
         for choice in PRELOAD_CHOICES
     ]
-    names = tuple(of.uncertainty or {})
+    names = tuple(problem_scene.uncertainty or {})
     quantity = Variable("quantity", ("quantity",), "", "uncertain value", dtype="i1", flags=names)
-    return _dataset(of, plan, methods, PRELOAD_CHOICES, table, {quantity: None})
+    return _dataset(problem_scene, plan, methods, PRELOAD_CHOICES, table, {quantity: None})
 
 
 def _parts(
@@ -169,8 +169,8 @@ def own_quantiles(
     tell: Tell | None = None,
 ) -> xr.Dataset:
     """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
-    at = dict.fromkeys(methods, scene.operation.preload_N)
-    return _quantiles_at(scene, at, plan, OWN, workers, tell)
+    preloads = dict.fromkeys(methods, scene.operation.preload_N)
+    return _quantiles_at(scene, preloads, plan, OWN, workers, tell)
 
 
 def recommended_life_quantiles(
@@ -185,13 +185,13 @@ def recommended_life_quantiles(
         As of `life_quantiles`.
     """
     base, found = uncertain_scene(scene), load(recommendation)
-    at = {
+    preloads = {
         PRELOAD_METHODS[int(flag)]: float(preload)
         for flag, preload in zip(found["preload_method"], found["preload"], strict=True)
         if np.isfinite(preload)
     }
     recommended_for(base, found)
-    return _quantiles_at(base, at, Sampling(samples=samples, seed=seed), AS_RECOMMENDED)
+    return _quantiles_at(base, preloads, Sampling(samples=samples, seed=seed), AS_RECOMMENDED)
 
 
 def _quantiles_at(
@@ -205,11 +205,11 @@ def _quantiles_at(
     """Quantiles of the life at a preload [N] of each method."""
     table = []
     for method, preload in preloads.items():
-        of = with_preload(scene, method, preload)
-        rows, batches = independent_rows(of, plan), Batches(of, plan)
+        preloaded = with_preload(scene, method, preload)
+        rows, batches = independent_rows(preloaded, plan), Batches(preloaded, plan)
         if tell:
             tell(f"{method}: sampling {len(rows)} lives, and as many of batches")
-        found = lives(of, np.vstack([_middle(of), rows, batches.rows]), workers, tell)
+        found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
         life = found.life[1 : len(rows) + 1]
         solved = found.status[1 : len(rows) + 1] == OK
         analysed = {
@@ -276,8 +276,8 @@ def _analysed(
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
     widened = widened_by(found["interpolation_error"], found["groove_error"])
-    both = [np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)]
-    found |= _quantiles_of(both[0], both[1], widened)
+    halves = [np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)]
+    found |= _quantiles_of(halves[0], halves[1], widened)
     shape = 2, len(scene.uncertainty or {}), 2
     for name, variable in ANALYSED.items():
         if variable.dims == INDEX:
@@ -321,14 +321,14 @@ def _quantiles_of(life: np.ndarray, factor: np.ndarray, widened: float) -> dict[
 
     Confidence intervals are widened by a share for lives that are interpolated.
     """
-    both = np.stack([life, life / factor[:, None]])
-    found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in both])
+    lives = np.stack([life, life / factor[:, None]])
+    found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in lives])
     found[:, :, 1] *= 1.0 - widened
     found[:, :, 2] *= 1.0 + widened
     names = ("life_quantile", "life_quantile_low", "life_quantile_high")
     ends = {name: found[:, :, k].swapaxes(1, 2) for k, name in enumerate(names)}
     step = math.ceil(len(life) / MOST_MEMBERS)
-    return ends | {"life_sample": np.sort(both, axis=1)[:, step // 2 :: step]}
+    return ends | {"life_sample": np.sort(lives, axis=1)[:, step // 2 :: step]}
 
 
 def quantiles(life: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -64,9 +64,9 @@ def sample(scene: Scene, plan: Sampling) -> np.ndarray:
 
     A scrambled Sobol sequence in Saltelli's arrangement; the same for the same seed.
     """
-    of = problem(scene)
-    unit = sobol_sample.sample(of, plan.samples, calc_second_order=False, seed=plan.seed)
-    return values_at(scene, of["names"], unit).reshape(plan.samples, -1, of["num_vars"])
+    sampled = problem(scene)
+    unit = sobol_sample.sample(sampled, plan.samples, calc_second_order=False, seed=plan.seed)
+    return values_at(scene, sampled["names"], unit).reshape(plan.samples, -1, sampled["num_vars"])
 
 
 @dataclass(frozen=True, kw_only=True)

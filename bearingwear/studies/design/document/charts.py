@@ -80,7 +80,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
     given = limits_of(design).given
     beyond = {name: _beyond(line) for name, line in points.items()}
     taken = {name: float(one["preload"]) for name, one in methods(recommendation)}
-    at = [preload for line in points.values() for preload, _ in line]
+    preloads = [preload for line in points.values() for preload, _ in line]
     *rows, notes = brief_rows([one for line in points.values() for _, one in line], basis)
     for row in rows:
         measure, (_, factor) = LIMITED.get(row.name), scale_of(row.unit)
@@ -110,7 +110,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             lines=lines,
             limit=None if limit is None or not measure else factor * measure.in_files(limit, 1.0),
             at_least=bool(measure and measure.falls),
-            log_x=max(at) > _DECADES * min(at),
+            log_x=max(preloads) > _DECADES * min(preloads),
             log_y=bool(known) and max(known) > _DECADES * min(known),
         )
 
@@ -129,13 +129,13 @@ def _number(value: float) -> float | None:
 def _beyond(line: Sequence[tuple[float, xr.Dataset]]) -> list[tuple[float, float]]:
     """Ranges of the preload in which a limit is passed, its place between two preloads guessed."""
     margins = [_margin(one) for _, one in line]
-    at = np.log([preload for preload, _ in line])
-    edges = [float(at[0])] if margins[0] < -SAME else []
+    log_preloads = np.log([preload for preload, _ in line])
+    edges = [float(log_preloads[0])] if margins[0] < -SAME else []
     for k, (a, b) in enumerate(zip(margins, margins[1:], strict=False)):
         if (a < -SAME) != (b < -SAME):
             share = min(max(a / (a - b), 0.0), 1.0) if abs(a) < 1.0 and abs(b) < 1.0 else 0.5
-            edges.append(float(at[k] + share * (at[k + 1] - at[k])))
-    edges += [float(at[-1])] if len(edges) % 2 else []
+            edges.append(float(log_preloads[k] + share * (log_preloads[k + 1] - log_preloads[k])))
+    edges += [float(log_preloads[-1])] if len(edges) % 2 else []
     ends = [float(f"{math.exp(edge):.4g}") for edge in edges]
     return list(zip(ends[::2], ends[1::2], strict=True))
 

@@ -154,9 +154,9 @@ def _numbers_of(points: Sequence[CheckedPreload], limit: float | None) -> Block:
 def _beyond(one: Compared, limit: float | None) -> str:
     """Whether both differ by more than their errors; of the slip share, which side of its limit."""
     if one.name == SHARE_LABEL and limit is not None:
-        within = (one.steady <= limit) + (one.dynamic <= limit)
+        allowed = (one.steady <= limit) + (one.dynamic <= limit)
         words = ("both beyond", "one within, one beyond", "both within")
-        return f"{words[within]} the limit {limit:g}"
+        return f"{words[allowed]} the limit {limit:g}"
     return ("yes" if one.beyond else "no") if np.isfinite(one.errors) else "–"
 
 
@@ -250,7 +250,7 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
             one.name: one for one in sorted(numbers, key=lambda n: (n.beyond, abs(n.difference)))
         }
         share = worst.pop(SHARE_LABEL)
-        within, beyond = (
+        allowed, beyond = (
             "; ".join(
                 f"{one.name.partition(' (')[0]} {_at(one)} (estimates {100.0 * one.errors:.2g} %)"
                 for one in worst.values()
@@ -258,11 +258,11 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
             )
             for way in (False, True)
         )
-        agrees = "agrees" if within else "does not agree"
-        partly = "in part" if within and beyond else "within the numerical error estimates of both"
+        agrees = "agrees" if allowed else "does not agree"
+        partly = "in part" if allowed and beyond else "within the numerical error estimates of both"
         said = [
             f"The dynamic model {agrees} with the steady values of the map {partly}.",
-            *([f"The largest differences within the estimates: {within}."] if within else []),
+            *([f"The largest differences within the estimates: {allowed}."] if allowed else []),
             *([f"Beyond them: {beyond}."] if beyond else []),
             f"The {SHARE_LABEL} differs {_at(share)} at most.",
         ]

@@ -248,8 +248,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         if band:
             by_table = f" ({taken})" if taken else ""
             said.append(f"{BEARINGS_BETWEEN} last {band.text} h by wear alone{by_table}.")
-    by = scene.get("calibrated")
-    return [*said, CALIBRATED.format(**by) if by else NO_CLOCK]
+    calibration = scene.get("calibrated")
+    return [*said, CALIBRATED.format(**calibration) if calibration else NO_CLOCK]
 
 
 def by_ball_track(found: xr.Dataset) -> list[str]:
@@ -257,12 +257,12 @@ def by_ball_track(found: xr.Dataset) -> list[str]:
     lives = found["life_by_ball_track"].values
     if len(lives) < 2 or not np.isfinite(lives).all():
         return []
-    told = []
+    sentences = []
     tracks = flag_names(found["ball_track"])
     for track, column in zip(tracks, lives.T.tolist(), strict=True):
         hours = " and ".join(Rough(life).text for life in column)
-        told.append(f"{hours} h with balls that wear {TRACK_WORDS[track]}")
-    return [f"{' and '.join(method_names(found))} last {', '.join(told)}.".capitalize()]
+        sentences.append(f"{hours} h with balls that wear {TRACK_WORDS[track]}")
+    return [f"{' and '.join(method_names(found))} last {', '.join(sentences)}.".capitalize()]
 
 
 def what_is_not_possible(found: xr.Dataset) -> list[str]:

@@ -279,8 +279,8 @@ def _in_cases(found: xr.Dataset, held: list[str]) -> tuple[str, ...]:
     words = []
     for text, (_, one), cases in zip(held, methods(found), of_methods, strict=True):
         limit = LIMITED.get(ACTIVE[int(one["active_limit"])])
-        at = {name: float(one[name]) for name in limit.extremes} if limit else {}
-        name = limit.critical(at.__getitem__)[1] if limit else ""
+        extremes = {name: float(one[name]) for name in limit.extremes} if limit else {}
+        name = limit.critical(extremes.__getitem__)[1] if limit else ""
         words.append(f"{text} ({cases[name]})" if name in cases else text)
     return tuple(words)
 
@@ -299,16 +299,20 @@ def _floats(values: Any) -> tuple[float, ...]:
 def _new_and_worn(found: xr.Dataset) -> Block:
     """Of the recommended bearings, when new and at the end of life."""
     columns = {
-        f"{words}, {when}": (lambda name, one=one, at=at: float(one[f"{name}_at_{at}"]))
+        f"{words}, {state}": (lambda name, one=one, end=end: float(one[f"{name}_at_{end}"]))
         for words, (_, one) in zip(method_names(found), methods(found), strict=True)
         if one["status"] == OK
-        for when, at in (("new", "start"), ("worn", "end"))
+        for state, end in (("new", "start"), ("worn", "end"))
     }
-    of = columns.values()
-    rows = [quantity_row("residual preload", "N", (each("residual_preload") for each in of))]
+    value_of = columns.values()
+    rows = [quantity_row("residual preload", "N", (each("residual_preload") for each in value_of))]
     rows += [
         quantity_row(
-            one.short, one.si_unit, (one.critical(each)[0] for each in of), one.key, one.shown_as
+            one.short,
+            one.si_unit,
+            (one.critical(each)[0] for each in value_of),
+            one.key,
+            one.shown_as,
         )
         for one in SHORT_TABLE
     ]

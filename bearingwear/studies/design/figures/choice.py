@@ -80,12 +80,12 @@ def design_figure(
         _hertzian(over_preload, name, one.isel(loss_basis=basis))
     best = front(line, basis)
     for k, (name, one) in enumerate(methods(line)):
-        within = (one["status"] == OK) & (one["impractical"] == 0)
+        allowed = (one["status"] == OK) & (one["impractical"] == 0)
         for margin in limit_margins(one, limits):
-            within &= margin >= 0.0
-        _over_preload(over_preload, name, one, within)
+            allowed &= margin >= 0.0
+        _over_preload(over_preload, name, one, allowed)
         on_front = best.isel(preload_method=k).values
-        _over_stiffness(over_stiffness, name, one.isel(loss_basis=basis), within, on_front)
+        _over_stiffness(over_stiffness, name, one.isel(loss_basis=basis), allowed, on_front)
         failed |= mark_failed(over_preload, one["preload"], one["status"], COLOURS[name], k)
         chosen = recommendation.isel(preload_method=k, loss_basis=basis)
         if np.isfinite(chosen["preload"]):
@@ -137,13 +137,13 @@ def as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
         panel.xaxis.set_major_formatter("{x:g}")
 
 
-def _over_preload(panel: Any, name: str, one: xr.Dataset, within: xr.DataArray) -> None:
+def _over_preload(panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray) -> None:
     """Lives of a method by both ways of counting, pale where a limit is passed."""
     for way, dash in LOSS_DASHES.items():
         lives = one["life"].isel(loss_basis=COUNTS.index(way)).where(lambda h: h > 0.0)
         look = {"color": COLOURS[name], "linestyle": dash}
         panel.plot(one["preload"], lives, **PALE, **look)
-        panel.plot(one["preload"], lives.where(within), **look)
+        panel.plot(one["preload"], lives.where(allowed), **look)
         for k, end in new_ends(one):
             mark = {"marker": ENDS[end].mark, "markersize": 5, "markerfacecolor": "white"}
             panel.plot(one["preload"][k], lives[k], color=COLOURS[name], zorder=4, **mark)
@@ -165,7 +165,7 @@ def _hertzian(panel: Any, name: str, one: xr.Dataset) -> None:
 
 
 def _over_stiffness(
-    panel: Any, name: str, one: xr.Dataset, within: xr.DataArray, on_front: np.ndarray
+    panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray, on_front: np.ndarray
 ) -> None:
     """Lives of a method, pale where a limit is passed, with dots on the Pareto front."""
     lives = one["life"].where(lambda h: h > 0.0)
@@ -173,7 +173,7 @@ def _over_stiffness(
     look = {"color": COLOURS[name]}
     dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
     panel.plot(stiffness, lives, **PALE, **look)
-    panel.plot(stiffness, lives.where(within), **look)
+    panel.plot(stiffness, lives.where(allowed), **look)
     panel.plot(stiffness[on_front], lives[on_front], **dot)
 
 

@@ -99,13 +99,13 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
     figure, panels = new_figure(1, len(COUNTS), 3.6 * len(COUNTS), 2.6)
     rows = methods(recommendation)
     for panel, (k, way) in zip(panels[0], enumerate(COUNTS), strict=True):
-        for at, (name, one) in enumerate(rows):
+        for height, (name, one) in enumerate(rows):
             life = float(one["life"].isel(loss_basis=k))
             held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
             text = f"{preload_text(one)} N, limited by {held}"
-            panel.barh(at, np.nan_to_num(life), color=COLOURS[name], height=0.5)
+            panel.barh(height, np.nan_to_num(life), color=COLOURS[name], height=0.5)
             said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
-            panel.text(0.0, at + 0.32, said, va="bottom", fontsize=7)
+            panel.text(0.0, height + 0.32, said, va="bottom", fontsize=7)
         panel.set_yticks(range(len(rows)), method_names(recommendation))
         panel.set_ylim(-0.5, len(rows) - 0.1)
         panel.set_xlabel("wear life (h)")

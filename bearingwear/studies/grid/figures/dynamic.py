@@ -75,10 +75,10 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
     for column, mu in zip(panels.T, frictions, strict=True):
         here = dynamic.sel(friction=mu)
         for data, look in ((study.sel(friction=mu), {}), (here, IN_TIME | {"marker": "o"})):
-            at = data.sel(preload_method=here["preload_method"])
-            status = at["status"] if look else None
+            cases = data.sel(preload_method=here["preload_method"])
+            status = cases["status"] if look else None
             for panel, (name, (label, unit)) in zip(column, rows_of.items(), strict=False):
-                values = at[name].mean("ball") if "ball" in at[name].dims else at[name]
+                values = cases[name].mean("ball") if "ball" in cases[name].dims else cases[name]
                 failed |= lines(panel, values, "ball_diameter_loss", label, unit, status, **look)
         for name, (_, marker) in parts.items():
             look, label = IN_TIME | {"marker": marker}, "wear rate of the cage\n"

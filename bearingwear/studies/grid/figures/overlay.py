@@ -96,12 +96,12 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             if ratios[-1] == percent(np.nan):
                 failed.append(f"{label}, {in_words(name)}")
         said.append(f"{label} {' and '.join(ratios)}")
-    for row, along in zip(
+    for row, abscissa in zip(
         panels, (ABSCISSAE["ball_diameter_loss"], "running time (h)"), strict=True
     ):
         row[0].set_ylabel(power.label("QV of the bearing"))
         for axes in row:
-            axes.set_xlabel(along)
+            axes.set_xlabel(abscissa)
             from_zero(axes)
     list_failed(panels[0, 0], failed)
     words = " and ".join(in_words(name) for name, _ in methods(lives[0]))
@@ -126,8 +126,8 @@ def _qv_of_a_life(
     lived = np.isfinite(qv) & np.isfinite(time)
     if not lived.any():
         return float("nan")
-    for axes, along in zip(column, (loss, time), strict=True):
-        axes.plot(along[lived], power.of(qv[lived]), **look, markevery=[-1])
+    for axes, abscissa in zip(column, (loss, time), strict=True):
+        axes.plot(abscissa[lived], power.of(qv[lived]), **look, markevery=[-1])
     return float(qv[lived][-1] / qv[lived][0])
 
 

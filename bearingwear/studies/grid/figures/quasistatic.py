@@ -80,8 +80,8 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
         f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} ({in_words(name)})"
         for name, state in states
     )
-    at, of = (mu_is(float(mu[k])) for k in (last, first))
-    return f"QV at {at} is {ratios} of that at {of}"
+    last_mu, first_mu = (mu_is(float(mu[k])) for k in (last, first))
+    return f"QV at {last_mu} is {ratios} of that at {first_mu}"
 
 
 def power_unit(*states: xr.Dataset) -> Display:
