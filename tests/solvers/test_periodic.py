@@ -76,7 +76,7 @@ def test_what_was_done_is_told(found):
     result = found(RADIAL)
     assert result.attrs["start"].startswith("a periodic motion")
     assert result.attrs["settled"].startswith("periodic: after 0.59")
-    assert any(text.startswith("motion: found as a per") for text in told(result))
+    assert any(text.startswith("motion: periodic, found directly") for text in told(result))
     asked = {"model.history_points_per_turn": 20, "model.simulated_turns": 1}
     marched = found(RADIAL | asked)
     assert any("history_points_per_turn" in text for text in told(marched))
