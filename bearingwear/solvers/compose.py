@@ -86,7 +86,7 @@ def solver_of(
     accuracy.
     """
     sides = tuple(
-        _warm(Steady(one, accuracy) if fidelity == "steady" else RaceControl(one))
+        _wrapped(Steady(one, accuracy) if fidelity == "steady" else RaceControl(one))
         for one in scene.one_of_alike.sides
     )
     if len(sides) == 1:
@@ -97,7 +97,8 @@ def solver_of(
     return Remembered(OnRotor(scene, scene.pair, sides, tolerance))
 
 
-def _warm(solver: Solver) -> Solver:
+def _wrapped(solver: Solver) -> Solver:
+    """The solver with the effects on the state that its scene asks for."""
     return solver if solver.scene.thermal is None else Warm(solver)
 
 
@@ -117,7 +118,7 @@ def worn_bearings(
         worn = Worn(side.scene, unworn, cells)
         if worn.bearing.status != code.OK:
             return worn.bearing.status, bearings
-        sides.append(_warm(worn))
+        sides.append(_wrapped(worn))
     if isinstance(bearings, Alone):
         return found.status, Alone(scene, tuple(sides))
     return found.status, OnRotor(scene, bearings.arrangement, tuple(sides), WORN_BALANCED)
