@@ -32,68 +32,36 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Measure:
-    """A quantity that may end a life or limit a design.
+    """A quantity that may end a life or limit a design."""
 
-    Attributes
-    ----------
-    key : str
-        Of its limit in a design and, where `end_key` is empty, of its criterion in a scene.
-    words, label : str
-        In a sentence, and in a row of a sheet (`words` where it is empty).
-    unit : str
-        As shown; limits have the same one, but shares, which are plain numbers.
-    variables : tuple of str
-        Result variables; the worst of those that a state has (others are NaN) counts.
-    kinds : tuple of str
-        What each variable is, an adjective to `words`, where there are several.
-    falls : bool
-        Whether less is worse. Of others the magnitude counts.
-    signed : bool
-        Whether its sign, which limits leave out, says something: sheets keep it.
-    over_preload : bool
-        Whether its variable counts as a share of the initial preload.
-    advice : str
-        What keeps a bearing from its limit.
-    end, limit : tuple of str
-        As a criterion and as a limit of a design: meaning of the key and its range.
-    note : str
-        On the meaning of a limit.
-    base : float
-        Added to values and limits [as in its key] where their ratio counts, so that a limit may be
-        nothing.
-    needs : tuple of str
-        Keys of `arrangement` that a scene has to give for a limit.
-    block : str
-        A block of the scene that it has to give.
-    option : str
-        Of the limit on the command line.
-    mark, letter : str
-        Of lives that it ends, and of preloads that it limits, in figures.
-    brief : bool
-        Whether it stands in short tables too.
-    """
-
-    key: str
+    key: str  # of its limit in a design and, where `end_key` is empty, of its criterion in a scene
+    # in a sentence, and in a row of a sheet (`words` where it is empty)
     words: str
-    unit: str = "%"
+    unit: str = "%"  # as shown; limits have the same one, but shares, which are plain numbers
+    # result variables; the worst of those that a state has (others are NaN) counts
     variables: tuple[str, ...]
+    # what each variable is, an adjective to `words`, where there are several
     kinds: tuple[str, ...] = ("",)
-    falls: bool = False
-    signed: bool = False
-    over_preload: bool = False
-    advice: str
+    falls: bool = False  # whether less is worse. Of others the magnitude counts.
+    signed: bool = False  # whether its sign, which limits leave out, says something: sheets keep it
+    over_preload: bool = False  # whether its variable counts as a share of the initial preload
+    advice: str  # what keeps a bearing from its limit
     label: str = ""
     end_key: str = ""
+    # as a criterion and as a limit of a design: meaning of the key and its range
     end: tuple[str, ...] = ()
     limit: tuple[str, ...] = ()
-    note: str = ""
+    note: str = ""  # on the meaning of a limit
+    # added to values and limits [as in its key] where their ratio counts, so that a limit may
+    # be nothing
     base: float = 0.0
-    needs: tuple[str, ...] = ()
-    block: str = ""
-    option: str = ""
+    needs: tuple[str, ...] = ()  # keys of `arrangement` that a scene has to give for a limit
+    block: str = ""  # a block of the scene that it has to give
+    option: str = ""  # of the limit on the command line
+    # of lives that it ends, and of preloads that it limits, in figures
     mark: str = ""
     letter: str = ""
-    brief: bool = False
+    brief: bool = False  # whether it stands in short tables too
 
     @property
     def short(self) -> str:

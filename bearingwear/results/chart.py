@@ -14,56 +14,30 @@ Point = tuple[float, float | None]
 
 @dataclass(frozen=True, kw_only=True)
 class ChartLine:
-    """A line of a preload method.
+    """A line of a preload method."""
 
-    Attributes
-    ----------
-    name, method : str
-        In words; its colour is the method's.
-    points : sequence of (float, float or None)
-        None where nothing was solved.
-    notes : sequence of str
-        Of each point, which limits it passes; empty within all of them.
-    ends : sequence of str
-        Of each point, what ends the life; empty where that is of no interest.
-    beyond : sequence of (float, float)
-        Where along x a limit is passed.
-    star : (float, float), optional
-        The point that is recommended.
-    band : (float, float), optional
-        Between what most bearings lie there.
-    """
-
+    # in words; its colour is the method's
     name: str
     method: str
-    points: Sequence[Point]
-    notes: Sequence[str]
+    points: Sequence[Point]  # none where nothing was solved
+    notes: Sequence[str]  # of each point, which limits it passes; empty within all of them
+    # of each point, what ends the life; empty where that is of no interest
     ends: Sequence[str] = ()
-    beyond: Sequence[tuple[float, float]] = ()
-    star: tuple[float, float] | None = None
-    band: tuple[float, float] | None = None
+    beyond: Sequence[tuple[float, float]] = ()  # where along x a limit is passed
+    star: tuple[float, float] | None = None  # the point that is recommended
+    band: tuple[float, float] | None = None  # between what most bearings lie there
 
 
 @dataclass(frozen=True, kw_only=True)
 class Chart:
-    """Lines over one quantity.
-
-    Attributes
-    ----------
-    title, x_label, y_label : str
-    lines : sequence of ChartLine
-    limit : float, optional
-    at_least : bool
-        Whether values below the limit pass it, not those above.
-    log_x, log_y : bool
-    """
+    """Lines over one quantity."""
 
     title: str
     x_label: str
     y_label: str
     lines: Sequence[ChartLine]
     limit: float | None = None
-    at_least: bool = False
+    at_least: bool = False  # whether values below the limit pass it, not those above
     log_x: bool = False
     log_y: bool = False
 
@@ -84,10 +58,7 @@ class Charts:
 def load_charts(path: Path) -> Charts:
     """Charts that a step of a study wrote.
 
-    Raises
-    ------
-    CaseFileError
-        One line.
+    CaseFileError: one line.
     """
     with read_as(path, "charts"):
         read = json.loads(path.read_text(encoding="utf-8"))

@@ -73,10 +73,7 @@ def difference(
         Whether scene, model and variables are the same. How a file was made (versions, source
         hash, solver statistics) is shown where it differs, but does not count.
 
-    Raises
-    ------
-    CaseFileError
-        A file that cannot be read, or files of different kinds.
+    CaseFileError where a file cannot be read, or the files are of different kinds.
     """
     with opened(first) as a, opened(second) as b:
         kind, other_kind = kind_of(a), kind_of(b)

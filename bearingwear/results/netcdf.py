@@ -47,9 +47,7 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
 
     The file appears under its name only when it is complete.
 
-    Raises
-    ------
-    OutputError
+    May raise OutputError.
     """
     import netCDF4
 
@@ -176,10 +174,7 @@ def _indexed(entries: Mapping[str, Entry], by_name: bool) -> xr.Coordinates:
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a result file into memory and close it.
 
-    Raises
-    ------
-    CaseFileError
-        Missing, empty, truncated, or not one of this package's files.
+    CaseFileError: missing, empty, truncated, or not one of this package's files.
     """
     import xarray as xr
 
@@ -199,10 +194,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 def header(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Global attributes of a result file; its values are not read.
 
-    Raises
-    ------
-    CaseFileError
-        As `load`.
+    CaseFileError: as `load`.
     """
     with opened(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
@@ -216,9 +208,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
     ------
     netCDF4.Dataset
 
-    Raises
-    ------
-    CaseFileError
+    May raise CaseFileError.
     """
     import netCDF4
 
@@ -237,9 +227,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
 def readable(path: str | os.PathLike[str]) -> None:
     """Refuse a file that is not netCDF, with a better reason than the libraries give.
 
-    Raises
-    ------
-    CaseFileError
+    May raise CaseFileError.
     """
     name = os.fspath(path)
     try:
@@ -260,9 +248,7 @@ def readable(path: str | os.PathLike[str]) -> None:
 def read_as(path: str | os.PathLike[str], what: str) -> Iterator[None]:
     """Report any fault in reading a file of JSON in one line, with what it should hold.
 
-    Raises
-    ------
-    CaseFileError
+    May raise CaseFileError.
     """
     try:
         yield

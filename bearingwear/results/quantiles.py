@@ -130,9 +130,7 @@ Spreads = dict[str, Spread]
 def load_quantiles(path: str | Path) -> xr.Dataset:
     """A file of the study of uncertainty.
 
-    Raises
-    ------
-    CaseFileError
+    May raise CaseFileError.
     """
     found = load(path)
     if found.attrs.get("kind") != KIND:

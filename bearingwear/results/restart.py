@@ -35,10 +35,8 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
     dict
         `state` (m,) in SI units, `time` [s], `scene` as plain data.
 
-    Raises
-    ------
-    CaseFileError
-        One line: no such case, not solved, of another version of the solver, of another scene.
+    CaseFileError: one line: no such case, not solved, of another version of the solver, of
+    another scene.
     """
     name = os.fspath(path)
     with opened(path) as file:

@@ -21,44 +21,22 @@ ESTIMATE = "from solves with other accuracy settings; excludes modelling errors"
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of a result file.
-
-    Attributes
-    ----------
-    name : str
-    dims : tuple of str
-    units : str
-        In the file; empty for flags, which have none.
-    long_name : str
-    dtype : str
-        `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value.
-    scale : float
-        Factor on the program's SI value in the file's units.
-    flags : tuple of str, optional
-        Meanings of 0, 1, ...
-    comment : str, optional
-    always : bool
-        Written also where it was not solved, as `_FillValue`; others are then left out.
-    averaged : bool
-        Of a dynamic case, this is the mean over the evaluated turns; so is all that is `always`.
-    label : str, optional
-        Short name for a person, as in `bearingwear show`.
-    shown : str, optional
-        What it is shown as (`units.SCALES`), where its unit does not say.
-    """
+    """One variable of a result file."""
 
     name: str
     dims: tuple[str, ...]
-    units: str
+    units: str  # in the file; empty for flags, which have none
     long_name: str
-    dtype: str = "f8"
-    scale: float = 1.0
-    flags: tuple[str, ...] | None = None
+    dtype: str = "f8"  # `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value
+    scale: float = 1.0  # factor on the program's SI value in the file's units
+    flags: tuple[str, ...] | None = None  # meanings of 0, 1 and so on
     comment: str | None = None
+    # written also where it was not solved, as `_FillValue`; others are then left out
     always: bool = False
+    # of a dynamic case, this is the mean over the evaluated turns; so is all that is `always`
     averaged: bool = False
-    label: str = ""
-    shown: str = ""
+    label: str = ""  # short name for a person, as in `bearingwear show`
+    shown: str = ""  # what it is shown as (`units.SCALES`), where its unit does not say
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -313,9 +313,7 @@ MOST_HISTORY_POINTS = 1_000_000
 def check_model(scene: Scene) -> None:
     """Refuse settings that contradict each other.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "got true; only allowed with a cage", ("cage",))

@@ -183,10 +183,7 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
 
     One in tandem has its share of the preload.
 
-    Raises
-    ------
-    SceneError
-        Where the second one is no bearing.
+    SceneError where the second one is no bearing.
     """
     a = scene.arrangement
     if a is None or not a.is_pair:
@@ -218,10 +215,7 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
 def one_bearing(scene: Scene, source: object) -> Scene:
     """The scene, if it is of a single bearing.
 
-    Raises
-    ------
-    SceneError
-        One line.
+    SceneError: one line.
     """
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
@@ -264,9 +258,7 @@ def held_by(scene: Scene, method: str, preload_N: float | None = None, **operati
 def check_arrangement(scene: Scene) -> None:
     """Whether the arrangement fits the scene, and its second bearing is one.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     a = scene.arrangement
     if a is None or not a.is_pair:

@@ -32,9 +32,7 @@ SHARED_BY_CASES = (
 def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[str, Any]]:
     """Cases by their names, each with its keys in one part, `temperature.inner_ring_C`.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     found = {}
     for name, changes in cases.items():
@@ -52,10 +50,7 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
 def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
     """A scene in each of its cases, as it stands first.
 
-    Raises
-    ------
-    SceneError
-        Where a case is no scene.
+    SceneError where a case is no scene.
     """
     alone = replace(scene, cases=None)
     found = {NOMINAL: alone}
@@ -71,9 +66,7 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 def in_case(scene: Scene, name: str, source: str) -> Scene:
     """A scene in the case of a name.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     if name not in scene.in_cases:
         problem = f"got {name}, expected {', '.join(scene.in_cases)}"

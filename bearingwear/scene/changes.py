@@ -16,9 +16,7 @@ KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 def changes_of(texts: Iterable[str]) -> dict[str, Any]:
     """Changes from texts `operation.preload_N=9`, as `--set` takes them, their values in YAML.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     changes: list[tuple[str, Any]] = []
     for text in texts:
@@ -40,10 +38,7 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 
     None takes an entry of `materials` or `uncertainty` away.
 
-    Raises
-    ------
-    SceneError
-        A key below something that is no block.
+    SceneError where a key is below something that is no block.
     """
     result = dict(data)
     for key, value in changes.items():

@@ -29,30 +29,19 @@ NINETY = 1.6449
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """A row of coefficients.csv: what one source says of what rubs.
+    """A row of coefficients.csv: what one source says of what rubs."""
 
-    Attributes
-    ----------
-    surface, against, film : str
-        What wears, what it rubs on, and the film in between, if any.
-    wear : (float, float)
-        Least and largest K_s/H [mm3/(N m)]; NaN where a source has one end alone.
-    friction : (float, float)
-        Least and largest coefficient; NaN where it has none.
-    conditions, source, url : str
-    read : str
-        What of the source was read.
-    """
-
+    # what wears, what it rubs on, and the film in between, if any
     surface: str
     against: str
     film: str
+    # least and largest K_s/H [mm3/(N m)]; NaN where a source has one end alone
     wear: tuple[float, float]
-    friction: tuple[float, float]
+    friction: tuple[float, float]  # least and largest coefficient; NaN where it has none
     conditions: str
     source: str
     url: str
-    read: str
+    read: str  # what of the source was read
 
 
 def _measured(row: Mapping[str, str]) -> Measured:
@@ -135,20 +124,10 @@ class LogSpread:
 
 @dataclass(frozen=True, kw_only=True)
 class RubbingPair:
-    """Wear and friction coefficients of balls, races and a film.
+    """Wear and friction coefficients of balls, races and a film."""
 
-    Attributes
-    ----------
-    rows : tuple of str
-        Those of `MEASURED_WEAR` that it is made of.
-    wear : LogSpread
-        K_s/H [m2/N].
-    friction : LogSpread
-    why : str
-    """
-
-    rows: tuple[str, ...]
-    wear: LogSpread
+    rows: tuple[str, ...]  # those of `MEASURED_WEAR` that it is made of
+    wear: LogSpread  # K_s/H [m2/N]
     friction: LogSpread
     why: str
 
@@ -192,35 +171,19 @@ STEEL_GPA = 6.6
 
 @dataclass(frozen=True, kw_only=True)
 class Rubbing:
-    """Wear and friction values that `new` writes.
+    """Wear and friction values that `new` writes."""
 
-    Attributes
-    ----------
-    steel : float
-        Wear coefficient of the steel [1].
-    friction : float
-        Of ball and race, or where the film is worn through.
-    film : dict, optional
-        By the names of the template.
-    spread : dict
-    rule : str
-        Where they come from.
-    """
-
-    steel: float
-    friction: float
-    film: dict[str, object] | None
+    steel: float  # wear coefficient of the steel [1]
+    friction: float  # of ball and race, or where the film is worn through
+    film: dict[str, object] | None  # by the names of the template
     spread: dict[str, str]
-    rule: str
+    rule: str  # where they come from
 
 
 def rubbing(pair: str | None, film: str | None) -> Rubbing:
     """Coefficients of a pair of materials and a film; assumed without both.
 
-    Raises
-    ------
-    KeyError
-        No source has them.
+    KeyError where no source has them.
     """
 
     def spread(wear: LogSpread, friction: LogSpread, rule: str) -> dict[str, str]:

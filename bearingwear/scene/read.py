@@ -35,10 +35,8 @@ def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> S
     overrides : iterable of str
         `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
 
-    Raises
-    ------
-    SceneError
-        One line that names the file (or the `--set`), the key, what was given, what is allowed.
+    SceneError: one line that names the file (or the `--set`), the key, what was given, what is
+    allowed.
     """
     data, source = as_data(path)
     return changed_scene(data, changes_of(overrides), source)
@@ -66,10 +64,7 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
 def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: str) -> Scene:
     """The scene of plain data with some values replaced.
 
-    Raises
-    ------
-    SceneError
-        Names the change that is to blame as `--set KEY`.
+    SceneError: names the change that is to blame as `--set KEY`.
     """
     new = with_changes(data, changes)
     try:
@@ -88,9 +83,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
     source : str
         What error messages name.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     try:
         plain = checked_data(Scene, data)
@@ -151,9 +144,7 @@ class BasedOn:
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
     """The file of a scene, and those it is based on.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     return _read(path)[1]
 

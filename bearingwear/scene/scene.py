@@ -81,11 +81,8 @@ NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
 class Scene:
     """One bearing, how it runs, and how worn it is.
 
-    Raises
-    ------
-    SceneError
-        Where the values contradict each other: balls that do not fit the pitch circle, a material
-        that is not there, ...
+    SceneError where the values contradict each other: balls that do not fit the pitch circle, a
+    material that is not there, ...
     """
 
     name: str = setting(
@@ -252,10 +249,7 @@ class Scene:
             `{"operation.preload_N": 9.0}`, in the units of a scene file. Blocks that are not there
             are made; None leaves out what a scene can do without.
 
-        Raises
-        ------
-        SceneError
-            One line that names the key.
+        SceneError: one line that names the key.
         """
         from bearingwear.scene.variant import variant
 

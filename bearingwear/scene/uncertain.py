@@ -154,9 +154,7 @@ def uncertain_key(name: str, material: str) -> str:
 def check_uncertainty(scene: Scene) -> None:
     """Refuse distributions that lack a parameter, or have one too many.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     for name, given in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"

@@ -22,10 +22,8 @@ def variant(
         `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out what a
         scene can do without.
 
-    Raises
-    ------
-    SceneError
-        One line that names the file, or the change (as `--set`, which makes such changes).
+    SceneError: one line that names the file, or the change (as `--set`, which makes such
+    changes).
     """
     data, name = as_data(source)
     return changed_scene(data, changes, name)

@@ -123,9 +123,7 @@ def expansion(scene: Scene, material: str) -> float:
 def check_warmth(scene: Scene) -> None:
     """Refuse temperatures, networks and fits that contradict the rest of a scene.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     if scene.temperature is not None and scene.thermal is not None:
         raise SceneError(

@@ -41,10 +41,7 @@ def record(record_type: type[R], data: Any, source: str = "scene") -> R:
     source : str
         What error messages name.
 
-    Raises
-    ------
-    SceneError
-        Whatever is wrong.
+    SceneError: whatever is wrong.
     """
     try:
         return built(record_type, checked_data(record_type, data))
@@ -55,10 +52,7 @@ def record(record_type: type[R], data: Any, source: str = "scene") -> R:
 def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
     """Read a YAML file, in which anchors are allowed, and build the record of it.
 
-    Raises
-    ------
-    SceneError
-        Whatever is wrong.
+    SceneError: whatever is wrong.
     """
     from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
@@ -72,9 +66,7 @@ def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
 def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     """Plain copy of data that fits the record, nothing filled in.
 
-    Raises
-    ------
-    SceneError
+    May raise SceneError.
     """
     file = whole(record_type)
     plain = _copied(data, "", 0, file)
@@ -290,10 +282,7 @@ def _joined(path: str, name: str) -> str:
 def built(record_type: type[R], plain: Mapping[str, Any], path: str = "") -> R:
     """The record of checked data; whole numbers become floats where a number is meant.
 
-    Raises
-    ------
-    SceneError
-        Where the record itself refuses its values.
+    SceneError where the record itself refuses its values.
     """
     values = {
         part.field: _value(plain[name], part, _joined(path, name))

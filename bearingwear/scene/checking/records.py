@@ -42,62 +42,31 @@ NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64, the first a letter or digit)"
 
 @dataclass(frozen=True)
 class Key:
-    """Meaning and permitted values of a key.
+    """Meaning and permitted values of a key."""
 
-    Attributes
-    ----------
-    meaning : str
-        One sentence.
-    unit : str, optional
-        1 for a number, none for anything else.
-    within : str
-        The range as an interval: `[0, 0.5)` are the numbers from 0 to below 0.5, `(0, inf)` those
-        above 0.
-    minimum, above, maximum, below : float, optional
-        The same as its ends, where there is only one; above and below are not part of it.
-    choices : tuple of str
-        The texts that are allowed.
-    pattern : str
-        Regular expression of a text.
-    longest : int, optional
-        Most characters of a text.
-    least, most : int
-        Fewest and most values of a list, blocks of a mapping.
-    names : tuple of str
-        Names that a mapping may use; any name where empty.
-    each : str
-        What one value of a list or a mapping means.
-    single : bool
-        A single value stands for a list of one.
-    default_by : str
-        Key that decides the default.
-    allowed : str
-        In words, where the range and the choices do not say it.
-    example : str
-        A value that a message suggests where a required one is missing.
-    name : str
-        In the file, where it cannot be a name in Python.
-    """
-
-    meaning: str = ""
-    unit: str = ""
+    meaning: str = ""  # one sentence
+    unit: str = ""  # 1 for a number, none for anything else
+    # the range as an interval: `[0, 0.5)` are the numbers from 0 to below 0.5, `(0, inf)`
+    # those above 0
     within: str = ""
+    # the same as its ends, where there is only one; above and below are not part of it
     minimum: float | None = None
     above: float | None = None
     maximum: float | None = None
     below: float | None = None
-    choices: tuple[str, ...] = ()
-    pattern: str = ""
-    longest: int | None = None
+    choices: tuple[str, ...] = ()  # the texts that are allowed
+    pattern: str = ""  # regular expression of a text
+    longest: int | None = None  # most characters of a text
+    # fewest and most values of a list, blocks of a mapping
     least: int = 0
     most: int | None = None
-    names: tuple[str, ...] = ()
-    each: str = ""
-    single: bool = False
-    default_by: str = ""
-    allowed: str = ""
-    example: str = ""
-    name: str = ""
+    names: tuple[str, ...] = ()  # names that a mapping may use; any name where empty
+    each: str = ""  # what one value of a list or a mapping means
+    single: bool = False  # a single value stands for a list of one
+    default_by: str = ""  # key that decides the default
+    allowed: str = ""  # in words, where the range and the choices do not say it
+    example: str = ""  # a value that a message suggests where a required one is missing
+    name: str = ""  # in the file, where it cannot be a name in Python
 
     def __post_init__(self) -> None:
         if self.within:
@@ -128,22 +97,14 @@ def keyed(record_type: type[R]) -> type[R]:
 
 @dataclass(frozen=True)
 class Part:
-    """A field of a record, resolved.
+    """A field of a record, resolved."""
 
-    Attributes
-    ----------
-    kind : str
-        integer, number, boolean, text, choice, choice_or_number, list, mapping, block, own or any.
-    type : type
-        The record of a block.
-    item : Part
-        Of a list or a mapping.
-    """
-
+    # integer, number, boolean, text, choice, choice_or_number, list, mapping, block, own or
+    # any
     kind: str
     key: Key
-    type: Any = None
-    item: Part | None = None
+    type: Any = None  # the record of a block
+    item: Part | None = None  # of a list or a mapping
     nullable: bool = False
     field: str = ""
     required: bool = True

@@ -61,10 +61,7 @@ def yaml_of(data: Any) -> str:
 def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
     """Contents of a small UTF-8 text file of some kind.
 
-    Raises
-    ------
-    SceneError
-        Missing, unreadable, too large, or not text.
+    SceneError: missing, unreadable, too large, or not text.
     """
     source = os.fspath(path)
     try:
@@ -92,10 +89,7 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
     anchors : bool
         Allow anchors, aliases and merge keys: in a file of one's own they save repetition.
 
-    Raises
-    ------
-    SceneError
-        Not YAML, or YAML that is refused (see above).
+    SceneError: not YAML, or YAML that is refused (see above).
     """
     try:
         _check_events(text, anchors)

@@ -78,10 +78,7 @@ def size_of(
     angle : float, optional
         Contact angle [degree], which tells apart bearings of one designation there.
 
-    Raises
-    ------
-    SceneError
-        Both or neither are given, or the diameters leave no room.
+    SceneError where both or neither are given, or the diameters leave no room.
     """
     if maker is not None and designation is None:
         raise refused_option("--maker", maker, "only allowed with a designation, as 7010C")
@@ -131,10 +128,7 @@ def numbers_of(
         One of `PRELOAD_CLASSES`, or of the maker.
     preload_method : str
 
-    Raises
-    ------
-    SceneError
-        Numbers that leave no room, or contradict each other.
+    SceneError where numbers leave no room, or contradict each other.
     """
     angle_key, preload_key = "bearing.contact_angle_deg", "operation.preload_N"
     deep_groove = _is_deep_groove(size, given.get(angle_key), clearance)

@@ -19,22 +19,13 @@ from bearingwear.scene.checking.errors import SceneError, shown
 
 
 class Maker(NamedTuple):
-    """Data of a maker that apply to all its bearings.
+    """Data of a maker that apply to all its bearings."""
 
-    Attributes
-    ----------
-    classes : tuple of str
-        Of preload, the lightest first.
-    rigid_speed : tuple of float
-        Allowed speed of a rigidly preloaded pair of each class, over that of one bearing under a
-        light spring.
-    grooves : (float, float) or None
-        Inner and outer groove factor, as one pair for all its bearings meets their rigidities.
-    source : str
-    """
-
-    classes: tuple[str, ...]
+    classes: tuple[str, ...]  # of preload, the lightest first
+    # allowed speed of a rigidly preloaded pair of each class, over that of one bearing under
+    # a light spring
     rigid_speed: tuple[float, ...]
+    # inner and outer groove factor, as one pair for all its bearings meets their rigidities
     grooves: tuple[float, float] | None
     source: str
 
@@ -133,10 +124,7 @@ def entry_of(
     angle : float, optional
         Contact angle [degree], where bearings of several have the designation; else the smallest.
 
-    Raises
-    ------
-    SceneError
-        One line that lists those with a name alike.
+    SceneError: one line that lists those with a name alike.
     """
     known = _named(maker)
     found, ignored = _found(maker, designation)
@@ -239,10 +227,7 @@ def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -
 def listed(maker: str, series: str = "") -> list[str]:
     """A line for each bearing of a maker whose designation begins with a text, heads first.
 
-    Raises
-    ------
-    SceneError
-        There is none.
+    SceneError where there is none.
     """
     start = _plain(series)
     found = [e for e in bearings() if e.maker == maker and _plain(e.designation).startswith(start)]

@@ -78,47 +78,25 @@ ALLOWED = (
 
 
 class Designation(NamedTuple):
-    """Size and angle that a designation stands for.
+    """Size and angle that a designation stands for."""
 
-    Attributes
-    ----------
-    bore, outside, width : float
-        Boundary dimensions [mm]; the width is 0 where it is not known.
-    name : str
-        The designation itself, empty for a bearing without one.
-    deep_groove : bool
-        Its nominal contact angle is zero.
-    angle : float, optional
-        Of an angular contact bearing [degree], where a suffix says it.
-    angle_rule : str
-        Why the angle is assumed, where makers mean different ones by the suffix.
-    clearance : str
-        Group of radial clearance, where a suffix says it.
-    ignored : str
-        Prefixes and suffixes that are not used: cage, seals, tolerance.
-    entry : CatalogueBearing, optional
-        The bearing of a maker's catalogue.
-    """
-
+    # boundary dimensions [mm]; the width is 0 where it is not known
     bore: float
     outside: float
     width: float = 0.0
-    name: str = ""
-    deep_groove: bool = False
-    angle: float | None = None
-    angle_rule: str = ""
-    clearance: str = ""
-    ignored: str = ""
-    entry: CatalogueBearing | None = None
+    name: str = ""  # the designation itself, empty for a bearing without one
+    deep_groove: bool = False  # its nominal contact angle is zero
+    angle: float | None = None  # of an angular contact bearing [degree], where a suffix says it
+    angle_rule: str = ""  # why the angle is assumed, where makers mean different ones by the suffix
+    clearance: str = ""  # group of radial clearance, where a suffix says it
+    ignored: str = ""  # prefixes and suffixes that are not used: cage, seals, tolerance
+    entry: CatalogueBearing | None = None  # the bearing of a maker's catalogue
 
 
 def designation_of(text: str) -> Designation:
     """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
 
-    Raises
-    ------
-    SceneError
-        One line that says which are known.
+    SceneError: one line that says which are known.
     """
     plain = text.strip().upper()
     match = re.fullmatch(

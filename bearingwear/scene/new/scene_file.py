@@ -105,10 +105,7 @@ def scene_text(
         A scene that passes `bearingwear check`.
     assumed : list of str
 
-    Raises
-    ------
-    SceneError
-        One line that names the option, what was given and what is allowed.
+    SceneError: one line that names the option, what was given and what is allowed.
     """
     angle = given.get("bearing.contact_angle_deg")
     size = size_of(designation, bore, outside, maker, angle)
@@ -202,12 +199,9 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     list of str
         What was assumed, a line each.
 
-    Raises
-    ------
-    SceneError
-        As `scene_text`.
-    OutputError
-        The file's name is no name of a scene, it is there already, or cannot be written.
+    SceneError: as `scene_text`.
+    OutputError: the file's name is no name of a scene, it is there already, or cannot be
+    written.
     """
     from bearingwear.atomic import OutputError, write_text
 

@@ -31,15 +31,9 @@ class RotorTrial:
 
 @dataclass
 class Nearby:
-    """Start values from earlier balances.
+    """Start values from earlier balances."""
 
-    Attributes
-    ----------
-    steeper : float
-        Slope of what is left over that of a trial.
-    """
-
-    steeper: float = 1.0
+    steeper: float = 1.0  # slope of what is left over that of a trial
     place: float = math.nan  # that was found last [m]
     losses: np.ndarray = field(default_factory=lambda: np.zeros(2))  # there [m]
     slope: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the place by the losses

@@ -33,23 +33,12 @@ _FURTHER = 12  # times farther away, each time twice as far
 
 @dataclass
 class _Memory:
-    """What later solves and states take from earlier ones, at whatever temperatures.
+    """What later solves and states take from earlier ones, at whatever temperatures."""
 
-    Attributes
-    ----------
-    slope : float
-        Stiffness last found [N/m].
-    offset : float, optional
-        Of the even loss, at the start [m].
-    ahead : float
-        Of the last even loss to that of the approaches, over the approaches.
-    states : dict
-        Points with their values.
-    """
-
-    slope: float
-    offset: float | None = None
-    ahead: float = 0.0
+    slope: float  # stiffness last found [N/m]
+    offset: float | None = None  # of the even loss, at the start [m]
+    ahead: float = 0.0  # of the last even loss to that of the approaches, over the approaches
+    # points with their values
     states: dict[int, tuple[WornPoint, dict[str, Any]]] = field(default_factory=dict)
 
 
