@@ -21,15 +21,14 @@ INTRODUCTION = """\
 
 <!-- made by `python benchmarks/variables_page.py docs/variables.md` -->
 
-What `bearingwear solve` and `life` write, and what `bearingwear.solve` and `life` return in Python.
-Each variable carries its meaning and unit as `long_name` and `units`; so do those of the studies'
-files, which are not listed here.
-Signs and axes: [conventions.md](conventions.md). An item gives the name, (dimensions), [unit] and
-meaning."""
+These variables are written by `bearingwear solve` and `life`, and returned by `bearingwear.solve`
+and `life` in Python. Each has its meaning and unit in `long_name` and `units`; so do those of the
+studies' files, which are not listed here. [Conventions](conventions.md) define signs and axes. An
+item lists name, (dimensions), [unit] and meaning."""
 
 COORDINATES_SAID = (
-    "In a file those with names are whole numbers 0, 1, ... with `flag_meanings`; in Python they "
-    'are the names, as in `case.contact_load.sel(race="inner")`.'
+    "In files, coordinates with names are integers 0, 1, ... with `flag_meanings`; in Python they "
+    'are the names: `case.contact_load.sel(race="inner")`.'
 )
 
 
@@ -40,15 +39,19 @@ def page_of_variables() -> str:
     of_a_life = [variable for name, variable in LIFE.items() if name not in GROWN]
     coordinates = [*COORDINATES.values(), STRIP_POSITION]
     sections = (
-        ("Of every case", "NaN where it was not solved.", ALWAYS.values()),
-        ("Of a case, where its model finds them", "", others),
-        ("Of a dynamic case", "Histories hold values at instants of `time`.", DYNAMIC.values()),
-        ("Of a life", "Histories hold values at each `step` of the wear.", of_a_life),
-        ("Of a bearing that does not run as it was mounted", "Of a case or a life.", grown),
+        ("Of every case", "NaN if the case was not solved.", ALWAYS.values()),
+        ("Of a case, if its model computes them", "", others),
+        (
+            "Of a dynamic case",
+            "Histories contain values at the instants of `time`.",
+            DYNAMIC.values(),
+        ),
+        ("Of a life", "Histories contain values at each `step` of the wear.", of_a_life),
+        ("Of a bearing with growth or temperature", "Of a case or a life.", grown),
         (
             "Of two bearings",
-            "Of a case with a pair (`arrangement`), once for both. All else but the status, the "
-            "life, its error and time has `bearing` as its first dimension.",
+            "Of a case with a pair (`arrangement`), one value for both. All other variables have "
+            "`bearing` as their first dimension, except status, life, its error and time.",
             SYSTEM.values(),
         ),
         ("Coordinates", COORDINATES_SAID, coordinates),

@@ -35,13 +35,14 @@ _TEMPLATE, _STYLE, _SCRIPT = (
 UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
     "QV": "Load times slip speed, summed over a contact (W): twice the QV, twice the wear.",
-    "constant force, fixed position": "Preload by a spring, whose force stays as parts wear, or by "
-    "a spacer, whose force wears away.",
-    "residual preload": "The axial force that is left, worn and at speed.",
-    "slip, gyroscopic share": "How much of the sliding of balls is across their rolling direction.",
-    "skid ratio": "By how much a ball's orbit lags behind pure rolling.",
-    "interference loss": "The loss of ball diameter and, where races count, of their depth worn.",
-    "wear life": "Hours until wear meets the first limit; no fatigue life.",
+    "constant force, fixed position": "Preload by a spring, whose force is "
+    "constant as parts wear, or by a spacer, whose force decreases with wear.",
+    "residual preload": "The axial force that remains when worn and at speed.",
+    "slip, gyroscopic share": "The share of ball slip perpendicular to the rolling direction.",
+    "skid ratio": "The lag of a ball's orbit behind pure rolling.",
+    "interference loss": "The loss of ball diameter plus, where races count, the depth worn off "
+    "the grooves.",
+    "wear life": "Hours until wear reaches the first limit; not a fatigue life.",
 }
 """Words that a reader of the page may not know."""
 

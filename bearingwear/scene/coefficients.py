@@ -59,12 +59,12 @@ def _table() -> dict[str, Measured]:
 
 
 MEASURED_WEAR = _table()
-"""What was found in the open."""
+"""Published values."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Assumed:
-    """K_s/H that no source was found for."""
+    """K_s/H without a source."""
 
     surface: str
     wear: float  # [m2/N]; NaN where nothing is assumed, either
@@ -78,40 +78,40 @@ ASSUMED = (
         wear=7.6e-16,
         taken_by="`gyro_s1` to `s3`, `bearing218` and `new` without `--pair`; 7.2e-16 by `turbine` "
         "and `turbopump`",
-        why="the paper's value is not known; a solid film's, by its size",
+        why="the value of the paper is unknown; the magnitude is that of a solid film",
     ),
     Assumed(
         surface="silicon nitride on steel",
         wear=6.7e-17,
         taken_by="`turbopump`, `new --ball-material silicon_nitride`",
-        why="abstracts of papers on the pair have no number: on M50 in vacuum (Tong and others, "
-        "2011), in fretting on bearing steel (Kalin and others, 1997)",
+        why="abstracts of papers on this pair contain no number: on M50 in vacuum (Tong and "
+        "others, 2011), in fretting on bearing steel (Kalin and others, 1997)",
     ),
     Assumed(
         surface="phenolic cage on steel",
         wear=3.3e-13,
         taken_by="cages of `gyro_s1` to `s3` and of `new`",
-        why="open numbers are of other fibres, or under oil",
+        why="published numbers refer to other fibres or to lubrication with oil",
     ),
     Assumed(
         surface="steel cage",
         wear=1.7e-15,
         taken_by="`turbine`, `turbopump`",
-        why="the wear coefficient of the races, with a softer steel",
+        why="wear coefficient of the races with the hardness of a softer steel",
     ),
     Assumed(
         surface="lead film on steel",
         wear=math.nan,
         taken_by="nothing",
-        why="only lives of bearings are known ([films against tests](film_tests.md)), not K_s/H",
+        why="only bearing lives are published ([films against tests](film_tests.md)), not K_s/H",
     ),
 )
-"""What stands for a number that was looked for and not found."""
+"""Assumed values, because no source was found."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LogSpread:
-    """Middle and geometric standard deviation; 90 % lie between the ends it was made of."""
+    """Median and geometric standard deviation; the 90 % interval is that of `of`."""
 
     median: float
     factor: float
@@ -126,7 +126,7 @@ class LogSpread:
 class RubbingPair:
     """Wear and friction coefficients of balls, races and a film."""
 
-    rows: tuple[str, ...]  # those of `MEASURED_WEAR` that it is made of
+    rows: tuple[str, ...]  # rows of `MEASURED_WEAR` that define it
     wear: LogSpread  # K_s/H [m2/N]
     friction: LogSpread
     why: str
@@ -274,28 +274,29 @@ _INTRODUCTION = """\
 
 <!-- made by `python -m bearingwear.scene.coefficients docs/coefficients.md` -->
 
-Volumes wear as K_s/H times load times slip. Papers give K_s/H in mm³/(N m), which is 1e-9 m²/N.
-Each item has a source that can be opened, and says what of it was read. What is
-[assumed](#assumed) stands apart: of lead films, of phenolic cages and of silicon nitride on steel
-no number was found in the open.
+The wear volume is K_s/H times load times slip distance. Papers report K_s/H in mm³/(N m), which is
+1e-9 m²/N. Each item has an accessible source, and states which part of it was read. The
+[assumed](#assumed) values are listed separately: no published number was found for lead films,
+phenolic cages, and silicon nitride on steel.
 
-The coefficient of one pair differs by decades between sources, and a test of your own bearing says
-more than this table: [from a test to hours](calibrate.md). [Films against tests](film_tests.md)
-shows how far the program is off with it."""
+Coefficients of the same pair differ by decades between sources, so a test of your own bearing is
+more reliable than this table: [from a test to hours](calibrate.md). [Films against
+tests](film_tests.md) reports the error of predictions with this table."""
 
 _TAKEN = """\
-`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` takes a pair: its middle, and a
-lognormal spread with 90 % between the ends of its rows."""
+`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median of a pair, and a
+lognormal spread whose 90 % interval extends over its rows."""
 
 _SPREAD = """\
-`uncertainty` and `calibrate` take the spread of a pair where a scene has no `uncertainty`, about
-the scene's own values, and say so: steel by its stiffness and density, a film as MoS2, which is the
-only one with a source. Of any other pair the spread is assumed: {wear.factor:g} of K_s/H,
-{friction.factor:g} of friction. Bearings of a batch wear unlike by {scatter:g}, assumed."""
+If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` use the spread of its
+pair about the values of the scene, and report this. Steel is identified by stiffness and density; a
+film is treated as MoS2, the only film with a source. For any other pair the spread is assumed: a
+factor of {wear.factor:g} for K_s/H and {friction.factor:g} for friction. The assumed scatter of
+wear within a batch is a factor of {scatter:g}."""
 
 _NO_SOURCE = """\
-`mos2_gyro` takes steel/steel with mos2 for its film, 1.2e-16 m²/N, and archard below it,
-2.0e-14 m²/N. All other scenes take what was looked for and not found:"""
+`mos2_gyro` uses steel/steel with mos2 for its film, 1.2e-16 m²/N, and archard for the steel below
+it, 2.0e-14 m²/N. The values of all other scenes are assumed, because no source was found:"""
 
 
 def page_of_coefficients() -> str:
@@ -313,7 +314,7 @@ def page_of_coefficients() -> str:
         for (pair, film), one in RUBBING.items()
     ]
     assumed = [
-        f"**{one.surface}**: {'none' if math.isnan(one.wear) else f'{one.wear:.2g} m²/N'}. Taken "
+        f"**{one.surface}**: {'none' if math.isnan(one.wear) else f'{one.wear:.2g} m²/N'}. Used "
         f"by {one.taken_by}. {one.why[0].upper()}{one.why[1:]}."
         for one in ASSUMED
     ]

@@ -119,7 +119,7 @@ def test_a_run_that_has_not_settled_says_so_at_the_head(capsys):
     """Beside the status, where it is read, and not thirty lines below alone."""
     few = ["--set", "model.simulated_turns=6", "model.history_points_per_turn=0"]
     head = printed(capsys, "solve", SCENE, "--fidelity", "dynamic", *few).partition("\n\n")[0]
-    said = "ok: solved and verified; not settled; the turns were used up"
+    said = "ok: solved and verified; not settled; the turn limit was reached"
     assert said in " ".join(head.split())
 
 

@@ -198,7 +198,7 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
 def settled_sentence(last: LastWindow) -> str:
     if last.slopes is None:
         return "not known: fewer than three whole turns were evaluated"
-    verdict = "settled" if last.settled else "not settled; the turns were used up"
+    verdict = "settled" if last.settled else "not settled; the turn limit was reached"
     said = f"{verdict}: QV drifts {last.slopes[0]:+.1e}, wear {last.slopes[1]:+.1e} a turn"
     if last.to_land <= FAR_FROM_LAND:
         said += f"; the cage drifts towards its land, which is {last.to_land:.0f} turns away"

@@ -193,7 +193,7 @@ def what_would_change_it(found: xr.Dataset) -> str:
         return "No limit, end of life or friction tried makes the other method better."
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
-    more = f"; {len(near) - NEAREST} more, farther off" if len(near) > NEAREST else ""
+    more = f"; {len(near) - NEAREST} more at larger changes" if len(near) > NEAREST else ""
     said = "; ".join(text for _, text in near[:NEAREST])
     return f"{other} becomes the better method with {said}{more}."
 
