@@ -44,7 +44,8 @@ BETWEEN_STUDIES = {
     "design": {
         "uncertainty.plan"
     },  # a recommended life is quoted with its spread, if that is sampled
-    "own": {"design.plan", "design.map"},  # it makes the plan of a study of lives and preload
+    # it makes the plan of a study of lives, preload and cages
+    "own": {"cage.plan", "design.plan", "design.map"},
     "uncertainty": {"design.recommend"},  # a sample is taken at the preload that design recommends
 }
 """What modules of a study's folder may import of another's; `page` imports none."""

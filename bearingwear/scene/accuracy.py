@@ -61,8 +61,8 @@ class AccuracyPreset(NamedTuple):
 
 REGULARISATION = "friction.slip_regularisation_m_s"
 
-CAGE_TOLERANCE = 1e-3
-"""Step tolerance at which wear of a cage is right to 10 %, where it has one motion. At 1e-2 its
+CAGE_TOLERANCE, CAGE_ERROR = 1e-3, 0.1
+"""Step tolerance at which wear of a cage is right to an error, where it has one motion. At 1e-2 its
 power on the land is 1.6 times as much, and starts end in other motions (docs/verification.md)."""
 
 # On a line the reference is brute force: its points know nothing of where the slip turns round.

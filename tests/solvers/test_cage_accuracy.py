@@ -3,11 +3,11 @@
 import pytest
 
 from bearingwear.kernels.status import OK
+from bearingwear.scene.accuracy import CAGE_ERROR
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.run import CageStart, placed
 
-STATED = 0.1  # error of the wear of a cage with one motion
 FINE = 1e-4  # tolerance of a reference: 1e-5 gives 0.2 % less (benchmarks/cage_motions.py)
 TURNS = 15.0
 
@@ -35,7 +35,7 @@ def test_presets_meet_the_stated_error_of_cage_wear_where_it_is_asked_for(pocket
     """By a fifth of it; without cage results the standard's steps take nearly all of it."""
     fine = pocket_power({"model.dynamic_tolerance": FINE})
     asked = pocket_power({"model.accuracy": accuracy, "model.cage_results": True})
-    assert asked == pytest.approx(fine, rel=0.2 * STATED)
+    assert asked == pytest.approx(fine, rel=0.2 * CAGE_ERROR)
     if accuracy == "standard":
         loose = pocket_power({})
         assert abs(loose / fine - 1.0) > 3.0 * abs(asked / fine - 1.0)

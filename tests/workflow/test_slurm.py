@@ -15,6 +15,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
+import yaml
 
 pytestmark = pytest.mark.cluster
 
@@ -166,6 +167,25 @@ def test_a_study_on_slurm(on_slurm, new_project):
     assert project.results() == here.results()
     again = project.run("-n")
     assert "Nothing to be done" in again.text
+
+
+CAGES = {
+    "scene": "gyro_s1", "set": {"cage_uncertainty": {}, "uncertainty": None},
+    "gravity_m_s2": [9.81], "pocket_clearance_mm": [0.15], "guide_clearance_mm": [0.1, 0.2],
+    "cage_friction": [0.1], "ensemble": {"runs": 20, "most_turns": 30},
+}  # fmt: skip
+
+
+def test_a_map_of_cages_on_slurm(on_slurm):
+    project, _ = on_slurm
+    (project.root / "config/cage.yaml").write_text(yaml.safe_dump(CAGES), encoding="utf-8")
+    run = project.run(*PROFILE, "cage")
+    assert run.status == 0, run.text
+    assert run.jobs["cage_run"] == 2
+    # both ensembles were one job, for which twice 9 minutes were asked
+    assert queued("%T %l %C %m")[0].split() == ["COMPLETED", "18:00", "1", "1000M"]
+    answer = (project.root / "results/cage/tables/cage.md").read_text(encoding="utf-8")
+    assert answer.count("whirls 100 % | 20 |") == 2
 
 
 def test_a_group_that_is_ended_keeps_its_finished_cases(on_slurm):

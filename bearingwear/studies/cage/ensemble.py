@@ -198,6 +198,7 @@ def ensemble_of(
         "spread": json.dumps({name: asdict(one) for name, one in spread.items()}),
         "assumed": said,
         "drawn_by": json.dumps([plan.seed, plan.least_turns, plan.most_turns, plan.worn_um]),
+        "dynamic_tolerance": solved.model.dynamic_tolerance,
         "run_sources": result_hash("bearingwear.studies.cage.run"),
     }
 

@@ -113,6 +113,9 @@ class CagePlan:
     guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")
     cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
     ensemble: Ensemble = setting("The ensemble of each", default_factory=Ensemble)
+    in_main_study: bool = setting(
+        "Whether a plain `snakemake` computes the map and reports it on its page", default=False
+    )
 
     def __post_init__(self) -> None:
         for name in ("gravity_m_s2", "imbalance_um"):

@@ -21,6 +21,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
 from bearingwear.results.words import in_words
+from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.cage.life import WEARING
 from bearingwear.studies.cage.motion import HANGS, JAMS, MOTIONS
@@ -73,6 +74,16 @@ def ensemble_sheet(file: Any) -> Document:
         lines.append(
             "a cage that hangs may change its motion after hundreds of turns: use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
+        )
+    if (tolerance := getattr(file, "dynamic_tolerance", 0.0)) > CAGE_TOLERANCE:
+        lines.append(
+            f"steps of tolerance {tolerance:g}: the work may be wrong by more than "
+            f"{100.0 * CAGE_ERROR:g} %; {CAGE_TOLERANCE:g} is the default"
+        )
+    elif tolerance:
+        lines.append(
+            f"steps of tolerance {tolerance:g}: the work of a motion is right to "
+            f"{100.0 * CAGE_ERROR:g} %, besides its interval"
         )
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")

@@ -15,6 +15,7 @@ from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.studies.cage.advice import mapped_wear, quiet_region, recommended_cage
 from bearingwear.studies.cage.gather import CAGE_AXES
+from bearingwear.studies.cage.motion import HANGS
 from bearingwear.studies.cage.show import shares_in_words, within
 from bearingwear.studies.dataset import loaded
 
@@ -70,10 +71,12 @@ def cage_document(motions: xr.Dataset) -> Document:
         ),
         column("torque noise", means("torque_noise", noise), noise.unit),
     )  # fmt: skip
-    lines = (
+    lines = [
         "Work: normal force times slip in a shaft turn, mean and its 90 % interval. Wear follows "
         "by K_s/H of the cage's material.",
-    )
+    ]
+    if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
+        lines.append("A cage that hangs may change its motion after hundreds of turns.")
     scene = scene_of(motions)
     said = Block(
         "Which cage to take",
@@ -83,7 +86,7 @@ def cage_document(motions: xr.Dataset) -> Document:
     return Document(
         (f"{scene['name']}: motions of its cage",),
         {"scene": scene["name"], "bearing": bearing_line(scene)},
-        (said, Block("Every cage", (), rows, lines, axes=len(axes))),
+        (said, Block("Every cage", (), rows, tuple(lines), axes=len(axes))),
         subject="The cage",
         rank=_RANK,
     )

@@ -8,6 +8,7 @@ from typing import Any
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.warmth import Temperature
+from bearingwear.studies.cage.plan import FEWEST
 from bearingwear.studies.design.plan import DesignLimits, axes_around
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
@@ -15,6 +16,9 @@ FRICTIONS = (0.5, 1.0, 1.5, 2.0)
 
 STATES_OF_WEAR = 8
 """Steps from new to the end of the scene's life."""
+
+LANDS = (0.5, 1.0)
+"""Clearances of the cage at its land over the scene's own."""
 
 HALF_OF_THE_LIVES = 64
 """Half of the lives sampled for each method and friction."""
@@ -24,7 +28,8 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     """Configuration files of a study of a scene, as plain data by their paths.
 
     Of a pair: the map that compares spring and rigid pair, with the spread of the recommended
-    lives, and no states of wear of a bearing.
+    lives, and no states of wear of a bearing. A scene with a film of its cage or a
+    `cage_uncertainty` has a map of cages, too.
 
     Raises
     ------
@@ -57,7 +62,34 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
     design = {"scenes": {name: of_scene}}
-    return {"config/config.yaml": config, "config/design.yaml": design}
+    plans = {"config/config.yaml": config, "config/design.yaml": design}
+    if scene.pair is None and _asks_of_cage(scene):
+        plans["config/cage.yaml"] = _cages(scene, name)
+    return plans
+
+
+def _asks_of_cage(scene: Scene) -> bool:
+    cage = scene.cage
+    return cage is not None and (cage.film or scene.cage_uncertainty) is not None
+
+
+def _cages(scene: Scene, name: str) -> dict[str, Any]:
+    """A map of cages around the scene's, with an ensemble for each."""
+    cage = scene.cage
+    assert cage is not None
+    gaps = sorted({cage.guide_clearance_mm * factor for factor in LANDS})
+    frictions = {float(f"{min(factor * scene.friction.cage, 1.0):.3g}") for factor in FRICTIONS[:3]}
+    return {
+        "scene": name,
+        "gravity_m_s2": [math.hypot(*scene.operation.gravity_m_s2[1:])],
+        "guiding_race": [cage.guiding_race],
+        "imbalance_um": [cage.imbalance_um],
+        "pocket_clearance_mm": [cage.pocket_clearance_mm],
+        "guide_clearance_mm": gaps if cage.guiding_race != "ball" else gaps[-1:],
+        "cage_friction": sorted(frictions),
+        "ensemble": {"runs": FEWEST},
+        "in_main_study": True,
+    }
 
 
 def _beside(scene: Scene) -> dict[str, Any]:
