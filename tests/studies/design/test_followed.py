@@ -130,7 +130,7 @@ def test_figure_tables_and_sheet_tell_the_grooves(found, tmp_path, capsys):
     given = [f"{name}={path}" for name, path in files.items()]
     out = tmp_path / "design.svg"
     assert main(["step", "studies.design.figures.draw.draw_design", *given, "-o", str(out)]) == 0
-    assert "Hertzian grooves" in out.read_text() and "grooves as they wear" in out.read_text()
+    assert "Hertzian grooves" in out.read_text() and "worn grooves" in out.read_text()
     tables = [str(tmp_path / name) for name in ("map.csv", "design.md")]
     assert main(["step", "studies.design.document.sheets.tables", *given, "-o", *tables]) == 0
     text = (tmp_path / "design.md").read_text()

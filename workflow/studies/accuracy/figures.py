@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure, series_look
@@ -193,14 +193,15 @@ def integration_figure(trade: xr.Dataset) -> Figure:
 def overview_figure(trade: xr.Dataset) -> Figure:
     """Median over the scenes, steady and dynamic."""
     figure, panels = new_figure(1, 2, 7.6, 4.4)
-    for axes, against, text in zip(
-        panels[0], ("steady", "long"), ("steady state", "solved dynamically"), strict=True
-    ):
+    titles = "steady state: times differ little more than by noise", "dynamic solves"
+    for axes, against, text in zip(panels[0], ("steady", "long"), titles, strict=True):
         points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
         panel(axes, points, "total_qv", _CPU)
         label_times(axes)
         axes.set_title(text)
-        axes.set_xlabel("CPU time of a solve (s), median of the scenes")
+        axes.xaxis.set_major_formatter(lambda seconds, _: f"{1e3 * seconds:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_xlabel("CPU time of a solve (ms), median of the scenes")
         below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
         axes.legend(handles=keys_of(points)[:-1], **below)  # a median has no doubt of its own
     panels[0, 0].set_ylabel("relative error of total QV, median of the scenes")
