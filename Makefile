@@ -10,7 +10,7 @@ STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cu
 # each of a study's processes would do anew what Python makes of a hundred sources
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs effects-docs bench venv clean
+.PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs effects-docs cages-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -82,6 +82,10 @@ effects-docs: $(STAMP) # single effects and worn grooves alone, solved anew, int
 	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) --settings '{"part": "effects"}' -o docs/accuracy.md
 	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) --settings '{"part": "grooves"}' -o docs/accuracy.md
 	$(ACCURACY_INTO).figures.figure $(EFFECTS_GIVEN) --settings '{"which": "grooves"}' -o docs/figures/grooves.png
+
+cages-docs: $(STAMP) # ensembles of a cage alone, into docs/accuracy.md: 4 minutes of CPU time
+	$(BIN)/snakemake -j$(JOBS) results/accuracy/cages.nc
+	$(ACCURACY_DOCS) trade=results/accuracy/cages.nc --settings '{"part": "cages"}' -o docs/accuracy.md
 
 docs: $(STAMP) # the site, into build/site; opens from disk, needs no network
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'

@@ -40,6 +40,7 @@ MAY_IMPORT = {
     "__main__": {"cli"},
 }
 BETWEEN_STUDIES = {
+    "accuracy": {"cage.plan", "cage.ensemble"},  # ensembles of short and of long runs
     "grid": {"lives.figures"},  # to plot a life, of which there are two kinds
     "design": {
         "uncertainty.plan"

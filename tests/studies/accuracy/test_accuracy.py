@@ -15,11 +15,13 @@ from numpy.testing import assert_allclose
 from support import ROOT
 
 from bearingwear.cli import main
+from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Rough
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking.check import read_record, record
 from bearingwear.studies.dataset import write_dataset
+from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, table_cells
 from workflow.studies.accuracy.docs import DOCS_PARTS, differences
 from workflow.studies.accuracy.effects import effect_rows
@@ -280,8 +282,42 @@ def test_figure_marks_front_and_presets(trade):
     assert axes.get_xscale() == axes.get_yscale() == "log"
 
 
+@pytest.fixture
+def cages(plan, tmp_path):
+    """A file of ensembles, each with 0.9 times the wear of that before it."""
+    paths, work = [], 1e-4 * (1.0 + 0.1 * np.arange(plan.cages.runs))
+    for k, (name, row) in enumerate(plan.cages.ensembles.items()):
+        found = 0.9**k * work
+        parts = {"work": found, "pocket_work": 0.8 * found, "land_work": 0.2 * found}
+        motion = (np.arange(found.size) < k).astype(np.int8)
+        parts |= {"turns": np.full(found.size, float(row.least_turns)), "motion": motion}
+        data = {one: ("run", values) for one, values in parts.items()}
+        paths.append(tmp_path / f"{name}.nc")
+        write_dataset(xr.Dataset(data, attrs=common_attributes()), paths[-1])
+    found = tmp_path / "cages.nc"
+    assert step("cages.gathered_cages", *(f"paths+={path}" for path in paths), outputs=[found]) == 0
+    return found
+
+
+def test_ensembles_are_relative_to_the_first(cages, plan, tmp_path):
+    _, table = cages_part(load(cages), plan)
+    first, second, *_, last = (row[1:] for row in table.rows)
+    assert first == [1.0, 1.0, 1.0, 1.0, 0.0, 1.0]
+    spread = 0.1 * np.arange(20).std(ddof=1) / 1.95 * 1.7291 / math.sqrt(20)
+    assert_allclose(second, [30 / 450, 0.9, 0.9, 0.9, 0.1 * spread, 0.95], rtol=1e-4)
+    assert last[1] == pytest.approx(0.9**5) and last[-1] == 0.75
+    docs = tmp_path / "accuracy.md"
+    docs.write_text("<!-- cages: begin -->\n<!-- cages: end -->\n", encoding="utf-8")
+    missing = differences(cages, PLAN_FILE, docs, "cages")
+    assert len(missing) == len(table.rows) + 2  # and the head
+    given = [f"plan={PLAN_FILE}", f"docs={docs}", f"trade={cages}"]
+    assert step("docs.docs_with_part", *given, outputs=[docs], part="cages") == 0
+    assert differences(cages, PLAN_FILE, docs, "cages") == []
+    assert "| 30 turns | 0.067 | 0.81 |" in docs.read_text(encoding="utf-8")
+
+
 @pytest.mark.long
-def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
+def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
     docs = tmp_path / "accuracy.md"
     parts = [f"<!-- {name}: begin -->\n<!-- {name}: end -->\n" for name in ("effects", "grooves")]
     docs.write_text("\n".join(["# Accuracy\n", *parts, "## Later\n"]), encoding="utf-8")
@@ -298,12 +334,14 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     given.append(f"docs={docs}")
 
     def renew():
+        others = dict.fromkeys(DOCS_PARTS, given) | {"cages": [f"trade={cages}", *given[1:]]}
         return {
-            step("docs.docs_with_part", *given, outputs=[docs], part=part) for part in DOCS_PARTS
+            step("docs.docs_with_part", *some, outputs=[docs], part=part)
+            for part, some in others.items()
         }
 
     def check():
-        return step("docs.check_docs", *given, outputs=[tmp_path / "check.txt"])
+        return step("docs.check_docs", *given, f"cages={cages}", outputs=[tmp_path / "check.txt"])
 
     assert check() == 2  # no such part yet
     assert renew() == {0} and check() == 0

@@ -10,6 +10,7 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
+from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import CheckedTable
 from workflow.studies.accuracy.effects import effects_part
 from workflow.studies.accuracy.groove_tables import grooves_part
@@ -20,6 +21,7 @@ DOCS_PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTab
     "accuracy": accuracy_part,
     "effects": effects_part,
     "grooves": grooves_part,
+    "cages": cages_part,
 }
 """Paragraphs and tables of each part."""
 
@@ -59,7 +61,7 @@ def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
     return f"{before}{begin}\n{text}\n{end}{after}"
 
 
-def check_docs(trade: Path, plan: Path, docs: Path) -> str:
+def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
     """Step: says that the docs agree with a run.
 
     Raises
@@ -69,7 +71,8 @@ def check_docs(trade: Path, plan: Path, docs: Path) -> str:
     CaseFileError
         Where they lack a part.
     """
-    lines = [line for part in DOCS_PARTS for line in differences(trade, plan, docs, part)]
+    given = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
+    lines = [line for part, path in given.items() for line in differences(path, plan, docs, part)]
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
     return f"{docs}: agrees\n"

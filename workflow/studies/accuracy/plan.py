@@ -17,6 +17,7 @@ from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
+from bearingwear.studies.cage.plan import FEWEST, Ensemble
 
 ACCURACY_FILE = "config/accuracy.yaml"
 
@@ -47,6 +48,8 @@ _SPECIAL = {
     "cells": CELL_COUNTS,
 }
 """Settings of a point that are no keys of a scene, and what they take."""
+_NEVER_MET = 1e-9
+"""An interval that ends no ensemble."""
 _NUMBERS = ("end", "step")
 """More of them, which are numbers above zero."""
 
@@ -164,6 +167,35 @@ class TableRow:
 
 
 @keyed
+class CageRow:
+    """An ensemble of cages of the study."""
+
+    text: str = setting("First cell")
+    changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
+    least_turns: int = setting("As of an ensemble", default=Ensemble.least_turns)
+    most_turns: int = setting("As of an ensemble", default=Ensemble.most_turns)
+
+
+@keyed
+class CageTrade:
+    """Ensembles of one cage; each is compared with the first, run by run."""
+
+    file: str = setting("Name of a file in config/scenes", pattern=NAME)
+    changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
+    runs: int = setting("Runs of each ensemble", minimum=FEWEST)
+    ensembles: Mapping[str, CageRow] = setting("Ensembles by the names of their files")
+
+    def ensemble_settings(self, name: str) -> dict[str, Any]:
+        """Settings of an ensemble of which all runs are made."""
+        row = self.ensembles[name]
+        turns = {"least_turns": row.least_turns, "most_turns": row.most_turns}
+        return {
+            "changes": {**self.changes, **row.changes},
+            "ensemble": {"runs": self.runs, "within": _NEVER_MET, **turns},
+        }
+
+
+@keyed
 class Tolerance:
     """How far a number in docs/accuracy.md may differ from a run."""
 
@@ -188,6 +220,8 @@ class AccuracyPlan:
         "Rows of its tables of single effects on each scene, over the sweep's first point",
         default=(),
     )
+
+    cages: CageTrade = setting("Ensembles of a cage: its table of turns and tolerances")
 
     def __post_init__(self) -> None:
         for name, scene in self.scenes.items():

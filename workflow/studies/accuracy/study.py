@@ -62,5 +62,31 @@ def study_of_accuracy(plan: AccuracyPlan) -> Study:
             table_step(part, "docs.part_tables", name=part, settings={"part": part}, **effects)
             for part in ("effects", "grooves")
         ),
-        step("check", "check.txt", "docs.check_docs", docs="docs/accuracy.md", last=True, **trade),
+        step(
+            "cages",
+            "cages/{ensemble}.nc",
+            "studies.cage.ensemble.cage_ensemble",
+            [*plan.cages.ensembles],
+            scene=f"config/scenes/{plan.cages.file}.yaml",
+            settings=plan.cages.ensemble_settings,
+            seconds=50.0,
+        ),
+        step("gather_cages", "cages.nc", "cages.gathered_cages", paths="cages/{ensemble}.nc"),
+        table_step(
+            "cages",
+            "docs.part_tables",
+            name="cages_table",
+            settings={"part": "cages"},
+            trade="cages.nc",
+            plan=ACCURACY_FILE,
+        ),
+        step(
+            "check",
+            "check.txt",
+            "docs.check_docs",
+            docs="docs/accuracy.md",
+            cages="cages.nc",
+            last=True,
+            **trade,
+        ),
     )
