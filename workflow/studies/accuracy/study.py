@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bearingwear.scene.checking.check import read_record
-from bearingwear.studies.protocol import Study, figure_step, step, table_step
+from bearingwear.studies.protocol import Step, Study, figure_step, step, table_step
 from workflow.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
 
 PLOTS = {"accuracy against time": "workflow.studies.accuracy.figures:accuracy_plot"}
@@ -62,6 +62,22 @@ def study_of_accuracy(plan: AccuracyPlan) -> Study:
             table_step(part, "docs.part_tables", name=part, settings={"part": part}, **effects)
             for part in ("effects", "grooves")
         ),
+        *_ensembles(plan),
+        step(
+            "check",
+            "check.txt",
+            "docs.check_docs",
+            docs="docs/accuracy.md",
+            cages="cages.nc",
+            last=True,
+            **trade,
+        ),
+    )
+
+
+def _ensembles(plan: AccuracyPlan) -> list[Step]:
+    """Ensembles of a cage, and their table."""
+    return [
         step(
             "cages",
             "cages/{ensemble}.nc",
@@ -80,13 +96,4 @@ def study_of_accuracy(plan: AccuracyPlan) -> Study:
             trade="cages.nc",
             plan=ACCURACY_FILE,
         ),
-        step(
-            "check",
-            "check.txt",
-            "docs.check_docs",
-            docs="docs/accuracy.md",
-            cages="cages.nc",
-            last=True,
-            **trade,
-        ),
-    )
+    ]
