@@ -232,7 +232,7 @@ def profile():
     )
     middle = statistics.median(measured)
     print(
-        f"the stretch itself: {1e3 * middle:.0f} us a turn "
+        f"the run itself: {1e3 * middle:.0f} us a turn "
         f"({1e3 * min(measured):.0f} to {1e3 * max(measured):.0f}); sum / measured "
         f"{1e-3 * total / middle:.2f}"
     )

@@ -45,7 +45,7 @@ LIFE = table(
     Variable("life_error_bound", ("counts",), "h", "bound on the integration error of the life",
         scale=HOURS_PER_SECOND, always=True, label="bound of the integration"),
     Variable("life_error_estimate", ("counts",), "1",
-        "estimated numerical error of the life, over it", comment=ESTIMATE,
+        "estimated relative numerical error of the life", comment=ESTIMATE,
         label="numerical error, all", shown="%"),
     Variable("end_criterion", (), "", "the first criterion reached", "i1", flags=CRITERIA,
         always=True),

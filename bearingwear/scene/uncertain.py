@@ -96,7 +96,7 @@ class Distribution:
         default=None,
     )
     factor: float | None = setting(
-        "Geometric standard deviation of a lognormal distribution, two thirds of the values "
+        "Geometric standard deviation of a lognormal distribution: two thirds of the values "
         "lie between median/factor and median*factor",
         "1",
         "(1, 100]",
