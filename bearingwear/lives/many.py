@@ -94,15 +94,17 @@ def _worse(first: Any, second: Any, measure: Measure) -> Any:
     return np.where(is_second | np.isnan(first), second, first)[()]
 
 
-def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[EndOfLife], float]:
+def lives_by_end(
+    scene: Scene, farthest: EndOfLife, basis: int, quick: bool = False
+) -> Callable[[EndOfLife], float]:
     """Function from an end of life to the life [s] on a loss basis, NaN where it was not solved.
 
-    Grooves are followed where `life` does, with its cells and steps. They wear alike whatever ends
-    the life, so they are followed once, to the `farthest` end: every limit as loose as it is asked
-    for.
+    Grooves are followed where `life` does, with its cells and steps unless `quick`. They wear alike
+    whatever ends the life, so they are followed once, to the `farthest` end: every limit as loose
+    as it is asked for.
     """
     if scene.cases:
-        each = [lives_by_end(one, farthest, basis) for one in scene.in_cases.values()]
+        each = [lives_by_end(one, farthest, basis, quick) for one in scene.in_cases.values()]
         return lambda end: float(np.min([length(end) for length in each]))
     if grooves_followed(scene, "steady")[0] is None:
         lives = HertzianLives(scene)
@@ -113,6 +115,6 @@ def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[End
 
         return length
     asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
-    life = worn_life(asked, quick=False, only_times=True)
+    life = worn_life(asked, quick, only_times=True)
     assert life is not None
     return lambda end: life.first(Criteria(with_end(asked, end)))

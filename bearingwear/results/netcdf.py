@@ -113,6 +113,11 @@ def _unchecked(
     return made
 
 
+def _copied(one: xr.Variable) -> xr.Variable:
+    """A coordinate with attributes of its own; its data cannot be written to."""
+    return _unchecked(type(one), one._dims, one._data, dict(one.attrs), dict(one.encoding))
+
+
 def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Variable]:
     """Variables of entries, which are known to be right: xarray would check each again."""
     import xarray as xr
@@ -139,14 +144,14 @@ def _joined(
     import xarray as xr
 
     construct = getattr(xr.Dataset, "_construct_direct", None)
-    if construct is None:
+    if construct is None or set(xr.Variable.__slots__) != _SLOTS:
         return xr.Dataset(variables, coordinates, attrs)
-    own = {name: one.copy(deep=False) for name, one in coordinates.variables.items()}
+    own = {name: _copied(one) for name, one in coordinates.variables.items()}
     every: dict[Any, xr.Variable] = {**variables, **own}
     sizes: dict[Any, int] = {}
     for one in every.values():
-        if one.dims:
-            sizes.update(zip(one.dims, one.shape, strict=True))
+        if one._dims:
+            sizes.update(zip(one._dims, one._data.shape, strict=True))
     indexes = dict(coordinates.xindexes)
     return construct(every, coord_names=set(own), dims=sizes, attrs=attrs, indexes=indexes)
 

@@ -115,7 +115,11 @@ def stacked(
     coords: dict[str, xr.Variable] = {}
     sizes: dict[str, int] = {}
     uneven: set[str] = set()
+    shapes: list[Any] = []
     for dataset in datasets:
+        before, shapes = shapes, [(name, v.dims, v.shape) for name, v in dataset.variables.items()]
+        if shapes == before:
+            continue
         for name, variable in dataset.variables.items():
             if {name, *variable.dims} & set(leave_out):
                 continue
@@ -146,10 +150,15 @@ def _one_after_the_other(
     datasets: Sequence[xr.Dataset], name: str, inner: tuple[int, ...], along: str
 ) -> np.ndarray:
     """Values of a variable in all datasets, NaN where one has none or fewer."""
+    every = [dataset.variables.get(name) for dataset in datasets]
+    known = [one for one in every if one is not None]
+    if len(known) == len(every) and len({(one.dims, one.shape) for one in known}) == 1:
+        parts = [one.values if along in one.dims else one.values[None] for one in known]
+        return np.concatenate(parts, dtype=float)
     ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
     values = np.full((ends[-1], *inner), np.nan)
-    for dataset, end in zip(datasets, ends, strict=True):
-        if (held := dataset.variables.get(name)) is not None:
+    for dataset, held, end in zip(datasets, every, ends, strict=True):
+        if held is not None:
             shape = tuple(held.sizes[dim] for dim in held.dims if dim != along)
             filled = tuple(slice(size) for size in shape)
             begin = end - dataset.sizes.get(along, 1)

@@ -112,6 +112,9 @@ def limits_of(design: xr.Dataset) -> DesignLimits:
     return DesignLimits(**json.loads(design.attrs["limits"]))
 
 
+NO_LIFE_SOLVED = "no life could be solved"
+
+
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
     """Relative margin of each limit; negative where it is violated.
 
@@ -180,7 +183,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     solved = (line["status"] == OK).values
     alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
     if not alive.any():
-        return "every life ends when new" if solved.any() else "no life could be solved"
+        return "every life ends when new" if solved.any() else NO_LIFE_SOLVED
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
         return "the design is impractical at any preload"

@@ -263,12 +263,15 @@ class PreloadLine:
         where limits are met between the preloads tried.
     tried : dict
         By preload [N].
+    ahead : sequence of float
+        Preloads of the map, whose lives are solved where limits need them [N].
     """
 
     method: str
     basis: int
     new: Mapping[str, np.ndarray] | None = None
     tried: dict[float, Tried] = field(default_factory=dict)
+    ahead: Sequence[float] = ()
     _guesses: dict[DesignLimits, Guess] = field(default_factory=dict)
 
     def add(self, preload: float, values: Mapping[str, Any], exact: bool) -> None:
@@ -276,6 +279,18 @@ class PreloadLine:
         life = float(values["life"][self.basis]) if solved else 0.0
         self.tried[preload] = Tried(preload, values, life if life > 0.0 else 0.0, exact)
         self._guesses.clear()
+
+    def uncovered(self, limits: DesignLimits) -> list[float]:
+        """Preloads of the map not tried, between those that new bearings allow, and one beyond."""
+        if self.new is None:
+            return []
+        least, preloads = np.min(_room(self.new, limits), axis=0), self.new["preload"]
+        allowed = np.flatnonzero((least >= 0.0) | (self.new["status"] != OK))
+        if not allowed.size:
+            return []
+        low, high = preloads[max(allowed[0] - 1, 0)], preloads[min(allowed[-1] + 1, least.size - 1)]
+        first, last = np.searchsorted(self.ahead, [low, high])
+        return [p for p in self.ahead[max(first - 1, 0) : last + 1] if p not in self.tried]
 
     def is_exact(self, preload: float) -> bool:
         return preload in self.tried and self.tried[preload].exact
@@ -292,6 +307,8 @@ class PreloadLine:
         return [self.tried[preload] for preload in sorted(self.tried)]
 
     def intervals(self, limits: DesignLimits) -> Iterator[Neighbours]:
+        if not self.tried:
+            return
         known, guess = [None, *self.in_order, None], self.guess(limits)
         for k in range(1, len(known) - 2):
             yield Neighbours(*known[k - 1 : k + 3], guess)  # type: ignore[arg-type,call-arg]
@@ -319,6 +336,8 @@ class PreloadLine:
         """Longest life within the limits [s] and its preload [N], as guessed between those tried;
         zero where there is none.
         """
+        if not self.tried:
+            return 0.0, math.nan
         x, lives, kept, *_ = self.guess(limits)
         alive = (lives[:-1] > 0.0) & (lives[1:] > 0.0)
         start, step = kept[:, :-1], np.diff(kept, axis=1)

@@ -44,8 +44,8 @@ from bearingwear.studies.design.choice import (
 from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
-    HERTZIAN_GROOVE,
     MAP_AXES,
+    NO_LIFE,
     POINT,
     filled_points,
     followed_point,
@@ -70,9 +70,6 @@ from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
 
 RECOMMENDATION = "recommendation"
-QUICK = "quick_lives"
-"""Attribute of a map whose worn grooves have the cells and steps of quick lives."""
-
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable(
     "preload",
@@ -102,6 +99,7 @@ WORST_CASES = "worst_cases"
 ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 """What is found of a recommended preload and is no variable."""
 
+NOT_ASKED = NO_LIFE["status"]
 NO_ERRORS = np.full(2, np.nan)
 NEW_APART = 0.1  # in log preload, new bearings between the preloads of a map
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
@@ -152,7 +150,8 @@ def mapped(
     tell : callable, optional
         Given a line of text now and then, where lives take long.
     quick : bool
-        Whether the lives of the map are but a guide to the best preload.
+        Whether the lives of the map are but a guide to the best preload within limits. They are
+        solved where these need them, and none is in the map.
     """
     slip_limit = limits.gyroscopic_slip_share
     parts = [
@@ -165,15 +164,15 @@ def mapped(
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
         workers, tell = 1, None
     with processes(workers, "recommend") as each:
-        lives = each(_followed, [(one, slip_limit, quick) for one in scenes])
-        if tell is not None:
+        lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
+        if not quick:
+            lives = each(_followed, [(one, slip_limit, False) for one in scenes])
+        if not quick and tell is not None:
             lives = told_in_lines(lives, len(scenes), "{} of {} lives of the map", tell=tell)
         points = iter(list(lives))
         count = len(scenes) // len(parts)
         made = [part_of(scene, *part, slip_limit, list(islice(points, count))) for part in parts]
         design = whole_map(made, limits.given)
-        if quick:
-            design.attrs[QUICK] = "a guide: 7e-3 of the life, 2 % of the stiffness"
         return design, recommendation(scene, design, each, tell)
 
 
@@ -253,10 +252,9 @@ class Search:
             found = answered([search(one, self.limits) for one in known], self._solve)
         rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
         none = {}
-        for k, (line, one) in enumerate(zip(known, found, strict=True)):
+        for line, one in zip(known, found, strict=True):
             if one is None:
-                line_of_map = lines.isel(preload_method=k)
-                none[line.method] = why_none(line_of_map, self.limits, self.basis)
+                none[line.method] = why_none(self._of_map(line), self.limits, self.basis)
         there = {k: one for k, one in enumerate(found) if one is not None}
         scenes = [self._at(known[k].method, one.best.preload) for k, one in there.items()]
         for (k, one), more in zip(there.items(), self.each(_printed, scenes), strict=True):
@@ -272,14 +270,28 @@ class Search:
         """Lives of one method that were solved, as they are in a file."""
         one = one.squeeze("preload_method")
         method, preloads = PRELOAD_METHODS[int(one["preload_method"])], one["preload"].values
-        line = PreloadLine(method, self.basis, self._new(method, preloads[0], preloads[-1]))
-        for k, preload in enumerate(preloads.tolist()):
+        new = self._new(method, preloads[0], preloads[-1])
+        line = PreloadLine(method, self.basis, new, ahead=preloads.tolist())
+        for k, preload in enumerate(line.ahead):
+            if one["status"].values[k] == NOT_ASKED:
+                continue
             values = {name: one[name].values[k] for name in POINT if name in one}
             for name in _IN_HOURS & set(values):
                 values[name] = values[name] / HOURS_PER_SECOND
-            exact = QUICK not in one.attrs or values["groove"] == HERTZIAN_GROOVE
-            line.add(preload, values, exact)
+            line.add(preload, values, exact=True)
         return line
+
+    def _of_map(self, line: PreloadLine) -> xr.Dataset:
+        """Lives at the preloads of the map, over these alone; those not tried are solved."""
+        missing = [(line, preload, False) for preload in line.ahead if preload not in line.tried]
+        for (_, preload, exact), values in zip(missing, self._solve(missing), strict=True):
+            line.add(preload, values, exact)
+        points = [line.tried[preload].values for preload in line.ahead]
+        operation = self.scene.operation
+        place = self.scene.friction.coefficient, [operation.shaft_speed_rpm], line.ahead
+        slip_limit = self.limits.gyroscopic_slip_share
+        made = part_of(self.scene, line.method, *place, slip_limit, points)
+        return made.isel(preload_method=0, friction=0, shaft_speed=0)
 
     def _new(self, method: str, low: float, high: float) -> dict[str, np.ndarray] | None:
         """What limits look at, of new bearings between two preloads [N]; denser where some limit
@@ -322,7 +334,7 @@ class Search:
         if first is not None and len(given_scenes) == 2:
             asked = [  # what takes longest is begun first
                 partial(friction_room, given_scenes, lives, self.basis, first),
-                partial(criteria_room, given_scenes, self.basis, first),
+                partial(criteria_room, given_scenes, lives, self.basis, first),
                 *asked,
             ]
         *rooms, tracks = self.each(_called, asked)

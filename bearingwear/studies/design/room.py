@@ -22,7 +22,7 @@ from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.preload_line import PreloadLine, round_number
-from bearingwear.studies.design.search import GUIDED, Asking, Request, guide
+from bearingwear.studies.design.search import GUIDED, Asking, Request, cover, guide
 
 FARTHEST = 4.0
 """Largest factor by which a limit is moved either way."""
@@ -196,6 +196,8 @@ def limit_end(
         return advantage([line.interpolated_best(moved(factor))[0] for line in lines], first)
 
     for factor in factors[:: _LIMITS // _GUIDED].tolist():
+        for line in lines:
+            yield from cover(line, moved(factor))
         least = lines[first].interpolated_best(moved(factor))[0]
         yield from guide(lines[1 - first], moved(factor), least=least)
         if not ahead(factor) > 0.0:
@@ -237,13 +239,19 @@ def _missing(
     return missing
 
 
-def criteria_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assumption]:
+def criteria_room(
+    scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int
+) -> list[Assumption]:
     """Range of each criterion within which the same preload lasts longer.
+
+    By quick lives, times what those of the scenes are over their own quick ones.
 
     Parameters
     ----------
     scenes : sequence of Scene
         With the preloads to compare, which stay as they are.
+    lives : sequence of float
+        Of the scenes [s].
     basis : int
         Index along the loss basis.
     first : int
@@ -255,7 +263,9 @@ def criteria_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assum
         name: limit / CRITERIA_FARTHEST if ENDS[name].falls else most[name] * limit
         for name, limit in end.criteria.items()
     }
-    lives = [lives_by_end(scene, replace(end, **loose), basis) for scene in scenes]
+    quick = [lives_by_end(scene, replace(end, **loose), basis, quick=True) for scene in scenes]
+    own = [length(end) for length in quick]
+    scales = [life / one if one > 0.0 else 1.0 for life, one in zip(lives, own, strict=True)]
     even = np.linspace(0.0, 1.0, _CRITERIA + 1)[1:]
     room = []
     for name, limit in end.criteria.items():
@@ -264,7 +274,8 @@ def criteria_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assum
             return replace(end, **{name: factor * limit})
 
         def ahead(factor: float, moved: Callable[[float], EndOfLife] = moved) -> float:
-            return advantage([life(moved(factor)) for life in lives], first)
+            each = zip(scales, quick, strict=True)
+            return advantage([scale * life(moved(factor)) for scale, life in each], first)
 
         above = most[name] ** even if most[name] > 1.0 else np.array([])
         sides = (CRITERIA_FARTHEST**-even, above)
@@ -289,10 +300,8 @@ def friction_room(
 
     Parameters
     ----------
-    scenes, basis, first
+    scenes, lives, basis, first
         As of `criteria_room`.
-    lives : sequence of float
-        Of the scenes [s].
     """
     mu = scenes[0].friction.coefficient
     part = key_of_scene(FRICTION_KEY)

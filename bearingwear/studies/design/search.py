@@ -10,6 +10,7 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from bearingwear.studies.design.map import HERTZIAN_GROOVE
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.preload_line import PreloadLine, Tried, round_number
 
@@ -55,6 +56,12 @@ class Found:
     clear: Tried | None = None
 
 
+def cover(line: PreloadLine, limits: DesignLimits) -> Asking:
+    """Solve quick lives at the preloads of the map that some limits need."""
+    if missing := line.uncovered(limits):
+        yield [(line, preload, False) for preload in missing]
+
+
 def guide(
     line: PreloadLine, limits: DesignLimits, gain: float = GAIN, least: float = 0.0
 ) -> Asking:
@@ -70,6 +77,7 @@ def guide(
 
 def search(line: PreloadLine, limits: DesignLimits) -> Asking:
     """Ask for the lives that show the best preload within the limits; returns `Found` or None."""
+    yield from cover(line, limits)
     yield from guide(line, limits, GUIDED_GAIN)
     for _ in range(_MOST):
         best = line.best(limits, GAIN)
@@ -186,7 +194,7 @@ def answered(
         asked = {(id(one[0]), *one[1:]): one for each in wanted.values() for one in each}
         requests = [one for one in asked.values() if not _is_known(*one)]
         for (line, preload, exact), values in zip(requests, solve(requests), strict=True):
-            line.add(preload, values, exact)
+            line.add(preload, values, exact or values.get("groove") == HERTZIAN_GROOVE)
         for k in list(wanted):
             go_on(k)
     return [found[k] for k in range(len(asking))]

@@ -36,7 +36,7 @@ from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
-from bearingwear.studies.design.choice import ACTIVE, limits_of
+from bearingwear.studies.design.choice import ACTIVE, NO_LIFE_SOLVED, limits_of
 from bearingwear.studies.design.document.sentences import (
     by_ball_track,
     by_life,
@@ -145,7 +145,8 @@ def recommended_sheet(
     design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
     # a map with limits has few lives: those that the search needed
     made = preload_document(found, None if limits.given else design)
-    return made, bool((design["status"] == OK).any())
+    reasons = {NO_LIFE_SOLVED, *json.loads(found.attrs.get(NONE_BECAUSE, "{}")).values()}
+    return made, len(reasons) > 1 or bool((found["status"] == OK).any())
 
 
 def preload_document(
