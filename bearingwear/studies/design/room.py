@@ -22,7 +22,7 @@ from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.preload_line import PreloadLine, round_number
-from bearingwear.studies.design.search import GUIDED, Asking, Request, cover, guide
+from bearingwear.studies.design.search import GUIDED, Asking, Request, guide, lives_needed
 
 FARTHEST = 4.0
 """Largest factor by which a limit is moved either way."""
@@ -197,7 +197,7 @@ def limit_end(
 
     for factor in factors[:: _LIMITS // _GUIDED].tolist():
         for line in lines:
-            yield from cover(line, moved(factor))
+            yield from lives_needed(line, moved(factor))
         least = lines[first].interpolated_best(moved(factor))[0]
         yield from guide(lines[1 - first], moved(factor), least=least)
         if not ahead(factor) > 0.0:

@@ -56,7 +56,7 @@ class Found:
     clear: Tried | None = None
 
 
-def cover(line: PreloadLine, limits: DesignLimits) -> Asking:
+def lives_needed(line: PreloadLine, limits: DesignLimits) -> Asking:
     """Solve quick lives at the preloads of the map that some limits need."""
     if missing := line.uncovered(limits):
         yield [(line, preload, False) for preload in missing]
@@ -77,7 +77,7 @@ def guide(
 
 def search(line: PreloadLine, limits: DesignLimits) -> Asking:
     """Ask for the lives that show the best preload within the limits; returns `Found` or None."""
-    yield from cover(line, limits)
+    yield from lives_needed(line, limits)
     yield from guide(line, limits, GUIDED_GAIN)
     for _ in range(_MOST):
         best = line.best(limits, GAIN)
