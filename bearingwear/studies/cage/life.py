@@ -43,6 +43,7 @@ LIFE_STEPS = 4
 
 _MOST_STEPS = 4 * LIFE_STEPS
 _BEYOND = 1.02  # of a step, so that the last one reaches the end
+_ENDS_WITHIN = 1e-3  # of the depth at which the life ends
 _SAMPLES = 4096
 
 PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
@@ -221,7 +222,7 @@ def _gone(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
     """When a film is worn through; infinite if it is not, NaN without one."""
     if math.isinf(film):
         return math.nan
-    is_gone = depth[-1] >= (1.0 - 1e-9) * film
+    is_gone = depth[-1] >= (1.0 - _ENDS_WITHIN) * film
     return float(np.interp(film, depth, turns)) if is_gone else math.inf
 
 

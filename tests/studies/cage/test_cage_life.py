@@ -106,6 +106,8 @@ def test_work_that_rises_as_the_clearance_opens(monkeypatch):
     monkeypatch.setattr("bearingwear.studies.cage.life.LIFE_STEPS", 8)
     finer, _ = life_of(limit, rising)
     assert float(finer["cage_life"]) == pytest.approx(exact, rel=5e-4)
+    film, _ = life_of(FILM, rising)
+    assert float(film["film_gone"][1]) == float(film["cage_life"]) < exact
 
 
 def test_another_motion_on_the_way():
