@@ -4,7 +4,6 @@ Depths stand on fixed grids: each groove's along its own arc, the balls' along t
 """
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
@@ -34,6 +33,7 @@ from bearingwear.solvers.worn.depths import (
     UNWORN_ARC,
     WornDepths,
     WornPoint,
+    arc_values,
     depth_spline,
     seat_of_case,
     wandering,
@@ -284,9 +284,8 @@ class WornBearing:
 
         The geometry is that of the state, which may be warmer than the start.
         """
-        places = np.clip(x + self.shift(k, alpha, g), *self.arc[k][[0, -1]])
-        there = CubicSpline(self.arc[k], values)(places)
-        return np.clip(there, 0.0, 1.0)
+        arc = depth_spline(self.arc[k], self.arc_step[k], values)
+        return np.clip(arc_values(arc, x + self.shift(k, alpha, g)), 0.0, 1.0)
 
     def shift(self, k: int, alpha: float, g: Geometry) -> float:
         """S - x of groove k at a contact angle [m], as `arc_shift`: no call of compiled code."""

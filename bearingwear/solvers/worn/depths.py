@@ -72,6 +72,14 @@ def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
     return Arc(float(places[0]), float(step), c)
 
 
+def arc_values(arc: Arc, places: np.ndarray) -> np.ndarray:
+    """Values of a spline; beyond its ends those at the ends."""
+    steps = (places - arc.first) / arc.step
+    i = np.clip(np.floor(steps).astype(int), 0, arc.c.shape[1] - 1)
+    x, c = np.clip(steps - i, 0.0, 1.0) * arc.step, arc.c[:, i]
+    return np.asarray(((c[0] * x + c[1]) * x + c[2]) * x + c[3])
+
+
 def wandering(
     grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
 ) -> np.ndarray:
