@@ -38,9 +38,10 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
     steps, counts = scene.model.life_steps, wearing.parts.count
     life = follow(wearing, Criteria(scene), Trapezoid(steps, _MOST_STEPS * steps, counts))
     values |= {"status": life.status, "end_criterion": life.criterion}
+    left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     attrs = {
         "solves": len(life.tried),
-        "steady_life_of": steady_sentence(scene),
+        "steady_life_of": f"the scene without {', '.join(left)}" if left else "the scene",
         "residual": f"of the last run: {run_at(life.tried[-1]).residual}",
     }
     if life.nodes[0].status == code.OK:
@@ -118,11 +119,6 @@ def life_histories(life: Life) -> dict:
         "history_land_wear_rate": rates[:, p.land],
         **{f"history_{name}": values for name, values in cage.items()},
     }
-
-
-def steady_sentence(scene: Scene) -> str:
-    left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
-    return f"the scene without {', '.join(left)}" if left else "the scene"
 
 
 def steady_life(scene: Scene) -> Life:

@@ -22,6 +22,7 @@ from bearingwear.solvers.worn.solver import Worn
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.24  # deepest wear of a step, over the gap A a^2
+TOO_DEEP = 2.0  # times the depth that a step is to wear
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
 LONGER_STEP = 1.5 * STEP  # of quick lives, and to see the error of the others
 ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
@@ -144,10 +145,14 @@ class Grooves:
 
     def is_too_deep(self, now: Node, new: Node) -> bool:
         """Whether a groove wore by far more, having worn through a film."""
-        return any(
-            side.too_deep(point_of(before), point_of(after), self.depth)
-            for side, before, after in zip(self.sides, now.states, new.states, strict=True)
-        )
+        for side, *states in zip(self.sides, now.states, new.states, strict=True):
+            if side.bearing.films is None:
+                continue
+            before, after = map(point_of, states)
+            worn = (after.wear.grooves - before.wear.grooves).max(axis=1)
+            if (worn / side.bearing.gap_at_edge(before)).max() > TOO_DEEP * self.depth:
+                return True
+        return False
 
     def wears(self, node: Node) -> bool:
         return max(max(side.factors) for side in self.sides) > 0.0

@@ -68,11 +68,8 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
 
 def _time_of_nothing(time: np.ndarray, left: np.ndarray) -> float:
     """When a film is gone, between the steps about it; NaN where it is not."""
-    gone = left <= 0.0
-    if not gone.any():
+    gone = np.flatnonzero(left <= 0.0)
+    if not gone.size:
         return float("nan")
-    k = int(np.argmax(gone))
-    if k == 0 or left[k] == 0.0:
-        return float(time[k])
-    share = left[k - 1] / (left[k - 1] - left[k])
-    return float(time[k - 1] + share * (time[k] - time[k - 1]))
+    about = slice(max(gone[0] - 1, 0), gone[0] + 1)
+    return float(np.interp(0.0, -left[about], time[about]))

@@ -193,7 +193,7 @@ class OnRotor:
             return found
         # the last steps, at temperatures that are known well enough
         kept = tuple(
-            side.kept_at(one) if isinstance(side, Warm) else side
+            Warm(side.solver, one.warmed) if isinstance(side, Warm) else side
             for side, one in zip(self.sides, found.sides, strict=True)
         )
         return self._balanced(kept, conditions, tolerance)
@@ -232,8 +232,7 @@ class OnRotor:
             return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
 
         x = self.nearby.at(losses) if self.nearby.known else self._first_place(losses, F_ext)
-        x, found = balanced(trial, x, self._rounded, self.nearby, tolerance)
-        return self._state(losses, x, found, lambda states: x)
+        return self._state(losses, *balanced(trial, x, self._rounded, self.nearby, tolerance))
 
     @functools.cached_property
     def _rounded(self) -> float:
@@ -248,7 +247,6 @@ class OnRotor:
     ) -> RotorState:
         """The spring extends by e, as far as both bearings give way; F_2 = F_s - k_s e."""
         a, F_s = self.arrangement, float(self.scene.operation.preload_N)
-        one = self.sides[0]
         k_s = a.spring_stiffness_N_um * N_UM
 
         def trial(e: float) -> RotorTrial | int:
@@ -263,15 +261,10 @@ class OnRotor:
             return RotorTrial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
 
         e = self.nearby.at(losses) if self.nearby.known else 0.0
-        e, found = balanced(trial, e, 0.0, self.nearby, tolerance)
-        return self._state(losses, e, found, lambda states: states[0].place - one.mounted)
+        return self._state(losses, *balanced(trial, e, 0.0, self.nearby, tolerance))
 
     def _state(
-        self,
-        losses: tuple[float, float],
-        position: float,
-        found: RotorTrial | int,
-        shift: Callable[[Sequence[SolvedBearing]], float],
+        self, losses: tuple[float, float], position: float, found: RotorTrial | int
     ) -> RotorState:
         """The state at a place, or why there is none."""
         if isinstance(found, int):
@@ -281,7 +274,8 @@ class OnRotor:
         self.nearby.found(losses, position)
         states = found.states
         status = next((one.status for one in states if one.status != code.OK), code.OK)
-        return self.arranged(states, RotorState(status, states, shift(states)))
+        shift = states[0].place - self.sides[0].mounted
+        return self.arranged(states, RotorState(status, states, shift))
 
     def arranged(self, sides: tuple[SolvedBearing, ...], found: RotorState) -> RotorState:
         return found._replace(

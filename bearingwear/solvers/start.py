@@ -9,7 +9,7 @@ from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import COVERED, Bare
-from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, time_scale_values
 from bearingwear.solvers.condition import USABLE
 from bearingwear.solvers.race_control import race_control_motion
 
@@ -40,11 +40,7 @@ def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
         if case.status in USABLE:
-            eigenvalues = np.linalg.eigvals(problem.linear_motion(D, case))
-            scales = {
-                "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
-                "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
-            }
+            scales = time_scale_values(problem.time_scales(D, case))
             return Start(case.u, "the steady state under the thrust alone", scales, case, bare)
     u = race_control_motion(scene, bare)
     if u is not None:

@@ -29,7 +29,7 @@ from bearingwear.solvers.bearing.outputs import (
     wear_values,
 )
 from bearingwear.solvers.bearing.stiffness import quasistatic_matrix
-from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, time_scale_values
 from bearingwear.solvers.condition import (
     USABLE,
     Accuracy,
@@ -171,9 +171,7 @@ class Steady:
             if case.held:
                 attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
             values |= {"status": case.status} | steady_values(scene, problem, D, case)
-            values |= {
-                "fast_time_scale": 1.0 / np.abs(scales).max(),
-                "slow_time_scale": 1.0 / np.abs(scales.real).min(),
+            values |= time_scale_values(scales) | {
                 "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
                 "stable": int(stable[id(case)]),
                 "steady_state_count": len(every),

@@ -39,10 +39,6 @@ class Warm(Wrapper):
         if kept is not None:
             self.solver = solver.at(kept.scene)
 
-    def kept_at(self, solution: SolvedBearing) -> "Warm":
-        """The bearing at the temperatures of a solution, whatever its heat."""
-        return Warm(self.solver, solution.warmed)
-
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         if self._kept is not None:
             return self.solver(condition, near)._replace(warmed=self._kept)

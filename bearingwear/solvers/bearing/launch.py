@@ -51,16 +51,12 @@ class RestingSide(NamedTuple):
     factor: np.ndarray  # (n,) load over deformation^1.5 of both contacts [N/m^1.5]
     peak: np.ndarray  # (n, 2) peak pressure under 1 N, inner and outer race [Pa]
 
-    def distances(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Axial and radial distance (n,) of the groove centres, and their slopes (2, n, 4)."""
+    def balls(self, q: np.ndarray) -> "Balls":
+        """Its balls at a place of the rotor."""
         g, c = self.g, np.cos(self.psi)[:, None]
         slopes = np.array([self.motion[0] + g.R_i * c * self.motion[2], c * self.motion[1]])
         A1 = g.BD * math.sin(g.alpha0) + self.mounted + slopes[0] @ q
-        return A1, g.BD * math.cos(g.alpha0) + slopes[1] @ q, slopes
-
-    def balls(self, q: np.ndarray) -> "Balls":
-        """Its balls at a place of the rotor."""
-        A1, A2, slopes = self.distances(q)
+        A2 = g.BD * math.cos(g.alpha0) + slopes[1] @ q
         length = np.hypot(A1, A2)
         d = np.maximum(length - (self.g.r_i + self.g.r_o - self.D), 0.0)
         return Balls(A1, A2, length, A1 / length, A2 / length, d, self.factor * d**1.5, slopes)

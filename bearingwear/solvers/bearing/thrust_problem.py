@@ -116,15 +116,11 @@ class ThrustProblem:
             return code.PRELOAD_GONE
         return code.OK
 
-    def linear_motion(self, D: float, case: ThrustCase) -> np.ndarray:
-        """Derivative (4, 4) of the rates of (w_x, w_y, w_z, Omega) by these, at the state [1/s]."""
-        m = ball_mass(self.g.rho, D)
-        inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
-        return case.jacobian / inertia[:, None]
-
     def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
         """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
-        return np.linalg.eigvals(self.linear_motion(D, case))
+        m = ball_mass(self.g.rho, D)
+        inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
+        return np.linalg.eigvals(case.jacobian / inertia[:, None])
 
     def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
         """Whether a small disturbance of the state decays, by its `time_scales` if they are known.
@@ -163,6 +159,14 @@ class ThrustProblem:
             rolling = self.kinematic_start(OUTER_CONTROL)[3]
             others.sort(key=lambda c: abs(c.u[3] - rolling))
         return others
+
+
+def time_scale_values(scales: np.ndarray) -> dict[str, float]:
+    """Result variables of the `time_scales` of a state."""
+    return {
+        "fast_time_scale": 1.0 / np.abs(scales).max(),
+        "slow_time_scale": 1.0 / np.abs(scales.real).min(),
+    }
 
 
 def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:

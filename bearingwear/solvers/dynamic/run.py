@@ -14,7 +14,7 @@ from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, found_periodic
 from bearingwear.solvers.dynamic.outputs import histories, window_values
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
-from bearingwear.solvers.dynamic.stability import is_found_periodic, is_marched_instead
+from bearingwear.solvers.dynamic.stability import LEAST_GROWTH, is_found_periodic
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
 from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, RunGrid, TimeRun
 from bearingwear.solvers.errors import NotAvailable
@@ -174,7 +174,9 @@ def kept_periodic(
     motion = found_periodic(scene, system, tolerance)
     if motion is None:
         return None, kind
-    if is_marched_instead(scene, motion.growth):
+    # unstable, and not by the spacing that a cage keeps
+    unstable = motion.growth is not None and motion.growth.other > LEAST_GROWTH
+    if unstable and scene.model.dynamic_solution == "auto":
         system.unpack(*begun)
         return None, f"{kind}; a periodic motion was found and left, {motion.sentence}"
     return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"

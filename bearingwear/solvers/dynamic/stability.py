@@ -99,12 +99,6 @@ def _turns(rate: float) -> str:
     return f"{float(f'{1.0 / abs(rate):.2g}'):g} turns"
 
 
-def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
-    """Whether a motion is unstable, and not by the spacing that a cage keeps, and may be left."""
-    asked = scene.model.dynamic_solution
-    return asked == "auto" and growth is not None and growth.other > LEAST_GROWTH
-
-
 def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | None:
     """Sentence and advice for an unstable periodic motion."""
     spacing, other = (values.get(name, -np.inf) for name in GROWTHS)

@@ -26,7 +26,6 @@ from bearingwear.solvers.worn.bearing import WornBearing
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint, seat_force
 from bearingwear.solvers.worn.films import WornFilms
 
-_TOO_DEEP = 2.0  # times the depth that a step is to wear
 _NEAR = 0.02  # of the approaches: where an even loss is looked for first, beside the guess
 _FURTHER = 12  # times farther away, each time twice as far
 
@@ -163,13 +162,6 @@ class Worn(Steady):
         }
         found = {name: value for name, value in found.items() if not np.isnan(value)}
         return State(point.status, known[1] | found, solution)
-
-    def too_deep(self, point: WornPoint, new: WornPoint, step: float) -> bool:
-        """Whether a groove wore by far more than `step` of the gap, having worn through a film."""
-        if self.bearing.films is None:
-            return False
-        worn = (new.wear.grooves - point.wear.grooves).max(axis=1)
-        return bool((worn / self.bearing.gap_at_edge(point)).max() > _TOO_DEEP * step)
 
     def _of_films(self, point: WornPoint) -> dict[str, Any]:
         """What of a state films and running in decide; nothing without any."""
