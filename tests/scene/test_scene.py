@@ -41,33 +41,17 @@ def plain(scene) -> dict:
 # the scenes that come with the project
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
-def test_project_scene(path):
-    scene = config.load_scene(path)
-    assert scene.name == path.stem
-    assert "assumed" in scene.description
-    model = yaml.safe_load(path.read_text()).get("model", {})
-    assert model == ({"contact": "paper"} if path.stem in ("gyro_s1", "gyro_s2", "gyro_s3") else {})
-    on_line = path.stem.startswith("gyro") and not path.stem.endswith(("_hertz", "_worn"))
-    assert scene.model.slip_is_over == ("line" if on_line else "ellipse")
-    end = scene.wear.end_of_life.criteria
-    loss = {"turbine": 10.0, "bearing218": 10.0, "turbopump": 4.0}.get(scene.name, 0.7)
-    assert end.items() >= {"preload_fraction": 0.4, "ball_diameter_loss_um": loss}.items()
-    if scene.name.startswith("gyro"):
-        assert end["gyroscopic_slip_share"] == 0.5 and end["skid_ratio"] == 0.1
-
-
-# scene <-> dict
-
-
-@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
-def test_round_trip(path):
-    scene = config.load_scene(path)
-    plain = scene.to_dict()
-    again = config.scene_from_dict(json.loads(json.dumps(plain)))
-    assert again == scene
-    assert list(again.to_dict()) == list(plain)
-    assert config.as_scene(scene) == config.as_scene(path) == config.as_scene(plain) == scene
+def test_scenes_of_the_project_are_the_same_when_read_again():
+    wrong = []
+    for path in SCENES:
+        scene = config.load_scene(path)
+        plain = scene.to_dict()
+        again = config.scene_from_dict(json.loads(json.dumps(plain)))
+        alike = config.as_scene(scene) == config.as_scene(path) == config.as_scene(plain) == scene
+        named = scene.name == path.stem and "assumed" in scene.description
+        if not (again == scene and list(again.to_dict()) == list(plain) and alike and named):
+            wrong.append(path.stem)
+    assert len(SCENES) > 10 and not wrong
 
 
 def test_defaults():
@@ -215,10 +199,6 @@ def test_json_is_a_scene(indent, plain, tmp_path):
     path.write_text(json.dumps(plain, indent=indent))
     scene = config.load_scene(path)
     assert scene.to_dict() == plain and "5e-06" in path.read_text()
-
-
-def test_override_opens_an_optional_block():
-    assert config.load_scene(S1, ["model.strips=20"]).model.strips == 20
 
 
 # strict YAML

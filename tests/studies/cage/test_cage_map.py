@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from support import ROOT, with_value
+from support import ROOT
 
 from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
@@ -43,25 +43,6 @@ def test_plan_of_the_project(monkeypatch):
     assert changes["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan.gravity_m_s2)]
     assert changes["friction.cage"] == max(plan.cage_friction)
     assert "results/cage/tables/cage.md" in study.targets()
-
-
-@pytest.mark.parametrize(
-    ("path", "value", "told"),
-    [
-        ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected increasing"),
-        ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: got 9.81, 0, expected increasing"),
-        ("gravity_m_s2", [-9.81], "gravity_m_s2"),
-        ("guiding_race", ["nothing"], "guiding_race"),
-        ("ensemble.runs", 10, "ensemble.runs: got 10, expected a whole number >= 20"),
-        ("ensemble.most_turns", 155, "most_turns: got 155, expected a multiple of 10"),
-        ("ensemble.least_turns", 200, "most_turns: got 150, expected at least 200"),
-    ],
-)
-def test_a_bad_plan_takes_one_line(path, value, told, tmp_path):
-    file = with_value(PLAN_FILE, path, value, tmp_path)
-    with pytest.raises(ValueError) as error:
-        read_record(CagePlan, file)
-    assert told in str(error.value) and "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file, with_value
+from support import ROOT, scene_file
 
 from bearingwear.cli import main
 from bearingwear.document.show import sheet
@@ -83,28 +83,6 @@ def test_small_map_of_the_project_is_around_its_scene():
         assert axes.lives <= 40
         assert scene.friction.ball_race in axes.friction
         assert scene.operation.shaft_speed_rpm in axes.shaft_speed_rpm
-
-
-@pytest.mark.parametrize(
-    "path, value, told",
-    [
-        ("scenes.gyro_s1.map.friction.step", 0.07, "got 0.02 to 0.17 by 0.07"),
-        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "expected increasing numbers > 0"),
-        ("scenes.gyro_s1.map.preload_method", ["spring"], "expected constant_force"),
-        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: got an unknown key"),
-        (
-            "scenes.gyro_s1.limits.friction_power_W",
-            "much",
-            "got 'much', text, not a number, expected a number > 0",
-        ),
-        ("scenes.gyro_s1.map.friction", [1 / 3], "expected at most 9 decimals"),
-    ],
-)
-def test_bad_plan_takes_one_line(tmp_path, path, value, told):
-    file = with_value(PLAN_FILE, path, value, tmp_path)
-    with pytest.raises(ValueError) as error:
-        read_record(DesignPlan, file)
-    assert told in str(error.value) and "\n" not in str(error.value)
 
 
 # the choice

@@ -37,23 +37,6 @@ def test_plan_of_the_project():
 
 
 @pytest.mark.parametrize(
-    "key, value, told",
-    [
-        ("samples", 1000, "sampling.samples: got 1000, expected a power of two"),
-        ("seed", -1, "sampling.seed: got -1, expected a whole number >= 0"),
-        ("chunks", 2048, "sampling.chunks: got 2048, expected at most the samples"),
-    ],
-)
-def test_bad_plan_takes_one_line(tmp_path, key, value, told):
-    data = yaml.safe_load(PLAN_FILE.read_text())
-    data["sampling"][key] = value
-    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
-    with pytest.raises(ValueError) as error:
-        read_record(UncertaintyPlan, tmp_path / "plan.yaml")
-    assert told in str(error.value) and "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
     "spread, told",
     [
         ({"ball_race": {"distribution": "normal"}}, "ball_race.standard_deviation: got nothing"),

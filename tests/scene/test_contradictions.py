@@ -1,0 +1,151 @@
+"""Friction, warmth and arrangement: what contradicts the rest is refused in one line.
+
+Types and ranges of single keys: test_records.py, test_hostile.py and the list in config/README.md.
+"""
+
+import json
+
+import pytest
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.friction import changes_as_it_wears, has_thickness
+from bearingwear.scene.read import scene_from_dict
+from bearingwear.scene.variant import variant
+
+STEEL = "materials.bearing_steel"
+LAW = "friction.film"
+FILM = {
+    "uncertainty": None,
+    "friction.ball_race": None,
+    f"{LAW}.shear_strength_MPa": 24.8,
+    f"{LAW}.pressure_coefficient": 0.001,
+}
+THIN = FILM | {f"{LAW}.thickness_um": 0.5, f"{LAW}.wear_coefficient": 1e-7}
+ON_STEEL = {f"{STEEL}.film.thickness_um": 0.5}
+FRICTION = [
+    ({"friction.ball_race": None, "uncertainty": None}, "friction.ball_race: got nothing"),
+    ({f"{LAW}.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
+    ({**FILM, "uncertainty": {"ball_race": {"distribution": "normal", "standard_deviation": 0.1}}},
+     "uncertainty.ball_race: got it with friction.film"),
+    (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: got nothing"),
+    (FILM | {f"{LAW}.bare_ball_race": 0.4}, f"{LAW}.bare_ball_race: got 0.4 with a film that n"),
+    (THIN | ON_STEEL, f"{LAW}.thickness_um: got 0.5 with {STEEL}.film"),
+    (ON_STEEL, f"{STEEL}.film.wear_coefficient: got nothing"),
+    ({f"{STEEL}.film.wear_coefficient": 1e-7}, f"{STEEL}.film.thickness_um: got nothing"),
+    ({"materials.phenolic.film": {"thickness_um": 1, "wear_coefficient": 1e-7}},
+     "materials.phenolic.film: got a film of a material of neither balls nor races"),
+    ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5}}, f"{STEEL}.running_in.depth_um: got no"),
+    ({"wear.end_of_life.film_worn_share": 0.5}, "wear.end_of_life.film_worn_share: got 0.5; only"),
+]  # fmt: skip
+
+NETWORK = {
+    f"thermal.conductance_W_K.{name}": 0.1
+    for name in ("inner_ring_shaft", "outer_ring_housing", "ball_race")
+}
+EXPANSION = f"{STEEL}.thermal_expansion_1_K"
+WARMTH = [
+    ({"temperature.housing_C": 1000.0, EXPANSION: 2e-5}, "temperature.housing_C: got a temper"),
+    ({"temperature.inner_ring_C": 30} | NETWORK, "thermal: got thermal and temperature"),
+    ({"thermal.shaft_C": 20.0}, "thermal.conductance_W_K: got nothing"),
+    ({"bearing.inner_groove_factor": 0.501, "temperature.inner_ring_C": -250},
+     "temperature.inner_ring_C: got -250 with balls of 20 degC; only allowed where the groove"),
+    ({"bearing.outer_groove_factor": 0.503, "temperature.balls_C": 600},
+     "temperature.outer_ring_C: got 20 with balls of 600 degC; only allowed where"),
+    ({"fits.shaft_interference_um": 5}, "fits.shaft_interference_um: got 5; only allowed with"),
+    ({"fits.housing_interference_um": 5}, "fits.housing_interference_um: got 5; only allowed"),
+    ({"fits.shaft_bore_mm": 2}, "fits.shaft_bore_mm: got 2; only allowed with bearing.bore_mm"),
+    ({"fits.shaft_interference_um": 100, "bearing.bore_mm": 4.0},
+     "fits.shaft_interference_um: got 100, expected a number from -40 to 40"),
+    ({"fits.shaft_bore_mm": 4.0, "bearing.bore_mm": 4.0},
+     "fits.shaft_bore_mm: got 4, expected a number < 4"),
+    ({"fits.shaft_material": "cheese"}, "fits.shaft_material: got 'cheese', not under materials"),
+    ({"fits.housing_material": "phenolic", "temperature.housing_C": 30},
+     "materials.phenolic.thermal_expansion_1_K: got nothing, with temperatures"),
+    ({"bearing.bore_mm": 5.5}, "bearing.bore_mm: got 5.5"),
+]  # fmt: skip
+
+FIXED = {"operation.preload_method": "fixed_position"}
+KIND, SECOND = "arrangement.kind", "arrangement.second"
+RIGID = FIXED | {KIND: "rigid_pair"}
+ARRANGEMENT = [
+    ({KIND: "rigid_pair"}, f"{KIND}: got rigid_pair with operation.prelo"),
+    (FIXED | {KIND: "spring_pair"}, f"{KIND}: got spring_pair with operation.prel"),
+    ({"arrangement.external_axial_N": 1}, "arrangement.external_axial_N: got 1.0 with kind si"),
+    (RIGID | {"arrangement.spring_stiffness_N_um": 1}, "spring_stiffness_N_um: got 1.0 w"),
+    (RIGID | {"arrangement.tandem": [2]}, "arrangement.tandem: got a list of 1"),
+    ({"arrangement.tandem": [2, 1]}, "arrangement.tandem: got a list of 2 with kind single"),
+    ({f"{SECOND}.friction.ball_race": 0.1}, f"{SECOND}: got "),
+    *(
+        (RIGID | {SECOND: {key: value}}, f"{SECOND}.{key}: got ")
+        for key, value in {
+            "operation.preload_N": 9,
+            "operation.shaft_speed_rpm": 9,
+            "model.strips": 9,
+            KIND: "single",
+            "name": "other",
+            "friction": 3,
+            "friction.ball_rase": 0.1,
+            "friction.ball_race": 9,
+            "bearing.ball_count": 99,
+            "wear.ball_diameter_loss_um": -1,
+        }.items()
+    ),
+    (RIGID | {SECOND: {"wear.end_of_life": {"skid_ratio": 0.1}}},
+     f"{SECOND}.wear.end_of_life.skid_ratio: got "),
+]  # fmt: skip
+
+
+def test_contradictions_are_refused_in_one_line():
+    wrong = []
+    for changes, message in FRICTION + WARMTH + ARRANGEMENT:
+        try:
+            variant(scene_file("gyro_s1"), changes)
+        except SceneError as error:
+            if message not in str(error) or "\n" in str(error):
+                wrong.append((message, str(error)))
+        else:
+            wrong.append((message, "accepted"))
+    assert not wrong
+
+
+def test_a_film_is_a_plain_block(scene):
+    given = scene("gyro_s1", THIN)
+    assert has_thickness(given) and changes_as_it_wears(given)
+    plain = given.to_dict()
+    assert "ball_race" not in plain["friction"]
+    assert plain["friction"]["film"]["thickness_um"] == 0.5
+    assert scene_from_dict(json.loads(json.dumps(plain))) == given
+
+
+@pytest.mark.parametrize(
+    ("changes", "thick", "changing"),
+    [
+        ({}, False, False),
+        (FILM, False, False),
+        (ON_STEEL | {f"{STEEL}.film.wear_coefficient": 1e-7}, True, True),
+        ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5, "depth_um": 0.1}}, False, True),
+    ],
+)
+def test_what_wears_through(scene, changes, thick, changing):
+    given = scene("gyro_s1", changes)
+    assert (has_thickness(given), changes_as_it_wears(given)) == (thick, changing)
+
+
+def test_recommend_refuses_a_film_in_one_line(capsys):
+    assert main(["recommend", str(scene_file("mos2_gyro"))]) == 2
+    said = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "friction.film" in said and "expected, for a study" in said
+
+
+def test_what_is_left_out_stays_away(scene):
+    plain = scene("gyro_s1").to_dict()
+    assert not {"temperature", "thermal", "fits"} & plain.keys()
+    assert "thermal_expansion_1_K" not in plain["materials"]["bearing_steel"]
+
+
+def test_a_warm_scene_is_the_same_when_read_again(scene):
+    warm = scene("gyro_s1", NETWORK | {"bearing.bore_mm": 4.0, "fits.shaft_bore_mm": 1.0})
+    assert warm.with_({}) == warm and hash(warm.with_({})) == hash(warm)
+    assert warm.to_dict()["thermal"]["conductance_W_K"]["ball_race"] == 0.1

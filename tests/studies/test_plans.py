@@ -1,0 +1,59 @@
+"""Plans of studies: a value that is wrong is refused in one line that names its key."""
+
+from support import ROOT, with_value
+
+from bearingwear.scene.checking.check import read_record
+from bearingwear.studies.cage.plan import CagePlan
+from bearingwear.studies.design.plan import DesignPlan
+from bearingwear.studies.uncertainty.plan import UncertaintyPlan
+from workflow.studies.identify.plan import IdentifyPlan
+
+MAP = "scenes.gyro_s1.map"
+PLANS = {
+    "cage": (
+        CagePlan,
+        ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected increasing"),
+        ("gravity_m_s2", [-9.81], "gravity_m_s2"),
+        ("guiding_race", ["nothing"], "guiding_race"),
+        ("ensemble.runs", 10, "ensemble.runs: got 10, expected a whole number >= 20"),
+        ("ensemble.most_turns", 155, "most_turns: got 155, expected a multiple of 10"),
+        ("ensemble.least_turns", 200, "most_turns: got 150, expected at least 200"),
+    ),
+    "design": (
+        DesignPlan,
+        (f"{MAP}.friction.step", 0.07, "got 0.02 to 0.17 by 0.07"),
+        (f"{MAP}.preload_N", [2.0, 1.0], "expected increasing numbers > 0"),
+        (f"{MAP}.preload_method", ["spring"], "expected constant_force"),
+        (f"{MAP}.friction", [1 / 3], "expected at most 9 decimals"),
+        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: got an unknown key"),
+        ("scenes.gyro_s1.limits.friction_power_W", "much", "got 'much', text, not a number"),
+    ),
+    "identify": (
+        IdentifyPlan,
+        ("statements.preload_loss", 0, "preload_loss: got 0, expected a number > 0"),
+        ("statements.qv_least_um", [0.5, 0.3], "qv_least_um: got 0.5, 0.3, expected increasing"),
+        ("ball_count", [7, 7], "ball_count: got 7, 7, expected increasing numbers"),
+        ("pitch_diameter_mm.step", 0, "pitch_diameter_mm: step: got 0, expected a number > 0"),
+    ),
+    "uncertainty": (
+        UncertaintyPlan,
+        ("sampling.samples", 1000, "sampling.samples: got 1000, expected a power of two"),
+        ("sampling.seed", -1, "sampling.seed: got -1, expected a whole number >= 0"),
+        ("sampling.chunks", 2048, "sampling.chunks: got 2048, expected at most the samples"),
+    ),
+}
+
+
+def test_a_wrong_value_of_a_plan_takes_one_line(tmp_path):
+    wrong = []
+    for name, (kind, *rows) in PLANS.items():
+        for path, value, message in rows:
+            file = with_value(ROOT / f"config/{name}.yaml", path, value, tmp_path)
+            try:
+                read_record(kind, file)
+            except ValueError as error:
+                if message not in str(error) or "\n" in str(error):
+                    wrong.append((name, path, str(error)))
+            else:
+                wrong.append((name, path, "accepted"))
+    assert not wrong
