@@ -8,11 +8,16 @@ import xarray as xr
 from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import table_of
-from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.variables import RACES
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import both_ways
-from bearingwear.studies.grid.tables import AXES, cases_csv, over_all_balls
+from bearingwear.studies.grid.tables import (
+    AXES,
+    cases_csv,
+    cases_in_words,
+    over_all_balls,
+    unsolved_cases,
+)
 
 WAYS = ("steady", "dynamic")
 ALL_SOLVED = "Nothing: every case was solved and verified both ways."
@@ -61,6 +66,9 @@ def _text(solved: xr.Dataset) -> str:
     wear += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in solved]
     drift = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
     still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged."
+    unsolved = tuple(
+        line for way in WAYS for line in unsolved_cases(solved, f"status.{way}", f", {way}")
+    )
     blocks = (
         table_of(
             solved,
@@ -81,39 +89,18 @@ def _text(solved: xr.Dataset) -> str:
             "How settled the means are",
             tuple(_unsettled(solved)) or (still,),
         ),
-        Block("Not solved", lines=tuple(_unsolved(solved)) or (ALL_SOLVED,)),
+        Block("Not solved", lines=unsolved or (ALL_SOLVED,)),
     )
     title = f"{scene_of(solved)['name']}: solved dynamically, beside the steady state"
     return as_markdown(Document((title,), blocks=blocks))
-
-
-def _points(solved: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
-    """Each case in words and its place in the grid."""
-    for i, (name, _) in enumerate(methods(solved)):
-        for j, mu in enumerate(solved["friction"].values):
-            for k, loss in enumerate(solved["ball_diameter_loss"].values):
-                yield [in_words(name), f"{mu:g}", f"{loss:g}"], (i, j, k)
 
 
 def _unsettled(solved: xr.Dataset) -> Iterator[str]:
     drifts = {"QV": "qv_drift_per_turn", "the wear of all parts": "wear_rate_drift_per_turn"}
     for what, name in drifts.items():
         if name in solved:
-            drift = (solved[name] * solved["evaluated_turns"]).transpose(*AXES).values
-            for words, index in _points(solved):
-                if abs(drift[index]) > LARGEST_DRIFT:
-                    case, change = _case_in_words(words), f"{100 * drift[index]:+.2g} %"
-                    yield f"{case}: {what} still drifts by {change} over the turns averaged"
-
-
-def _unsolved(solved: xr.Dataset) -> Iterator[str]:
-    for words, index in _points(solved):
-        for way in WAYS:
-            status = int(solved[f"status.{way}"].transpose(*AXES).values[index])
-            if status != OK:
-                yield f"{_case_in_words(words)}, {way}: {in_words(STATUS_NAMES[status])}"
-
-
-def _case_in_words(words: list[str]) -> str:
-    method, mu, loss = words
-    return f"{method}, friction {mu}, loss {loss} µm"
+            drift = solved[name] * solved["evaluated_turns"]
+            for case, index in cases_in_words(solved):
+                if abs(change := float(drift[index])) > LARGEST_DRIFT:
+                    change_text = f"{100 * change:+.2g} %"
+                    yield f"{case}: {what} still drifts by {change_text} over the turns averaged"

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from bearingwear.document.document import Block, Document
@@ -75,7 +74,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     `known` are files of the study of uncertainty, if there are any.
     """
     scene = scene_of(study)
-    unsolved = tuple(_unsolved(study)) or ("Nothing: every case was solved and verified.",)
+    unsolved = tuple(unsolved_cases(study)) or ("Nothing: every case was solved and verified.",)
     heading = tuple(filter(None, (scene["name"], scene.get("description", ""))))
     table = lives_block("Wear life", lives_of(lives, known), scene, every=True)
     table = replace(table, lines=(*table.lines, *filter(None, [_not_compared(lives)])))
@@ -109,11 +108,18 @@ def _not_compared(lives: xr.Dataset) -> str:
     return " ".join(said)
 
 
-def _unsolved(study: xr.Dataset) -> Iterator[str]:
-    for name, state in methods(study):
-        for index in np.argwhere(state["status"].values != OK):
-            one = state["status"][tuple(index)]
-            yield (
-                f"{in_words(name)}, friction {float(one['friction']):g}, "
-                f"loss {float(one['ball_diameter_loss']):g} µm: {in_words(STATUS_NAMES[int(one)])}"
-            )
+def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
+    """Each case in words and its place in the grid."""
+    for i, (name, _) in enumerate(methods(study)):
+        for j, mu in enumerate(study["friction"].values):
+            for k, loss in enumerate(study["ball_diameter_loss"].values):
+                place = dict(zip(AXES, (i, j, k), strict=True))
+                yield f"{in_words(name)}, friction {mu:g}, loss {loss:g} µm", place
+
+
+def unsolved_cases(study: xr.Dataset, status: str = "status", model: str = "") -> Iterator[str]:
+    """Cases whose status is not good, and that status."""
+    for case, place in cases_in_words(study):
+        code = int(study[status][place])
+        if code != OK:
+            yield f"{case}{model}: {in_words(STATUS_NAMES[code])}"

@@ -190,15 +190,6 @@ def test_comparison_tables(folder, tmp_path):
     assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("suffix", ["svg", "png"])
-def test_comparison_figure_twice(folder, tmp_path, suffix):
-    outputs = [tmp_path / f"{copy}.{suffix}" for copy in "ab"]
-    for output in outputs:
-        assert step(COMPARED, output, **both(folder)) == 0
-    assert outputs[0].read_bytes() == outputs[1].read_bytes()
-
-
 def test_comparison_figure_has_lines_and_marks(folder):
     from bearingwear.studies.grid.figures.dynamic import beside_steady_figure
 
