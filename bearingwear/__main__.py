@@ -4,25 +4,24 @@ Ctrl-C ends it at once with 130, SIGTERM with 143. Neither raises an exception, 
 modules, compiled code and callbacks catch exceptions or turn them into others.
 """
 
-import functools
 import os
 import signal
 import sys
-from types import FrameType
 
 
 def run_program() -> int:
     """Run a command; return its exit status."""
+    process = os.getpid()
     for number in (signal.SIGINT, signal.SIGTERM):
         # a shell has Ctrl-C ignored for what runs in the background
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            signal.signal(number, functools.partial(_end, os.getpid()))
+            signal.signal(number, lambda n, _: _end(process, n))
     from bearingwear.cli import main
 
     return main()
 
 
-def _end(process: int, number: int, frame: FrameType | None) -> None:
+def _end(process: int, number: int) -> None:
     if os.getpid() == process:  # else forked from it, and ended with it
         _tidy_up()
         os.write(2, b"interrupted\n" if number == signal.SIGINT else b"terminated\n")
