@@ -8,8 +8,8 @@ Results are `xarray.Dataset`s. docs/python.md shows it all, docs/variables.md li
 """
 
 import importlib
+from typing import TYPE_CHECKING, Any
 
-TYPE_CHECKING = False  # `typing` would take longer than the rest
 __version__ = "0.1.0"
 __all__ = [
     "Scene",
@@ -30,8 +30,6 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from bearingwear.api import (
         cage,
         calibrate,
@@ -49,7 +47,7 @@ if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene, SceneError
 
 
-def __getattr__(name: str) -> "Any":
+def __getattr__(name: str) -> Any:
     # numba and xarray take half a second to import: only who solves shall wait for them
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
