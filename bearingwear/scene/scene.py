@@ -235,10 +235,11 @@ class Scene:
 
     @functools.cached_property
     def without_cage(self) -> Scene:
-        """The scene without its cage, and without the limits of its wear."""
+        """The scene without its cage, its results, and the limits of its wear."""
         end = self.wear.end_of_life
         wear = replace(self.wear, end_of_life=end and end.without_cage)
-        return replace(self, cage=None, cage_uncertainty=None, wear=wear)
+        model = replace(self.model, cage_results=False)
+        return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
     def with_(self, changes: Mapping[str, Any]) -> Scene:
         """The scene with some of its values replaced, checked anew.

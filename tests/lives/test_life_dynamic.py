@@ -133,7 +133,11 @@ def test_a_film_of_the_cage_wears_through(scene):
     made = scene("gyro_s1", CAGE)
     material = made.materials[made.cage.material]
     film = {"thickness_um": 0.5, "wear_coefficient": 0.2 * material.wear_coefficient}
-    limit = {"cage.film": film, "wear.end_of_life": {"pocket_clearance_mm": 0.153}}
+    limit = {
+        "model.cage_results": True,
+        "cage.film": film,
+        "wear.end_of_life": {"pocket_clearance_mm": 0.153},
+    }
     v = life(made.with_(limit), "dynamic").values
     assert v["status"] == code.OK and CRITERIA[v["end_criterion"]] == "pocket_clearance_mm"
     time, share = v["history_time"][:, BOTH], v["history_pocket_film_worn_share"]

@@ -130,9 +130,11 @@ def test_a_cage_that_does_not_wear_has_no_end():
 
 
 def test_balls_and_races_beside_it():
-    scene = variant(S1, FILM)
+    scene = variant(S1, FILM | {"model.cage_results": True})
     found = cage_life(followed(scene, lambda n, d: made_up(WORK)))
     assert float(found["other_hours"]) == pytest.approx(1.3265, rel=1e-3)
+    low, high = found["other_hours_interval"].values  # a factor of 3, and 3 % of hardness
+    assert low < 1.3265 < high and high / low == pytest.approx(3.0 ** (2 * 1.6449), rel=0.03)
 
 
 def test_nothing_that_ends_it_is_refused():
