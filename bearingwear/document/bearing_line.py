@@ -11,7 +11,7 @@ from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 _CONTACTS = {
     "paper": "contact model of the paper",
     "hertz": "Hertzian contact",
-    "worn": "contact in the groove as it wears",
+    "worn": "contact in worn grooves",
 }
 
 

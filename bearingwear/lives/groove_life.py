@@ -1,4 +1,4 @@
-"""Lives with grooves as they wear: when they are followed, and their result variables."""
+"""Lives with worn grooves: when they are used, and their result variables."""
 
 import math
 from collections.abc import Sequence
@@ -73,19 +73,19 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
                 f"with wear.counts ball_and_races, slip over the ellipse, and even wear of "
                 f"filmed balls"
             )
-        return scene, "grooves: followed as they wear; asked for"
+        return scene, "grooves: worn profile, as requested by model.contact"
     if scene.model.contact != "auto" or found:
         return None, ""
     end = scene.wear.end_of_life
     if end is not None and end.groove_depth_um is not None:
-        return scene, "grooves: followed as they wear; their depth is a criterion"
+        return scene, "grooves: worn profile, because their depth is a criterion"
     share = max(wear_over_gap(one) for one in scene.sides)
     size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
     if math.isinf(share):
-        size = "the loss at the end of life is not known in advance"
+        size = "the loss at the end of life is unknown in advance"
     if share > REQUIRED:
-        return scene, f"grooves: followed as they wear; {size}"
-    return None, f"grooves: not followed, the contact stays Hertzian; {size}"
+        return scene, f"grooves: worn profile; {size}"
+    return None, f"grooves: Hertzian contact; {size}"
 
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:

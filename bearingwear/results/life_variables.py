@@ -131,7 +131,7 @@ LIFE = table(
         "growth rate of disturbances of the balls' even spacing in a periodic motion, per shaft "
         "turn, the fastest"),
     Variable("history_disturbance_growth_per_turn", _STEP, "1",
-        "growth rate of all other disturbances of a periodic motion, per shaft turn, the fastest"),
+        "fastest growth rate of all other disturbances of a periodic motion, per shaft turn"),
     Variable("history_worn_diameter", _STEP_BALL, "m",
         "loss of diameter of one ball since the start", label="diameter of one ball"),
     Variable("history_groove_depth", _STEP, "m", "wear depth of both grooves since the start",

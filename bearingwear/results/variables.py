@@ -283,7 +283,7 @@ DYNAMIC = table(
         "turn, the fastest", label="growth of uneven spacing", shown="%/turn",
         comment="positive: without a cage the balls would bunch"),
     Variable("disturbance_growth_per_turn", (), "1",
-        "growth rate of all other disturbances of a periodic motion, per shaft turn, the fastest",
+        "fastest growth rate of all other disturbances of a periodic motion, per shaft turn",
         label="growth of disturbances", shown="%/turn", comment="negative: they decay"),
     Variable("steps_accepted", (), "1", "steps of the time integration", "i8", label="steps"),
     Variable("steps_rejected", (), "1", "steps repeated with a shorter length", "i8",

@@ -82,8 +82,8 @@ def ensemble_sheet(file: Any) -> Document:
         )
     elif tolerance:
         lines.append(
-            f"steps of tolerance {tolerance:g}: the work of a motion is right to "
-            f"{100.0 * CAGE_ERROR:g} %, besides its interval"
+            f"steps of tolerance {tolerance:g}: the work of a motion is accurate to "
+            f"{100.0 * CAGE_ERROR:g} %, in addition to its interval"
         )
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")

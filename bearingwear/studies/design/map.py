@@ -114,7 +114,7 @@ POINT = table(
         "groove of the life and of the states along it",
         dtype="i1",
         flags=GROOVE_SHAPES,
-        comment="worn: followed as it wears, where the life of the scene follows it",
+        comment="worn if the life of the scene uses worn grooves",
     ),
     Variable(
         "hertzian_life",

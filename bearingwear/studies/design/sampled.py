@@ -70,14 +70,14 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
 
 
 def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
-    """How many lives follow their grooves, and how well the others are known."""
+    """Number of lives solved with worn grooves, and the error of the others."""
     followed, error = uncertainty["followed_lives"], uncertainty["groove_error"]
     if not bool((followed > 0).any()):
         return []
     return [
-        f"Grooves are followed as they wear in {int(followed.sum())} of the sampled lives. The "
-        "others are interpolated, with an rms error of at most "
-        f"{100.0 * float(error.max()):.2g} % on lives left out of the fit."
+        f"{int(followed.sum())} of the sampled lives are solved with worn grooves. The others are "
+        f"interpolated, with an rms error of at most {100.0 * float(error.max()):.2g} % on lives "
+        "excluded from the fit."
     ]
 
 

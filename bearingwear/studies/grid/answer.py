@@ -52,7 +52,7 @@ class MethodLife(NamedTuple):
     counts: str  # what counts in the scene
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
-    worn: bool = False  # whether its grooves were followed as they wear
+    worn: bool = False  # whether it has worn grooves
     spread: Spread | None = None
     loss: float = math.nan  # at the end [um]
     route_difference: float = math.nan  # of the interpolated life from this one, relative
@@ -193,7 +193,7 @@ def _headline(name: str, lives: Sequence[MethodLife], contests: Sequence[_Contes
 def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """At which preload and with which grooves the methods are compared."""
     worn = {life.worn for life in lives}
-    grooves = "with grooves as they wear" if True in worn else "with Hertzian grooves"
+    grooves = "with worn grooves" if True in worn else "with Hertzian grooves"
     if len(worn) > 1:
         grooves += " where the loss is large"
     return (

@@ -100,11 +100,11 @@ def _not_compared(lives: xr.Dataset) -> str:
     said = []
     if bool(lives["life_route_difference"].isnull().any()):
         said.append(
-            "A dash: grooves are followed as they wear, which lives interpolated between Hertzian "
-            "cases are not, or the life has no end that these cases show."
+            "A dash: the life has worn grooves, which interpolation between Hertzian cases "
+            "excludes, or its end is not among the values of these cases."
         )
     if unknown:
-        said.append(f"The cases do not hold: {', '.join(unknown)}.")
+        said.append(f"The cases do not contain: {', '.join(unknown)}.")
     return " ".join(said)
 
 

@@ -28,7 +28,7 @@ HERTZIAN_TO, FOLLOWED_TO = 1e-3, 5e-3
 """rms error for which no more are solved; quick lives with worn grooves are no better themselves.
 """
 
-_AT_ONCE = {"Hertzian": 16, "grooves as they wear": 2}
+_AT_ONCE = {"Hertzian": 16, "worn grooves": 2}
 """Lives that a process is given at a time."""
 
 _RACES = COUNTS.index("ball_and_races")
@@ -99,7 +99,7 @@ def found_lives(
         if not hertzian.kind[:, 2].any():
             return _found(hertzian)
         asked = np.flatnonzero(np.isfinite(hertzian.log[:, _RACES]))
-        solve = solver(followed_lives, "grooves as they wear")
+        solve = solver(followed_lives, "worn grooves")
 
         def worn_lives(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             log, kinds = solve(asked[which])

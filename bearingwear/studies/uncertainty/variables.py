@@ -44,7 +44,7 @@ ANALYSED = table(
         "rms error of the other lives, which are interpolated",
         comment="of each solved life by a fit to all others; 0: all were solved",
     ),
-    Variable("followed_lives", (), "1", "lives whose grooves were followed as they wear"),
+    Variable("followed_lives", (), "1", "lives solved with worn grooves"),
     Variable(
         "groove_error",
         (),

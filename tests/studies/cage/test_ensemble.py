@@ -164,7 +164,7 @@ def test_an_ensemble_of_real_runs(riding, capsys):
     assert main(["show", str(riding)]) == 0
     text = capsys.readouterr().out
     assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage, per turn" in text
-    assert "steps of tolerance 0.001: the work of a motion is right to 10 %" in text
+    assert "steps of tolerance 0.001: the work of a motion is accurate to 10 %" in text
     assert main(["plot", str(riding), "-o", str(riding.with_suffix(".svg"))]) == 0
 
 

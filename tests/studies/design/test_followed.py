@@ -134,14 +134,14 @@ def test_figure_tables_and_sheet_tell_the_grooves(found, tmp_path, capsys):
     tables = [str(tmp_path / name) for name in ("map.csv", "design.md")]
     assert main(["step", "studies.design.document.sheets.tables", *given, "-o", *tables]) == 0
     text = (tmp_path / "design.md").read_text()
-    assert "its groove | as it wears | as it wears |" in text
+    assert "groove model | worn | worn |" in text
     assert "with a Hertzian groove (h)" in text
-    assert "Their grooves are in 8 of them followed as they wear" in text
+    assert "8 have worn grooves, the others Hertzian grooves" in text
     csv = (tmp_path / "map.csv").read_text().splitlines()
     assert ",worn," in csv[1] and f"{float(design['life'][0, 0, 0, 0, 1]):.9g}" in csv[1]
     assert main(["show", str(files["recommendation"])]) == 0
     text = capsys.readouterr().out
-    assert "its groove" in text and "with a Hertzian groove" in text
+    assert "groove model" in text and "with a Hertzian groove" in text
     assert "balls that wear evenly" in text and "in bands" in text
     assert main(["plot", str(files["recommendation"]), "-o", str(tmp_path / "r.svg")]) == 0
 

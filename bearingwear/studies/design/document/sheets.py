@@ -257,7 +257,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
             f"life, {COUNTED[1 - basis]}", "h", _floats(lives[:, 1 - basis]),
             f"life.{COUNTS[1 - basis]}",
         ),
-        Row("  its groove", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
+        Row("  groove model", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
     ]  # fmt: skip
     if "worn" in grooves:
         hertzian = _floats(found["hertzian_life"].values[:, basis])
@@ -379,12 +379,12 @@ def _statuses(design: xr.Dataset) -> Block:
     """How many lives and states the map took, and what was not solved."""
     codes, counts = np.unique(design["status"].values, return_counts=True)
     worn = int((design["groove"] == WORN_GROOVE).sum())
-    followed = f"in {worn} of them followed as they wear, in the others" if worn else "all"
+    grooves = f"{worn} have worn grooves, the others" if worn else "All have"
     solves, failed = (int(design[name].sum()) for name in ("solves", "failed_solves"))
     said = (
-        f"{design['status'].size} lives over preload, method, friction and speed, made of {solves} "
-        f"steady states, of which {failed} were not found. Their grooves are {followed} Hertzian.",
-        "A life that was not solved keeps its status and is never chosen.",
+        f"{design['status'].size} lives over preload, method, friction and speed, from {solves} "
+        f"steady states, of which {failed} were not found. {grooves} Hertzian grooves.",
+        "A life that was not solved has a status and is never chosen.",
     )
     rows = (
         Row("status", "", tuple(in_words(STATUS_NAMES[int(k)]) for k in codes)),

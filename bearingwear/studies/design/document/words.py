@@ -82,8 +82,8 @@ FRICTION_KEY, WEAR_KEY = "friction.ball_race", "materials.wear_coefficient"
 
 ASSUMED_WORDS = {FRICTION_KEY: "friction of ball and race", WEAR_KEY: "wear coefficient"}
 
-GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "as it wears"}
-"""Which groove a life is of."""
+GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "worn"}
+"""Groove models of lives."""
 
 HERTZIAN_LIFE_WORDS = "with a Hertzian groove"
 
