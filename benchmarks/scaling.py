@@ -1,6 +1,6 @@
 """Measure what a study of many points costs: planning, solving, gathering.
 
-    python benchmarks/scaling.py -o docs/scaling.md     # to 100 000 points; half an hour
+    python benchmarks/scaling.py -o docs/scaling.md     # from 100 to 100 000 points; half an hour
 
 Studies of one scene, by lines and by chunks of the grid, each in its own folder. A time is user
 and system time of a process and its children, the least of three (from 10 000 points on, of one),
@@ -59,6 +59,7 @@ class Size:
 
 
 SIZES = [
+    Size(5, 10, None),
     Size(20, 25, None),
     Size(20, 25, 500),
     Size(100, 50, 1000),

@@ -7,7 +7,7 @@ import multiprocessing
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
@@ -66,12 +66,58 @@ def in_processes(
         yield from each(function, jobs)
 
 
+class TimeLeft:
+    """Of work of several kinds, each at its own pace as far as it is known.
+
+    Parameters
+    ----------
+    ahead : mapping
+        Of each kind how many are expected, and the cost of one in any unit, assumed.
+    """
+
+    def __init__(self, ahead: Mapping[str, tuple[float, float]]) -> None:
+        self._ahead = dict(ahead)
+        self._done: dict[str, tuple[float, float]] = {}  # how many, seconds
+        self._last = time.monotonic()
+
+    def expect(self, kind: str, more: float) -> None:
+        """At least so many more of a kind come, from now on."""
+        done = self._done.get(kind, (0.0, 0.0))[0]
+        count, cost = self._ahead.get(kind, (0.0, 1.0))
+        self._ahead[kind] = max(count, done + more), cost
+        self._last = time.monotonic()
+
+    def done(self, kind: str, count: float) -> None:
+        """So many of a kind were done since the last time."""
+        now, (before, seconds) = time.monotonic(), self._done.get(kind, (0.0, 0.0))
+        self._done[kind] = before + count, seconds + now - self._last
+        self._last = now
+
+    def drop(self, kind: str) -> None:
+        """No more of a kind come."""
+        self._ahead[kind] = self._done.get(kind, (0.0, 0.0))[0], self._ahead[kind][1]
+
+    @property
+    def seconds(self) -> float:
+        """How long the rest takes [s]."""
+        spent = sum(seconds for _, seconds in self._done.values())
+        cost = sum(count * self._ahead[kind][1] for kind, (count, _) in self._done.items())
+        left = 0.0
+        for kind, (count, assumed) in self._ahead.items():
+            done, seconds = self._done.get(kind, (0.0, 0.0))
+            each = seconds / done if done else assumed * spent / max(cost, 1e-9)
+            left += max(count - done, 0.0) * each
+        return left
+
+
 def told_in_lines(
     results: Iterator[Any],
     count: int,
     what: str,
     size: Callable[[Any], int] = one_by_one,
     tell: Tell = to_stderr,
+    kind: str = "",
+    left: TimeLeft | None = None,
 ) -> Iterator[Any]:
     """Results, with a line every few seconds: number of `count` done, time left.
 
@@ -79,14 +125,17 @@ def told_in_lines(
     ----------
     what : str
         `CALLER: {} of {} THINGS`, filled with what is done and all there is.
+    kind, left : str, TimeLeft, optional
+        Of which kind they are, where others come after them.
     """
-    started = last = time.monotonic()
-    done = 0
+    left = left or TimeLeft({kind: (count, 1.0)})
+    left.expect(kind, count)
+    last, done = time.monotonic(), 0
     for result in results:
         yield result
         done += size(result)
+        left.done(kind, size(result))
         now = time.monotonic()
-        if now - last > LINE_EVERY and done < count:
-            left = (now - started) * (count - done) / done
-            tell(f"{what.format(done, count)}, about {left:.0f} s left")
+        if now - last > LINE_EVERY and left.seconds:
+            tell(f"{what.format(done, count)}, about {left.seconds:.0f} s left")
             last = now

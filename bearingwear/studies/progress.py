@@ -14,6 +14,12 @@ from bearingwear.studies.protocol import Bundle, Step
 PROCESS, FIGURE = 1.0, 0.5
 """What a process takes to start, and a figure or a table to make [s]."""
 
+PACE_ASSUMED = 10.0
+"""Seconds of jobs after which their pace counts as much as the one assumed."""
+
+LATE = 0.1
+"""Of the time it has run, what a job beyond its estimate still takes."""
+
 _DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}
 """Events of Snakemake that take no line of their own."""
 
@@ -37,6 +43,8 @@ class JobLines(logging.Filter):
         super().__init__()
         self._handler, self._format = handler, handler.format
         self._seconds: dict[int, float] = {}  # estimates of the jobs that are left
+        self._rules: dict[int, str] = {}  # of all jobs
+        self._known: dict[str, list[float]] = {}  # times of finished jobs
         self._labels: dict[int, str] = {}
         self._started: dict[int, float] = {}
         self._estimated = self._took = 0.0
@@ -51,6 +59,7 @@ class JobLines(logging.Filter):
             job: (one.seconds or PROCESS + FIGURE * len(one.steps)) if one else PROCESS
             for job, one in jobs.items()
         }
+        self._rules = {job: one.rule if one else "" for job, one in jobs.items()}
         self._count, self._begin = len(jobs), time.monotonic()
         self._last = self._begin
         threading.Thread(target=self._break_silence, daemon=True).start()
@@ -79,21 +88,25 @@ class JobLines(logging.Filter):
         took = self._last - self._started.pop(job, self._last)
         self._estimated += self._seconds.pop(job, PROCESS)
         self._took += took
+        self._known.setdefault(self._rules.get(job, ""), []).append(took)
         self._done += 1
         width = len(str(self._count))
         text = f"{self._done:{width}} of {self._count}: {self._labels.get(job, job)}, {took:.0f} s"
         return f"{text}; about {self._left():.0f} s left" if self._seconds else text
 
     def _left(self) -> float:
-        """Time left: what is estimated, at the pace of the finished jobs, as many at a time [s]."""
+        """Time left: of each kind at the pace of finished ones, as many at a time as so far [s]."""
         now = time.monotonic()
-        pace = self._took / self._estimated if self._estimated else 1.0
-        at_a_time = max(self._took / max(now - self._begin, 1e-3), 1.0)
-        running = sum(
-            min(now - start, pace * self._seconds.get(job, PROCESS))
-            for job, start in list(self._started.items())
-        )
-        return max(pace * sum(self._seconds.values()) - running, 0.0) / at_a_time
+        pace = (self._took + PACE_ASSUMED) / (self._estimated + PACE_ASSUMED)
+        run = {job: now - start for job, start in list(self._started.items())}
+        left = []
+        for job, seconds in list(self._seconds.items()):
+            known = self._known.get(self._rules[job])
+            whole = sum(known) / len(known) if known else pace * seconds
+            passed = run.get(job, 0.0)
+            left.append(max(whole - passed, LATE * passed))
+        at_a_time = (self._took + sum(run.values())) / max(now - self._begin, 1e-3)
+        return max(sum(left) / max(at_a_time, 1.0), *left, 0.0)
 
     def _break_silence(self) -> None:
         silence = LINE_EVERY

@@ -27,6 +27,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from bearingwear.studies import module_name
+from bearingwear.studies.seconds import seconds_of
 
 Wildcards = Mapping[str, str]
 Names = tuple[str, ...]
@@ -56,8 +57,11 @@ class Task:
         What a person reads while it runs; may contain wildcards.
     about : str
         What the list of rules says of it, where that is not its label.
-    seconds : float
-        About what a job takes; 0 if it is not worth a process on another node.
+    work : float
+        Size of a job, in the unit of its seconds in the table of `seconds`: points, runs, or the
+        job itself; 0 if it is not worth a process on another node.
+    rule : str
+        Of the workflow: its name after that of its study.
     priority : int
         Jobs of a higher one start first.
     alone : bool
@@ -72,12 +76,18 @@ class Task:
     name: str
     label: str = ""
     about: str = ""
-    seconds: float = 0.0
+    work: float = 0.0
+    rule: str = ""
     priority: int = 0
     alone: bool = False
     tells: bool = False
     default: bool = False
     on_request: bool = False
+
+    @property
+    def seconds(self) -> float:
+        """About what a job takes, if it has work."""
+        return seconds_of(self.rule, self.work)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -233,6 +243,7 @@ class Step(Task):
         placed = replace(
             self,
             run=self.run if self.run.startswith("studies.") else f"studies.{study}.{self.run}",
+            rule=f"{study}_{self.name}",
             outputs=outputs,
             folder=folder,
             before=before,
@@ -290,7 +301,9 @@ class Bundle(Task):
         """Itself with its steps in its folder."""
         steps = (replace(one, category=self.category) for one in self.steps)
         placed = (one.placed(study, self.folder, before) for one in steps)
-        return replace(self, steps=tuple(one.one({}) for one in placed))
+        return replace(
+            self, rule=f"{study}_{self.name}", steps=tuple(one.one({}) for one in placed)
+        )
 
 
 def step(

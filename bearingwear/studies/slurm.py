@@ -49,7 +49,7 @@ def settings(studies: Mapping[str, Study]) -> str:
         f"{study.name}_{job.name}": job
         for study in studies.values()
         for job in study.jobs
-        if isinstance(job, Step) and job.seconds > 0.0
+        if isinstance(job, Step) and job.work > 0.0
     }
     grouped = {rule: in_a_job(step) for rule, step in steps.items() if in_a_job(step) > 1}
     limits = {rule: {"runtime": minutes(step)} for rule, step in steps.items()}

@@ -5,6 +5,7 @@ import logging
 import re
 from types import SimpleNamespace
 
+from bearingwear.studies import pool
 from bearingwear.studies.progress import JobLines
 from bearingwear.studies.protocol import SCENE, Study, step
 from bearingwear.studies.repair import OFF_GRID, off_grid
@@ -19,7 +20,7 @@ def test_a_line_for_each_finished_job():
     text = io.StringIO()
     handler = logging.StreamHandler(text)
     lines = JobLines(handler)
-    solve = step("solve", "{speed}.nc", "run.at", ["1", "2"], seconds=4.0)
+    solve = step("solve", "{speed}.nc", "run.at", ["1", "2"], work=1.0)
     lines.begin({1: solve, 2: solve, 0: None})
     handler.handle(record(message="Select jobs to execute..."))
     for job, label in ((1, "slow"), (2, "fast"), (0, "all")):
@@ -53,3 +54,19 @@ def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
     assert {path.name for path in folder.iterdir()} == {"1.nc", "all.nc", OFF_GRID}
     assert list(off_grid([study("1", "2")])) == []
     assert (folder / "2.nc").read_text() == "2"
+
+
+def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
+    """A kind that has not begun costs so many of the known ones; then its own pace counts."""
+    clock = [0.0]
+    monkeypatch.setattr(pool.time, "monotonic", lambda: clock[0])
+    left = pool.TimeLeft({"quick": (10, 1.0), "long": (4, 5.0)})
+    left.expect("quick", 10)
+    clock[0] = 2.0
+    left.done("quick", 4)
+    assert left.seconds == 0.5 * 6 + 0.5 * 5 * 4
+    left.drop("quick")
+    left.expect("long", 6)
+    clock[0] = 5.0
+    left.done("long", 1)
+    assert left.seconds == 3.0 * 5

@@ -138,9 +138,15 @@ def parts(*lengths):
 
 
 def test_progress(monkeypatch, capsys):
-    clock = iter(range(0, 100, 3))
-    monkeypatch.setattr(pool.time, "monotonic", lambda: next(clock))
-    assert len(list(module._told_in_lines(iter(parts(1, 2, 2)), 5))) == 3
+    clock = [0.0]
+    monkeypatch.setattr(pool.time, "monotonic", lambda: clock[0])
+
+    def every_3_seconds():
+        for part in parts(1, 2, 2):
+            clock[0] += 3.0
+            yield part
+
+    assert len(list(module._told_in_lines(every_3_seconds(), 5))) == 3
     assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
 
 

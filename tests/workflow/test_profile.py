@@ -5,14 +5,17 @@ import yaml
 from support import ROOT
 
 from bearingwear import studies
-from bearingwear.studies.protocol import Step
+from bearingwear.studies.protocol import Step, Study
+from bearingwear.studies.protocol import step as study_step
+from bearingwear.studies.seconds import NOT_MEASURED, JobTime, benchmarked, job_times, seconds_of
 from bearingwear.studies.slurm import in_a_job, minutes, with_settings
 
 PROFILE = ROOT / "workflow" / "profiles" / "slurm" / "profile.yaml"
 
 
 def step(seconds):
-    return Step(name="a", run="studies.a.b", outputs=("c",), label="d", seconds=seconds)
+    work = seconds / NOT_MEASURED
+    return Step(name="a", run="studies.a.b", outputs=("c",), label="d", work=work)
 
 
 @pytest.mark.parametrize(
@@ -46,3 +49,15 @@ def test_the_profile_is_current(monkeypatch):
     assert set(grouped) | set(profile["set-resources"]) <= rules
     assert set(sizes) == set(grouped.values())
     assert all(1 < int(size) <= 100 for size in sizes.values())
+
+
+def test_seconds_of_a_rule_are_the_median_of_its_benchmarks(tmp_path):
+    solve = study_step("solve_2", "cases/{speed}.nc", "run.at", ["1", "2", "3"], work=4.0)
+    study = Study("toy", None, solve, study_step("gather", "all.nc", "run.all"))
+    for speed, seconds in (("1", 2.0), ("2", 8.0)):
+        file = tmp_path / "logs" / "toy" / "solve_2" / "toy" / "cases" / f"{speed}.tsv"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"s\th:m:s\n{seconds}\t0:00:01\n")
+    assert benchmarked({"toy": study}, tmp_path) == {"toy_solve": JobTime(1.25, 2)}
+    rule, known = next(iter(job_times().items()))
+    assert seconds_of(f"{rule}_2", 3.0) == 3.0 * known.seconds

@@ -18,6 +18,7 @@ from bearingwear.scene.read import as_data
 from bearingwear.studies import fork_server
 from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.progress import JobLines
+from bearingwear.studies.seconds import beside_log
 from bearingwear.studies.repair import off_grid, survey
 
 BAD_INPUT = 2
@@ -155,11 +156,6 @@ def shown(step):
         in_report(path, **told) if path.endswith((".svg", ".md")) else path
         for path in step.outputs
     ]
-
-
-def beside_log(study, job, suffix):
-    stem = job.outputs[0].removeprefix("results/").rpartition(".")[0]
-    return f"logs/{study.name}/{job.name}/{stem}{suffix}"
 
 
 @functools.cache

@@ -13,13 +13,13 @@ for study in STUDIES.values():
             output:
                 *outputs_of(job),
             log:
-                beside_log(study, job, ".log"),
+                beside_log(study.name, job.name, job.outputs[0], ".log"),
             benchmark:
-                beside_log(study, job, ".tsv")
+                beside_log(study.name, job.name, job.outputs[0], ".tsv")
             wildcard_constraints:
                 **job.matches,
             priority: job.priority
-            localrule: not job.seconds
+            localrule: not job.work
             threads: (workflow.resource_settings.cores or 1) if job.alone else 1
             params:
                 made_from=made_from(job),

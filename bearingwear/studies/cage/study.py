@@ -21,9 +21,6 @@ PLOTS = {
 }
 """What `bearingwear show` and `plot` make of the kinds of files that this study makes."""
 
-_A_RUN = 0.7
-"""Seconds."""
-
 
 def study(config: Mapping[str, Any]) -> Study:
     """The study of config/cage.yaml."""
@@ -53,7 +50,7 @@ def study_of_cages(plan: CagePlan) -> CageStudy:
             plan.points,
             scene=plan.scene_file,
             settings=plan.settings_at,
-            seconds=_A_RUN * plan.ensemble.runs,
+            work=plan.ensemble.runs,
         ),
         step(
             "gather",

@@ -71,13 +71,13 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
 
 def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
     """Number of lives solved with worn grooves, and the error of the others."""
-    followed, error = uncertainty["followed_lives"], uncertainty["groove_error"]
+    followed, share = uncertainty["followed_lives"], uncertainty["groove_share"]
     if not bool((followed > 0).any()):
         return []
     return [
         f"{int(followed.sum())} of the sampled lives are solved with worn grooves. The others are "
-        f"interpolated, with an rms error of at most {100.0 * float(error.max()):.2g} % on lives "
-        "excluded from the fit."
+        f"interpolated: all but {100.0 * float(share.max()):.2g} % of the lives are off by at most "
+        f"{100.0 * float(uncertainty['groove_error'].max()):.2g} %."
     ]
 
 

@@ -102,7 +102,7 @@ def _chosen(plan: DesignPlan) -> list[Step]:
             plan.map_parts,
             scene=SCENE,
             settings=plan.part_settings,
-            seconds=6.5,  # 640 lives
+            work=1.0,
         ),
         step(
             "gather",
@@ -163,7 +163,7 @@ def _small(
             spread_of,
             settings=sample,
             label="{scene}: how lives at the recommended preload spread",
-            seconds=9.0,
+            work=1.0,
             **found,
         ),
     ]
@@ -196,7 +196,7 @@ def _checked(plan: DesignPlan) -> list[Step]:
             scene="check/{times}.yaml",
             settings=lambda fidelity: {"fidelity": fidelity},
             label="{scene}: {times} times the recommended preload, {fidelity}",
-            seconds=8.5,
+            work=1.0,
         ),
         table_step(
             "check",

@@ -18,12 +18,6 @@ from bearingwear.studies.protocol import SCENE, Bundle, Step, Study, step
 
 _ANSWER = "results/answer.json"
 
-START = 1.0
-"""What a process takes before it solves [s]."""
-
-SOLVE = 0.03
-"""What a point takes, with its file [s]."""
-
 PLOTS = {
     "case": "bearingwear.studies.grid.figures.plots:case_plot",
     "life": "bearingwear.studies.grid.figures.plots:life_plot",
@@ -94,7 +88,7 @@ def _solved(plan: Plan) -> list[Step]:
             settings=functools.partial(_line_settings, losses),
             about="{scene}: cases of one preload method and friction, over the wear",
             label=f"{{scene}}: {{line}}, loss {_span(losses)} um",
-            seconds=START + SOLVE * len(losses),
+            work=len(losses),
             on_request=in_chunks,
         )
         for number, ((losses, in_chunks), lines) in enumerate(parts.items(), 1)
@@ -115,7 +109,7 @@ def _solved(plan: Plan) -> list[Step]:
             "losses_um": plan.grids[chunk[0]].ball_diameter_loss_um,
         },
         label="{scene}: chunk {chunk} of the grid",
-        seconds=START + SOLVE * (plan.config.points_per_job or 0),
+        work=plan.config.points_per_job or 1,
     )
     return [*solve, chunks]
 
@@ -145,7 +139,7 @@ def _lived(plan: Plan) -> list[Step]:
             settings=lambda point: {"changes": plan.dynamic_changes(*point), "fidelity": "dynamic"},
             about="{scene}: a case solved dynamically",
             label="{scene}, dynamic: {case}",
-            seconds=8.5,  # at 60 turns of the shaft
+            work=1.0,
             priority=1,  # the longest jobs
         ),
         step(
@@ -156,7 +150,7 @@ def _lived(plan: Plan) -> list[Step]:
             scene=SCENE,
             study="study.nc",
             label="{scene}: wear life",
-            seconds=1.7,
+            work=1.0,
         ),
         step(
             "quantiles",
@@ -176,7 +170,7 @@ def _lived(plan: Plan) -> list[Step]:
                 "seed": plan.uncertain_lives.seed,
             },
             label="{scene}: how its lives spread, mu {mu}",
-            seconds=9.0,
+            work=1.0,
         ),
     ]
 

@@ -30,7 +30,7 @@ def study_of_lives(plan: LivesPlan) -> Study:
             plan.lives,
             scene=DynamicLife.scene_file,
             settings=DynamicLife.settings,
-            seconds=60.0,
+            work=1.0,
         ),
         figure_step("{life}", "figures.wear_history", life="{life}.nc"),
         table_step("lives", "tables.lives_table", lives="{life}.nc"),

@@ -19,6 +19,7 @@ from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.sample import wear_factor
+from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
 
 PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
 """Of quantiles over the bearings of a batch."""
@@ -89,17 +90,19 @@ class Batches:
             factor.append(wear_factor(scene, fixed, worn))
         self.factor = np.array(factor)
 
-    def quantiles(self, life: np.ndarray, widened: float) -> dict[str, np.ndarray]:
-        """Of lives (n, 2) [s] at the rows, with their error, `widened` by so large a share."""
+    def quantiles(self, life: np.ndarray, known: Stated) -> dict[str, np.ndarray]:
+        """Of lives (n, 2) [s] at the rows, with their error, widened by that of these lives."""
         hours = (life * HOURS_PER_SECOND).reshape(*self.shape, -1)
-        found = quantiles_with_error(hours, self.factor, self.seed)
+        found = quantiles_with_error(hours, self.factor, self.seed, known)
         return {
             "batch_life_quantile": found.quantile,
-            "batch_life_quantile_error": found.error + widened * found.quantile,
+            "batch_life_quantile_error": found.error,
         }
 
 
-def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> BatchQuantiles:
+def quantiles_with_error(
+    hours: np.ndarray, factor: np.ndarray, seed: int, known: Stated = EXACT
+) -> BatchQuantiles:
     """Quantiles of lives (batches, bearings, 2) [h] that have the same bearings in every batch.
 
     The error is that of a bootstrap, which draws batches and bearings anew, each with replacement.
@@ -112,6 +115,8 @@ def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> Ba
     factor : ndarray (draws,) or (batches, draws)
         Of the lives of a batch, which has each of them.
     seed : int
+    known : Stated
+        Of the lives; the error includes theirs.
     """
     some = np.isfinite(hours).any(axis=(1, 2))
     solved = hours[some]
@@ -126,13 +131,17 @@ def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> Ba
         bearing = random.integers(bearings, size=bearings)
         copies.append(_of_lives(solved[batch, bearing], factor[batch[:, 0]]))
     ends = np.nanquantile(copies, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0)
-    return BatchQuantiles(_of_lives(solved, factor), 0.5 * (ends[1] - ends[0]))
+    quantile = _of_lives(solved, factor)
+    worse = [_of_lives(solved, factor, shift) for shift in (-known.share, known.share)]
+    error = known.error * quantile + 0.5 * (ends[1] - ends[0] + worse[1] - worse[0])
+    return BatchQuantiles(quantile, error)
 
 
-def _of_lives(hours: np.ndarray, factor: np.ndarray) -> np.ndarray:
+def _of_lives(hours: np.ndarray, factor: np.ndarray, shift: float = 0.0) -> np.ndarray:
     """Quantiles over bearings (the second axis), and of these over batches and their factors."""
+    probabilities = np.clip(np.array(PROBABILITIES) + shift, 0.0, 1.0)
     quantile = np.nanquantile if np.isnan(hours).any() else np.quantile
-    of_each = quantile(hours, PROBABILITIES, axis=1)  # (probability, batch, 2)
+    of_each = quantile(hours, probabilities, axis=1)  # (probability, batch, 2)
     every = (of_each[:, :, None] * factor[..., None]).reshape(len(PROBABILITIES), -1, 2)
     return quantile(every, BATCH_PROBABILITIES, axis=1)
 

@@ -17,19 +17,22 @@ from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.studies.pool import Tell, processes, told_in_lines
+from bearingwear.studies.pool import Tell, TimeLeft, processes, told_in_lines
 from bearingwear.studies.sampling import perturbed
-from bearingwear.studies.uncertainty.surrogate import Interpolated, interpolated
+from bearingwear.studies.uncertainty.surrogate import Interpolated, Stated, fewest, interpolated
 
 HERTZIAN, FOLLOWED = (64, 2048), (16, 256)
 """Lives that are solved where there are more, at least and at most."""
 
-HERTZIAN_TO, FOLLOWED_TO = 1e-3, 5e-3
-"""rms error for which no more are solved; quick lives with worn grooves are no better themselves.
-"""
+HERTZIAN_TO, FOLLOWED_TO = 2e-3, 1e-2
+"""Error of 95 in 100 for which no more are solved; lives with worn grooves are themselves quick."""
 
-_AT_ONCE = {"Hertzian": 16, "worn grooves": 2}
+_QUICK, _WORN = "Hertzian", "worn grooves"
+_AT_ONCE = {_QUICK: 16, _WORN: 2}
 """Lives that a process is given at a time."""
+
+_WORN_COST = 6.0
+"""Time of a life with worn grooves over that of a Hertzian one, before any is measured."""
 
 _RACES = COUNTS.index("ball_and_races")
 _NO_CRITERION = len(CRITERIA) - 1
@@ -49,11 +52,11 @@ class FoundLives:
     status, end_criterion : (n,) ndarray
     solved : int
         Lives that were solved with Hertzian grooves; others are interpolated.
-    error : float
-        Root mean square, relative, of those interpolated; zero where all were solved.
+    known : Stated
+        Of those interpolated; zero where all were solved.
     followed : int
         Lives whose grooves were followed.
-    groove_error : float
+    worn : Stated
         Likewise, of lives with worn grooves; NaN where none was followed.
     """
 
@@ -61,9 +64,9 @@ class FoundLives:
     status: np.ndarray
     end_criterion: np.ndarray
     solved: int
-    error: float
+    known: Stated
     followed: int = 0
-    groove_error: float = np.nan
+    worn: Stated = Stated(np.nan, np.nan)
 
 
 def found_lives(
@@ -80,6 +83,10 @@ def found_lives(
     workers : int
         Processes that share the lives.
     """
+    ahead = {_QUICK: (fewest(len(places), *HERTZIAN), 1.0)}
+    if grooves_followed(scene, "steady")[0] is not None:
+        ahead[_WORN] = fewest(len(places), *FOLLOWED), _WORN_COST
+    left = TimeLeft(ahead)
     with processes(workers, "uncertainty") as each:
 
         def solver(function: Callable[[LivesAsked], list[Any]], what: str) -> Callable[..., Any]:
@@ -88,18 +95,19 @@ def found_lives(
                 found = each(function, [(scene, names, places[part]) for part in parts])
                 if tell:
                     line = "{} of {} lives, " + what
-                    found = told_in_lines(found, which.size, line, len, tell)
+                    found = told_in_lines(found, which.size, line, len, tell, what, left)
                 life, *kinds = zip(*(one for part in found for one in part), strict=True)
                 with np.errstate(divide="ignore"):  # a new bearing beyond a limit lives 0 s
                     return np.log(np.array(life)), np.array(kinds).T
 
             return solve
 
-        hertzian = interpolated(places, solver(hertzian_lives, "Hertzian"), *HERTZIAN, HERTZIAN_TO)
+        hertzian = interpolated(places, solver(hertzian_lives, _QUICK), *HERTZIAN, HERTZIAN_TO)
+        left.drop(_QUICK)
         if not hertzian.kind[:, 2].any():
             return _found(hertzian)
         asked = np.flatnonzero(np.isfinite(hertzian.log[:, _RACES]))
-        solve = solver(followed_lives, "worn grooves")
+        solve = solver(followed_lives, _WORN)
 
         def worn_lives(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             log, kinds = solve(asked[which])
@@ -111,7 +119,7 @@ def found_lives(
         worn = interpolated(places[asked], worn_lives, *FOLLOWED, FOLLOWED_TO)
     hertzian.log[asked, _RACES] = worn.log[:, 0]
     hertzian.kind[asked] = worn.kind
-    return _found(hertzian, followed=worn.solved, groove_error=worn.error)
+    return _found(hertzian, followed=worn.solved, worn=worn.stated)
 
 
 def _found(interpolated: Interpolated, **grooves: Any) -> FoundLives:
@@ -123,7 +131,7 @@ def _found(interpolated: Interpolated, **grooves: Any) -> FoundLives:
         status=status,
         end_criterion=interpolated.kind[:, 1],
         solved=interpolated.solved,
-        error=interpolated.error,
+        known=interpolated.stated,
         **grooves,
     )
 

@@ -42,11 +42,13 @@ from bearingwear.studies.uncertainty.plan import (
 )
 from bearingwear.studies.uncertainty.sample import (
     PART_KIND,
+    STATED,
     independent_rows,
     lives,
-    widened_by,
     with_preload,
+    worse,
 )
+from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
 from bearingwear.studies.uncertainty.variables import (
     ANALYSED,
     BASIS,
@@ -218,10 +220,10 @@ def _quantiles_at(
             "solved_share": solved.mean(),
             "nominal_life": found.life[0] * HOURS_PER_SECOND,
             **found.cost,
-            **batches.quantiles(found.life[len(rows) + 1 :], found.widened),
+            **batches.quantiles(found.life[len(rows) + 1 :], worse(found.cost)),
         }
         factor = found.wear_factor[1 : len(rows) + 1]
-        table.append(analysed | _quantiles_of(life * HOURS_PER_SECOND, factor, found.widened))
+        table.append(analysed | _quantiles_of(life * HOURS_PER_SECOND, factor, worse(found.cost)))
     return _dataset(scene, plan, list(preloads), [choice], table)
 
 
@@ -271,13 +273,12 @@ def _analysed(
     found["solved_share"] = solved.mean()
     for name in ("solved_lives", "followed_lives"):
         found[name] = sum(int(part.attrs[name]) for part in parts)
-    for name in ("interpolation_error", "groove_error"):
+    for name in STATED:
         found[name] = max(float(part.attrs[name]) for part in parts)
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
-    widened = widened_by(found["interpolation_error"], found["groove_error"])
     halves = [np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)]
-    found |= _quantiles_of(halves[0], halves[1], widened)
+    found |= _quantiles_of(halves[0], halves[1], worse(found))
     shape = 2, len(scene.uncertainty or {}), 2
     for name, variable in ANALYSED.items():
         if variable.dims == INDEX:
@@ -291,7 +292,7 @@ def _analysed(
     at_preload = with_preload(scene, method, found["preload"])
     batches = Batches(at_preload, plan)
     of_batches = lives(at_preload, batches.rows)
-    found |= batches.quantiles(of_batches.life, of_batches.widened)
+    found |= batches.quantiles(of_batches.life, worse(of_batches.cost))
     found["class_index"] = class_indices(at_preload, plan)
     return found | _one_at_a_time(at_preload)
 
@@ -316,31 +317,36 @@ def _middle(scene: Scene) -> list[float]:
     return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
-def _quantiles_of(life: np.ndarray, factor: np.ndarray, widened: float) -> dict[str, np.ndarray]:
-    """Those of independent lives (n, 2) [h], and of lives without the effect of K_s and H (n,).
-
-    Confidence intervals are widened by a share for lives that are interpolated.
-    """
+def _quantiles_of(life: np.ndarray, factor: np.ndarray, known: Stated) -> dict[str, np.ndarray]:
+    """Those of independent lives (n, 2) [h], and of lives without the effect of K_s and H (n,)."""
     lives = np.stack([life, life / factor[:, None]])
-    found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in lives])
-    found[:, :, 1] *= 1.0 - widened
-    found[:, :, 2] *= 1.0 + widened
+    found = np.array([[quantiles(one[:, c], known) for c in range(2)] for one in lives])
     names = ("life_quantile", "life_quantile_low", "life_quantile_high")
     ends = {name: found[:, :, k].swapaxes(1, 2) for k, name in enumerate(names)}
     step = math.ceil(len(life) / MOST_MEMBERS)
     return ends | {"life_sample": np.sort(lives, axis=1)[:, step // 2 :: step]}
 
 
-def quantiles(life: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def quantiles(
+    life: np.ndarray, lives_known: Stated = EXACT
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`PROBABILITIES` quantiles of lives (n,) and the ends of their confidence intervals.
 
     The intervals are those of order statistics, whatever the distribution. They take the members of
-    the sample for independent; a Sobol sequence is spread more evenly, so they are rather wide.
+    the sample for independent; a Sobol sequence is spread more evenly, so they are rather wide. The
+    share of lives whose error is not known may lie at either end of them. An end is NaN where the
+    sample has none.
     """
+    error, share = lives_known
     known = life[np.isfinite(life)]
     found = np.full((3, len(PROBABILITIES)), np.nan)
     if known.size:
         for k, p in enumerate(PROBABILITIES):
-            interval = stats.quantile_test(known, p=p).confidence_interval(CONFIDENCE)
-            found[:, k] = np.quantile(known, p), interval.low, interval.high
+            found[0, k] = np.quantile(known, p)
+            if p > share:
+                test = stats.quantile_test(known, p=p - share)
+                found[1, k] = test.confidence_interval(CONFIDENCE).low * (1.0 - error)
+            if p < 1.0 - share:
+                test = stats.quantile_test(known, p=p + share)
+                found[2, k] = test.confidence_interval(CONFIDENCE).high * (1.0 + error)
     return found[0], found[1], found[2]

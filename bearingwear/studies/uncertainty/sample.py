@@ -5,7 +5,6 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,6 +28,7 @@ from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.grooves import FoundLives, found_lives
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
+from bearingwear.studies.uncertainty.surrogate import Stated
 
 PART_KIND = "sampled lives"
 BASE = Variable("base", ("base",), "1", "index of the base sample", dtype="i8")
@@ -40,10 +40,6 @@ SAMPLED = table(
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
 )
 """What is found at sampled values."""
-
-
-RMS_ERRORS = 2.0
-"""Root mean square errors of interpolated lives by which intervals are widened."""
 
 
 def problem(scene: Scene) -> dict[str, Any]:
@@ -80,19 +76,18 @@ class SampledLives(FoundLives):
         """How many were solved, and how well the others are known, by names of variables."""
         return {
             "solved_lives": self.solved,
-            "interpolation_error": self.error,
             "followed_lives": self.followed,
-            "groove_error": self.groove_error,
+            **dict(zip(STATED, (*self.known, *self.worn), strict=True)),
         }
 
-    @property
-    def widened(self) -> float:
-        return widened_by(self.error, self.groove_error)
+
+STATED = "interpolation_error", "interpolation_share", "groove_error", "groove_share"
 
 
-def widened_by(error: float, groove_error: float) -> float:
-    """Share by which intervals of quantiles are widened, by the errors of interpolated lives."""
-    return RMS_ERRORS * (error if math.isnan(groove_error) else max(error, groove_error))
+def worse(cost: Mapping[str, float]) -> Stated:
+    """Of lives with Hertzian and with worn grooves, by which intervals of quantiles are widened."""
+    error, share, groove_error, groove_share = (cost[name] for name in STATED)
+    return Stated(np.fmax(error, groove_error), np.fmax(share, groove_share))
 
 
 def lives(

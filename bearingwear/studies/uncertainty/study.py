@@ -33,7 +33,7 @@ def study(config: Mapping[str, Any]) -> Study:
             scene=SCENE,
             recommendation=lambda part: "recommendation.nc" if part.as_recommended else None,
             settings=lambda part: part.settings | {"sampling": sampling},
-            seconds=14.0,
+            work=1.0,
         ),
         step(
             "quantiles",
@@ -42,7 +42,7 @@ def study(config: Mapping[str, Any]) -> Study:
             scene=SCENE,
             parts="samples/{method}-{preload_choice}-{chunk}.nc",
             settings={"sampling": sampling},
-            seconds=5.0,
+            work=1.0,
         ),
         folder="results/{scene}/design",  # beside the recommendation
     )

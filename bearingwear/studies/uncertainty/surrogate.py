@@ -1,7 +1,7 @@
 """A function of many places from its values at some, with its error where it was not fitted.
 
-Polyharmonic splines with a polynomial trend; the error is that of leave-one-out cross-validation,
-in closed form (Rippa 1999). Theory: docs/theory.md, section 15.
+Polyharmonic splines with a polynomial trend, one for each kind; leave-one-out cross-validation in
+closed form (Rippa 1999). Theory: docs/theory.md, section 15.
 """
 
 from __future__ import annotations
@@ -15,6 +15,9 @@ import numpy as np
 from scipy.linalg import inv
 from scipy.spatial import KDTree
 from scipy.spatial.distance import cdist
+from scipy.special import betaincinv
+
+from bearingwear.results.quantiles import CONFIDENCE
 
 SPLINES = ((3, 2), (3, 1), (1, 1), (1, 0))
 """Powers of the distance and degrees of the trend, of which the most accurate one is taken."""
@@ -30,16 +33,24 @@ UNSURE = 10.0
 """
 
 LEAST_SOUGHT = 8
-"""Places of unsure kind that are solved at a time, at least."""
+"""Places of doubtful kind that are solved at a time, at least."""
 
 SOUGHT = 0.25
-"""Share of the most places that is solved for unsure kinds where the error is small."""
+"""Share of the most places that is solved for doubtful kinds or kinks where errors are small."""
+
+BAD = 5.0
+"""Error of a place left out over the one asked for, beyond which there is a kink."""
+
+PER_ROOT = 3.0
+"""Random places solved over the root of their number, if the most allows: what may be worse is then
+a share no larger than the error of the sample itself."""
 
 SMOOTHING = 1e-6
 """On the diagonal, so that places which nearly coincide do no harm."""
 
 _AT_ONCE = 2**22  # distances in memory
 _SEED = 0  # of the choice of places
+_POOL = 8192  # places that are looked at for the next ones
 
 
 def monomials(x: np.ndarray, degree: int) -> np.ndarray:
@@ -73,7 +84,8 @@ class Spline:
         self.left_out = -self.weights[:n] / np.diag(inverse)[:n, None]
 
     def _kernel(self, places: np.ndarray) -> np.ndarray:
-        return np.asarray((-1 if self.power == 1 else 1) * cdist(places, self.places) ** self.power)
+        r = cdist(places, self.places)
+        return -r if self.power == 1 else r * r * r
 
     def __call__(self, places: np.ndarray) -> np.ndarray:
         """Values (n, m) at places (n, values)."""
@@ -87,77 +99,128 @@ class Spline:
 
 
 class Branches:
-    """A spline through the values of each kind; a place is of the kind of the nearest one known.
+    """A spline through the values of each kind.
 
-    Where values are not finite or too few the value is that of the nearest place, too.
+    A place is of the kind of the nearest one known; or, near places of other kinds, of the one with
+    the least value, if that is more accurate: of several ends the earliest one counts. Where values
+    are not finite or too few, the value is that of the nearest place, too.
 
     Attributes
     ----------
-    left_out : ndarray (n, m)
-        As of `Spline`, by what counts at a left-out place; infinite where only one of value and
-        interpolation is finite.
-    unsure : ndarray (n,)
-        Whether a left-out place may be of another kind than the nearest one.
+    left_out : ndarray (n,)
+        Relative error at each place, at most 1, where it is left out of the fit.
+    doubtful : ndarray (n,)
+        Whether its kind is doubtful, then.
     """
 
     def __init__(self, x: np.ndarray, logs: np.ndarray, labels: np.ndarray):
         self.x, self.logs, self.labels = x, logs, labels
-        every = np.unique(labels)
-        self.trees = {label: (KDTree(x[labels == label]), labels == label) for label in every}
-        self.splines = {
-            label: _best(x[own], logs[own]) if np.isfinite(logs[own]).all() else None
-            for label, (_, own) in self.trees.items()
-        }
-        nearest, self.unsure = self.nearest(x, left_out=True)
-        found = self.at(x, nearest)
-        for label, (_, own) in self.trees.items():
-            spline = self.splines[label]
+        self.kinds = np.unique(labels)
+        own = [np.flatnonzero(labels == label) for label in self.kinds]
+        self.known = [(KDTree(x[one]), one) for one in own]
+        self.splines = [
+            _best(x[one], logs[one]) if np.isfinite(logs[one]).all() else None for one in own
+        ]
+        values = self._values(x)
+        for spline, one, of_kind in zip(self.splines, own, values, strict=True):
             if spline is not None:
-                inside = own & (labels[nearest] == label)
-                found[inside] = logs[inside] + spline.left_out[inside[own]]
-        with np.errstate(invalid="ignore"):
-            alike = (found == logs) | (np.isnan(found) & np.isnan(logs))
-            self.left_out = np.where(alike, 0.0, np.nan_to_num(found - logs, nan=np.inf))
+                of_kind[one] = logs[one] + spline.left_out
+        distances, errors = self._distances(x, left_out=True), []
+        for self.earliest in (False, True):
+            errors.append(relative_error(self._joined(values, *distances)[0], logs))
+        self.earliest = _rms(errors[1]) < _rms(errors[0])
+        self.left_out = errors[self.earliest]
+        self.doubtful = self._joined(values, *distances)[2]
 
-    def nearest(self, places: np.ndarray, left_out: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """Number of the nearest place known (n,), and whether one of another kind is near, too.
+    def _values(self, places: np.ndarray) -> np.ndarray:
+        """Logarithms (kinds, n, m) by each spline; NaN without one."""
+        nothing = np.full((len(places), self.logs.shape[1]), np.nan)
+        return np.array([nothing if one is None else one(places) for one in self.splines])
+
+    def _distances(
+        self, places: np.ndarray, left_out: bool = False
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Distance of the nearest place of each kind, and its number, each (kinds, n).
 
         With `left_out` the places are those that are known, each without itself.
         """
         far, near = [], []
-        for tree, own in self.trees.values():
+        for tree, own in self.known:
             distance, which = tree.query(places)
             if left_out:
                 other, of_other = (one[:, 0] for one in tree.query(places[own], k=[2]))
-                distance[own], which[own] = other, np.minimum(of_other, own.sum() - 1)
+                distance[own], which[own] = other, np.minimum(of_other, own.size - 1)
             far.append(distance)
-            near.append(np.flatnonzero(own)[which])
-        first, *more = np.sort(far, axis=0)
-        unsure = more[0] < UNSURE * first if more else np.zeros(len(places), dtype=bool)
-        return np.array(near)[np.argmin(far, axis=0), np.arange(len(places))], unsure
+            near.append(own[which])
+        return np.array(far), np.array(near)
 
-    def at(self, places: np.ndarray, nearest: np.ndarray) -> np.ndarray:
-        """Logarithms (n, m) at places of which the nearest ones known are given."""
-        logs, labels = self.logs[nearest], self.labels[nearest]
-        for label, spline in self.splines.items():
-            if spline is not None:
-                logs[labels == label] = spline(places[labels == label])
-        return logs
+    def _joined(
+        self, values: np.ndarray, far: np.ndarray, near: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As `at`, from values and distances of each kind."""
+        n, close = np.arange(far.shape[1]), far < UNSURE * far.min(axis=0)
+        kind = nearest = far.argmin(axis=0)
+        if self.earliest:
+            trend = [one is not None and one.degree > 0 for one in self.splines]
+            apt = np.array(trend)[:, None] & close
+            last = np.where(apt, values[..., -1], np.inf)
+            kind = np.where(apt[kind, n], last.argmin(axis=0), kind)
+        log = values[kind, n]
+        none = np.array([one is None for one in self.splines])[:, None]
+        doubtful = (kind != nearest) | ((close & none).any(axis=0) & (close.sum(axis=0) > 1))
+        return np.where(np.isnan(log), self.logs[near[kind, n]], log), self.kinds[kind], doubtful
 
-    def error(self, some: np.ndarray) -> float:
-        """Of some left-out places (n,): root mean square, relative, at most 1 of each."""
-        with np.errstate(over="ignore"):
-            each = np.minimum(np.abs(np.expm1(self.left_out[some])), 1.0)
-        return float(np.sqrt(np.mean(each**2))) if each.size else np.inf
+    def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Logarithms (n, m), kinds (n,), and whether the kind is doubtful, at places.
+
+        It is doubtful where the nearest place known is of another kind, and near another one where
+        there is no spline.
+        """
+        return self._joined(self._values(places), *self._distances(places))
+
+
+def relative_error(log: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """Largest relative error (n,) of logarithms (n, m), at most 1."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        alike = (log == true) | (np.isnan(log) & np.isnan(true))
+        each = np.where(alike, 0.0, np.abs(np.expm1(np.nan_to_num(log - true, nan=np.inf))))
+    return np.minimum(each, 1.0).max(axis=1)
+
+
+class Stated(NamedTuple):
+    """All but a share of places are known within a relative error, with `CONFIDENCE`."""
+
+    error: float
+    share: float
+
+
+EXACT = Stated(0.0, 0.0)
+
+
+def stated(errors: np.ndarray) -> Stated:
+    """Of errors (n,) at random places that no fit has seen: the pair with the least sum.
+
+    The share is the upper bound of Clopper and Pearson (1934) where so many errors are larger.
+    """
+    each = np.sort(errors)[::-1]
+    larger = np.arange(each.size)
+    shares = betaincinv(larger + 1, each.size - larger, CONFIDENCE)
+    k = np.argmin(each + shares)
+    return Stated(float(each[k]), float(shares[k]))
 
 
 class Interpolated(NamedTuple):
     """A function at all places, solved at some of them."""
 
     log: np.ndarray  # (n, m) logarithms of values
-    kind: np.ndarray  # (n, kinds) what else was found, of the nearest place that was solved
+    kind: np.ndarray  # (n, kinds) what else was found
     solved: int
-    error: float  # root mean square, relative, of the others; zero without any
+    stated: Stated  # of all; zero where all are solved
+
+
+def fewest(count: int, first: int, most: int) -> int:
+    """Random places of so many that are solved at least."""
+    return min(max(2 * first, math.ceil(PER_ROOT * math.sqrt(count))), most, count)
 
 
 def interpolated(
@@ -170,8 +233,8 @@ def interpolated(
     """A function at places (n, values), solved at as few as its error allows.
 
     Those at the ends of each coordinate are solved and random ones, twice as many each time, until
-    the error of these, left out, is small; and some of those whose kind is unsure, which count in
-    that error as long as there are any others.
+    their error is small: of the last ones by the fit before they were solved, and of each by a fit
+    to all others. Some of those whose kind is doubtful are solved, too.
 
     Parameters
     ----------
@@ -181,41 +244,68 @@ def interpolated(
     first, most : int
         Random places solved at least, and all that are solved at most.
     known_to : float
-        Relative error (root mean square) for which no more are solved.
+        Relative error of 95 in 100 for which no more are solved, but for kinks.
     """
+    count = len(places)
     varied = np.ptp(places, axis=0) > 0.0
     x = (places[:, varied] - places[:, varied].mean(axis=0)) / places[:, varied].std(axis=0)
     ends = np.unique([x.argmin(axis=0), x.argmax(axis=0)]).astype(int)
-    others = np.random.default_rng(_SEED).permutation(len(places))
-    others = np.append(ends, others[~np.isin(others, ends)])
-    known, drawn = np.empty(0, dtype=int), others[ends.size : ends.size + first]
-    new, parts, sought = others[: ends.size + first], [], 0
+    others = np.random.default_rng(_SEED).permutation(count)
+    others = others[~np.isin(others, ends)]
+    checked = fewest(count, first, most)
+    log = kind = np.empty(0)
+    known, hard = np.zeros((2, count), dtype=bool)
+    error = np.full(count, np.nan)  # of drawn ones, by a fit without them
+    doubtful, drawn, sought = ends, others[:first], 0
     while True:
-        parts.append(solve(new))
-        known, others = np.append(known, new), others[~np.isin(others, new)]
-        logs, kinds = map(np.concatenate, zip(*parts, strict=True))
-        finite = np.isfinite(logs).all(axis=1)
-        _, labels = np.unique(np.column_stack([kinds, finite]), axis=0, return_inverse=True)
+        new = np.append(doubtful, drawn)
+        logs, kinds = solve(new)
+        if not known.any():
+            log = np.full((count, logs.shape[1]), np.nan)
+            kind = np.zeros((count, kinds.shape[1]), dtype=int)
+        if drawn.size:
+            before = ~np.isnan(error) | ~known.any()  # the first ones have no fit but later ones
+            error[drawn] = relative_error(log[drawn], logs[doubtful.size :])
+            unseen = error[drawn[~hard[drawn]]]
+        log[new], kind[new], known[new] = logs, kinds, True
+        others = others[~known[others]]
         if not others.size:
-            error = 0.0
+            return Interpolated(log, kind, count, EXACT)
+        marks = np.column_stack([kind[known], np.isfinite(log[known]).all(axis=1)])
+        every, labels = np.unique(marks, axis=0, return_inverse=True)
+        branches = Branches(x[known], log[known], labels.ravel())
+        left_out, checks = np.full(count, np.nan), ~np.isnan(error)
+        left_out[known], hard[known] = branches.left_out, branches.doubtful
+        error[before] = left_out[before]
+        pool = np.append(others[:most], others[most:][-_POOL:])
+        log[pool], _, hard[pool] = branches.at(x[pool])
+        lacking = max(checked - checks.sum(), first if _most(unseen) > known_to else 0)
+        if _most(left_out[checks & ~hard]) > known_to:
+            lacking = known.sum()
+        left = most - known.sum()
+        nearest = np.flatnonzero(known)[KDTree(x[known]).query(x[pool])[1]]
+        bad = pool[hard[pool] | (left_out[nearest] > BAD * known_to)][::-1]
+        if left <= 0 or (lacking <= 0 and (not bad.size or sought >= SOUGHT * most)):
             break
-        branches = Branches(x[known], logs, labels.ravel())
-        nearest, unsure = branches.nearest(x[others])
-        of_drawn = np.isin(known, drawn)
-        sure, left = branches.error(of_drawn & ~branches.unsure), most - known.size
-        error = branches.error(of_drawn) if unsure.any() else sure
-        if left <= 0 or (error <= known_to and (not unsure.any() or sought >= SOUGHT * most)):
-            break
-        more = others[: 0 if sure <= known_to else known.size]
-        doubtful = others[unsure][: max(LEAST_SOUGHT, known.size // 4)]
-        new = np.append(doubtful, more[~np.isin(more, doubtful)])[:left]
-        drawn, sought = np.append(drawn, more), sought + doubtful.size
-    log = np.empty((len(places), logs.shape[1]))
-    kind = np.empty((len(places), kinds.shape[1]), dtype=int)
-    log[known], kind[known] = logs, kinds
-    if others.size:
-        log[others], kind[others] = branches.at(x[others], nearest), kinds[nearest]
-    return Interpolated(log, kind, known.size, error)
+        # random ones from the front, whatever they are; doubtful and bad ones from the rear
+        drawn = pool[: max(min(lacking, left - LEAST_SOUGHT), 0)]
+        bad = bad[~np.isin(bad, drawn)]
+        doubtful = bad[: min(max(LEAST_SOUGHT, known.sum() // 4), left - drawn.size)]
+        sought += doubtful.size
+    log[others], label, _ = branches.at(x[others])
+    kind[others] = every[label, :-1]
+    found = stated(error[checks])
+    share = found.share * others.size / count
+    return Interpolated(log, kind, count - others.size, found._replace(share=share))
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
+
+
+def _most(errors: np.ndarray) -> float:
+    """Error that 95 of 100 do not exceed."""
+    return float(np.quantile(errors, CONFIDENCE)) if errors.size else 0.0
 
 
 def _best(x: np.ndarray, logs: np.ndarray) -> Spline | None:

@@ -41,18 +41,19 @@ ANALYSED = table(
         "interpolation_error",
         (),
         "1",
-        "rms error of the other lives, which are interpolated",
-        comment="of each solved life by a fit to all others; 0: all were solved",
+        "largest relative error of the other lives, which are interpolated, but for a share",
+        comment="95 % confidence, by solved lives that the fit had not seen; 0: all were solved",
     ),
+    Variable("interpolation_share", (), "1", "that share: lives that may be worse"),
     Variable("followed_lives", (), "1", "lives solved with worn grooves"),
     Variable(
         "groove_error",
         (),
         "1",
-        "rms error of other lives with worn grooves",
-        comment="by the ratio to lives with Hertzian grooves, interpolated between those followed; "
-        "of each followed life by a fit to all others; 0: all were followed, NaN: none",
+        "largest relative error of other lives with worn grooves, but for a share",
+        comment="as interpolation_error; 0: all were followed, NaN: none",
     ),
+    Variable("groove_share", (), "1", "that share: lives that may be worse"),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
     Variable(
         "batch_life_quantile",
@@ -67,8 +68,8 @@ ANALYSED = table(
         (BATCH, PROBABILITY, BASIS),
         "h",
         "half the confidence interval of that quantile, by the sample",
-        comment="batches and bearings drawn anew from those sampled; widened by twice the error of "
-        "interpolated lives",
+        comment="batches and bearings drawn anew from those sampled; widened by the error of "
+        "interpolated lives, with as many unknown ones in each batch",
     ),
     Variable(
         "life_quantile",

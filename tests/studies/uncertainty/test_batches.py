@@ -36,6 +36,7 @@ from bearingwear.studies.uncertainty.grooves import found_lives
 from bearingwear.studies.uncertainty.indices import class_indices
 from bearingwear.studies.uncertainty.quantiles import own_quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample
+from bearingwear.studies.uncertainty.surrogate import EXACT
 
 PLAN = Sampling(samples=64, chunks=1, seed=1)
 FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
@@ -68,7 +69,7 @@ def test_which_values_are_those_of_a_batch():
 
 def batch_quantiles(scene, plan):
     batches = Batches(scene, plan)
-    return batches.quantiles(lives(scene, batches.rows).life, 0.0).values()
+    return batches.quantiles(lives(scene, batches.rows).life, EXACT).values()
 
 
 def test_l10_of_a_batch_scales_with_what_is_not_known():
@@ -197,21 +198,21 @@ def test_sampled_lives_follow_grooves_where_life_does(fewer):
     rows = sample(scene, Sampling(samples=16, chunks=1, seed=1))[:, [0, -1]].reshape(-1, 3)
     found = lives(scene, rows)
     assert found.followed == 20 and (found.status == 0).all()
-    assert 0.0 < found.groove_error < 0.01
+    assert 0.0 < found.worn.error < 0.01 and 0.0 < found.worn.share < 0.1
     names = list(scene.uncertainty)
     for k in (0, 7, 31):
         one = perturbed(scene, dict(zip(names, map(float, rows[k]), strict=True)))
         assert_allclose(found.life[k], life(one).values["life"], rtol=0.01)
     few = lives(scene, rows[:6])
-    assert few.followed == 6 and few.groove_error == 0.0
+    assert few.followed == 6 and few.worn == (0.0, 0.0)
     assert_allclose(few.life, found.life[:6], rtol=3e-3)
 
 
 def test_lives_of_hertzian_grooves_follow_none():
     scene = with_spread(ball_race={"distribution": "uniform", "low": 0.06, "high": 0.1})
     found = found_lives(scene, ["ball_race"], np.array([[0.06], [0.1]]))
-    assert found.followed == 0 and np.isnan(found.groove_error)
-    assert found.solved == 2 and found.error == 0.0 and (found.life > 0.0).all()
+    assert found.followed == 0 and np.isnan(found.worn.error)
+    assert found.solved == 2 and found.known == (0.0, 0.0) and (found.life > 0.0).all()
     too_large = scene.bearing.ball_diameter_mm * np.array([[1.2]])
     nothing = found_lives(scene, ["ball_diameter_mm"], too_large)
     assert nothing.status.tolist() == [BEYOND_GROOVE] and np.isnan(nothing.life).all()

@@ -35,7 +35,7 @@ def study_of_accuracy(plan: AccuracyPlan) -> Study:
             plan.jobs(),
             scene=lambda job: plan.scene_file(job[0]),
             settings=lambda job: plan.sweep_settings(*job),
-            seconds=14.0,  # on the average; 3 minutes at most
+            work=1.0,
             alone=True,
         ),
         step(
@@ -85,7 +85,7 @@ def _ensembles(plan: AccuracyPlan) -> list[Step]:
             [*plan.cages.ensembles],
             scene=f"config/scenes/{plan.cages.file}.yaml",
             settings=plan.cages.ensemble_settings,
-            seconds=50.0,
+            work=1.0,
         ),
         step("gather_cages", "cages.nc", "cages.gathered_cages", paths="cages/{ensemble}.nc"),
         table_step(

@@ -30,7 +30,7 @@ def study(config: Mapping[str, Any]) -> Study:
             scene=SCENE.format(scene=plan.scene),
             marks=[SCENE.format(scene=name) for name in plan.marks],
             settings={"plan": asdict(plan)},
-            seconds=15.0,
+            work=1.0,
         ),
         figure_step("candidates", "figures.candidates_figure", candidates="candidates.nc"),
         table_step("candidates", "tables.candidates_table", candidates="candidates.nc"),

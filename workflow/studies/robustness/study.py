@@ -23,18 +23,18 @@ def study(config: Mapping[str, Any]) -> Study:
     """Random scenes, maps and branches of config/robustness.yaml; how they ended; their figures."""
     plan = read_record(RobustnessPlan, ROBUSTNESS_FILE)
 
-    def solve(name: str, folder: str, run: str, settings: Callable[..., Any], time: float) -> Step:
+    def solve(name: str, folder: str, run: str, settings: Callable[..., Any]) -> Step:
         """A long job for each: thousands of scenes in one process."""
         names, scene = getattr(plan, folder), plan.scene_file
         made = f"{folder}/{{name}}.nc"
-        return step(name, made, run, [*names], scene=scene, settings=settings, seconds=time)
+        return step(name, made, run, [*names], scene=scene, settings=settings, work=1.0)
 
     return Study(
         "robustness",
         plan,
-        solve("random_scenes", "scene_classes", "run.random_scenes", plan.class_settings, 60.0),
-        solve("map", "maps", "maps.state_map", plan.map_settings, 60.0),
-        solve("branch", "branches", "branches.branch", plan.branch_settings, 10.0),
+        solve("random_scenes", "scene_classes", "run.random_scenes", plan.class_settings),
+        solve("map", "maps", "maps.state_map", plan.map_settings),
+        solve("branch", "branches", "branches.branch", plan.branch_settings),
         step(
             "gather",
             "robustness.nc",
