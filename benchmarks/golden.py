@@ -2,6 +2,7 @@
 
     python benchmarks/golden.py solve A.json [WORD ...]    # those with these words in their names
     python benchmarks/golden.py compare A.json B.json
+    python benchmarks/golden.py lives A.json B.json    # and by how much each life differs
 
 States, lives, maps, a recommendation and a sample, solved as a user does: `PYTHONPATH=ROOT` solves
 them with another checkout. All of it takes less than a minute of CPU time, compiled code warm.
@@ -240,6 +241,17 @@ def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
                 yield f"{job}, {name}: {said}"
 
 
+def table_of_lives(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
+    """Each life counting balls and races [h] in both files, their difference, and its estimate."""
+    apart = []
+    for job in [job for job in a if job in b and "life" in a[job]["values"]]:
+        one, other = (np.asarray(found[job]["values"]["life"])[1] for found in (a, b))
+        estimate = np.asarray(a[job]["values"].get("life_error_estimate", [np.nan] * 2))[1]
+        apart.append(abs(other / one - 1.0))
+        yield f"{one:11.6g} {other:11.6g} {other / one - 1.0:+9.1e} {estimate:9.1e}  {job}"
+    yield f"median {np.median(apart):.1e}, largest {max(apart):.1e} of {len(apart)} lives"
+
+
 def difference(name: str, a: Any, b: Any, tolerance: float) -> str:
     """What differs in the values of a variable by more than is allowed; empty if nothing does."""
     if isinstance(a, dict) and isinstance(b, dict) and a.keys() == b.keys():
@@ -274,15 +286,19 @@ def main() -> int:
     solved = what.add_parser("solve")
     solved.add_argument("output", type=Path, metavar="A.json")
     solved.add_argument("words", nargs="*", metavar="WORD")
-    compared = what.add_parser("compare")
-    compared.add_argument("a", type=Path, metavar="A.json")
-    compared.add_argument("b", type=Path, metavar="B.json")
+    for name in ("compare", "lives"):
+        compared = what.add_parser(name)
+        compared.add_argument("a", type=Path, metavar="A.json")
+        compared.add_argument("b", type=Path, metavar="B.json")
     args = parser.parse_args()
     if args.what == "solve":
         warnings.simplefilter("ignore", UserWarning)
         solve(args.output, args.words)
         return 0
     a, b = (json.loads(path.read_text(encoding="utf-8")) for path in (args.a, args.b))
+    if args.what == "lives":
+        print(*table_of_lives(a, b), sep="\n")
+        return 0
     count = 0
     for line in differences(a, b):
         count += 1

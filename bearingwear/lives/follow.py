@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
@@ -183,6 +182,8 @@ class Life:
         """
         if self.nodes[0].status != code.OK:
             return np.nan
+        from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are asked this
+
         times, first = self.times[:, counts], np.inf
         for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
             met = np.flatnonzero(margin <= 0.0)

@@ -6,7 +6,6 @@ from itertools import takewhile
 from typing import Any
 
 import numpy as np
-from scipy.integrate import RK45
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life, LifeStep, Method, Node, Wearing
@@ -97,12 +96,11 @@ class RungeKutta(Method):
         self.counts, self.between = counts, between
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
-        self.solver: RK45 | None = None
+        self.solver: Any = None
         self.length = self.first
         return super().begin(wearing, node)
 
     def at(self, x: float) -> Node:
-        assert self.solver is not None
         y = self.solver.y.copy() if x == self.solver.t else self.solver.dense_output()(x)
         return self.node(x, y[:-1], float(y[-1]))
 
@@ -116,6 +114,8 @@ class RungeKutta(Method):
         return sum(one.rate[self.counts] for one in node.states)
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        from scipy.integrate import RK45  # loads slowly; most lives take other steps
+
         start = life.last
         try:
             if self.solver is None or self.solver.t_bound != bound:
@@ -132,7 +132,6 @@ class RungeKutta(Method):
         return LifeStep.through(map(self.at, (start.x + 0.5 * (end - start.x), end)), end)
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
-        assert self.solver is not None
         start = self.solver.t_old
         nodes = [self.at(start + share * (step.end - start)) for share in self.between]
         if all(node.status == code.OK for node in nodes):

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import Films, Surface
@@ -47,6 +46,8 @@ class WornFilms:
         Depths [m] stand over equal steps of the groove; `spread` is the rms of the wander in these
         steps.
         """
+        from scipy.ndimage import gaussian_filter1d  # loads slowly; most bearings have no film
+
         return gaussian_filter1d(cover(self.films.race, depth), spread, truncate=6.0)
 
     def bare(self, race_depth: np.ndarray, ball_depth: float, spread: float) -> np.ndarray:
