@@ -37,7 +37,7 @@ from bearingwear.studies.design.figures.choice import LETTERS
 from bearingwear.studies.design.map import POINT, gone_through
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.grid.figures.quasistatic import END_MARKS
-from bearingwear.studies.grid.life import interpolated_life, known_of
+from bearingwear.studies.grid.interpolated import interpolated_life, known_of
 
 PRELOAD, LIMIT = 7.0, 0.5
 LOSS = "ball_diameter_loss_um"

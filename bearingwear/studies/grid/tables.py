@@ -20,7 +20,7 @@ from bearingwear.results.variables import of_all_balls
 from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.grid.answer import lives_block, lives_of
-from bearingwear.studies.grid.life import NOT_INTERPOLATED
+from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
 
 _LOSS = display("m")
 AXES = {

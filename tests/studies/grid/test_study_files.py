@@ -21,7 +21,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.gather import chunk, study
 from bearingwear.studies.grid.grid import Grid
-from bearingwear.studies.grid.life import interpolated_life
+from bearingwear.studies.grid.interpolated import interpolated_life
 from bearingwear.studies.unsolved import verdict
 
 GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.02, 0.08], [0.0, 0.35, 0.7])
