@@ -250,48 +250,31 @@ def test_everything_shown_has_a_label():
 # bad files
 
 
-@pytest.mark.parametrize(
-    "name, contents, text",
-    [
-        ("missing", None, "cannot be read"),
-        ("empty", b"", "empty"),
-        ("text", b"status: ok\n", "has not written"),
-        ("header only", b"\x89HDF\r\n\x1a\n" + b"\0" * 100, "damaged"),
-        ("classic", b"CDF\x01" + b"\0" * 28, "has not written"),
-    ],
-)
 @pytest.mark.parametrize("reader", [load, sheet])
-def test_bad_file(reader, name, contents, text, tmp_path):
-    path = tmp_path / f"{name}.nc"
-    if contents is not None:
-        path.write_bytes(contents)
-    with pytest.raises(CaseFileError, match=text) as caught:
-        reader(path)
-    assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])
-@pytest.mark.parametrize("reader", [load, sheet])
-def test_truncated_file(reader, share, case, tmp_path):
-    path = tmp_path / "x.nc"
-    write_result(case, path)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(CaseFileError, match="damaged"):
-        reader(path)
-
-
-@pytest.mark.parametrize("reader", [load, sheet])
-def test_foreign_netcdf(reader, tmp_path):
-    xr.Dataset({"temperature": 3.0}).to_netcdf(tmp_path / "x.nc", engine="netcdf4")
-    with pytest.raises(CaseFileError, match="has not written"):
-        reader(tmp_path / "x.nc")
-
-
-@pytest.mark.parametrize("reader", [load, sheet])
-def test_folder(reader, tmp_path):
-    with pytest.raises(CaseFileError, match="cannot be read"):
-        reader(tmp_path)
+def test_bad_files(reader, case, tmp_path):
+    """Each in one line that names the file."""
+    write_result(case, tmp_path / "x.nc")
+    whole = (tmp_path / "x.nc").read_bytes()
+    xr.Dataset({"temperature": 3.0}).to_netcdf(tmp_path / "foreign.nc", engine="netcdf4")
+    (tmp_path / "folder.nc").mkdir()
+    bad = {
+        "missing": (None, "cannot be read"),
+        "folder": (None, "cannot be read"),
+        "foreign": (None, "has not written"),
+        "empty": (b"", "empty"),
+        "text": (b"status: ok\n", "has not written"),
+        "header": (b"\x89HDF\r\n\x1a\n" + b"\0" * 100, "damaged"),
+        "classic": (b"CDF\x01" + b"\0" * 28, "has not written"),
+    }
+    for share in (0.05, 0.3, 0.6, 0.99):
+        bad[f"truncated_{share:g}"] = (whole[: int(share * len(whole))], "damaged")
+    for name, (contents, text) in bad.items():
+        path = tmp_path / f"{name}.nc"
+        if contents is not None:
+            path.write_bytes(contents)
+        with pytest.raises(CaseFileError, match=text) as caught:
+            reader(path)
+        assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("reader", [load, sheet])
