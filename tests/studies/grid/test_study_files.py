@@ -372,8 +372,7 @@ def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", FIGURES)
-def test_figures_of_a_study_where_nothing_was_solved(folder, name, tmp_path, monkeypatch):
+def test_figures_of_a_study_where_nothing_was_solved(folder, tmp_path, monkeypatch):
     gathered = study(sorted((folder / "cases").glob("*-mu0.000-*.nc")))
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.grid.life import wear_life
@@ -381,14 +380,13 @@ def test_figures_of_a_study_where_nothing_was_solved(folder, name, tmp_path, mon
     write_dataset(gathered, tmp_path / "study.nc")
     write_dataset(wear_life(scene_file("gyro_s1"), gathered), tmp_path / "wear_life.nc")
     shutil.copytree(folder / "cases", tmp_path / "cases")
-    inputs, settings = FIGURES[name]
-    if name == "slip":
-        inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
-    elif name != "friction":
-        none = [0, 0] if isinstance(settings["friction"], list) else 0
-        settings = {"friction": none}
-    monkeypatch.setitem(FIGURES, name, (inputs, settings))
-    assert draw(name, tmp_path / "figure.svg", folder=tmp_path) == 0
+    for name, (inputs, settings) in FIGURES.items():
+        if name == "slip":
+            inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
+        elif name != "friction":
+            settings = {"friction": [0, 0] if isinstance(settings["friction"], list) else 0}
+        monkeypatch.setitem(FIGURES, name, (inputs, settings))
+        assert draw(name, tmp_path / f"{name}.svg", folder=tmp_path) == 0
 
 
 def test_failed_cases_are_marked(folder):
