@@ -143,7 +143,7 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     cage.add_argument(
         "--life",
         action="store_true",
-        help="compute the wear life of the cage, from ensembles stored beside the file",
+        help="compute the wear life of the cage, from ensembles stored with the file",
     )
     cage.add_argument(
         "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
@@ -274,7 +274,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--record-failures",
         action="store_true",
-        help="exit with 0 even if the solver fails; the file's status says so",
+        help="exit with 0 even if the solver fails, which the status of the file reports",
     )
 
 
@@ -448,7 +448,7 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
         default=[],
         metavar="FIGURE",
         type=Path,
-        help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
+        help="SVG, PNG or PDF by the suffix; default: FILE.svg in the folder of the file",
     )
     sub.add_argument(
         "--bearing",

@@ -79,7 +79,7 @@ def difference(
         kind, other_kind = kind_of(a), kind_of(b)
         if kind != other_kind:
             raise CaseFileError(
-                f"{os.fspath(second)}: got a {other_kind} beside a {kind}, expected two files "
+                f"{os.fspath(second)}: got a {other_kind} and a {kind}, expected two files "
                 "of one kind"
             )
         found = _differences(a, b, tolerance)

@@ -68,7 +68,7 @@ COORDINATES = (
             flags=BEARING_PARTS,
         ),
         Variable("state", ("state",), "1", "number in the state of motion", "i4"),
-        Variable("groove_state", ("groove_state",), "1", "number of the profile kept", "i4"),
+        Variable("groove_state", ("groove_state",), "1", "number of the stored profile", "i4"),
         Variable("arc", ("arc",), "1", "number of the place along a groove", "i4"),
         Variable("band_place", ("band_place",), "1", "number of the latitude on a ball", "i4"),
         Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),

@@ -119,7 +119,7 @@ def damage(path: str) -> str | None:
         found = header(path)
         is_case = Path(path).parent.name in ("cases", "dynamic")
         if is_case and (held := _case_id(found)) != Path(path).stem:
-            return f"{path}: holds the case {held}" if held else f"{path}: not a case of a study"
+            return f"{path}: contains the case {held}" if held else f"{path}: not a case of a study"
     except CaseFileError as error:
         return str(error)
     return None

@@ -96,7 +96,7 @@ def told(result):
     [
         ({"model.cage_results": True}, "a cage"),
         ({"wear.ball_diameter_loss_um": [0.1] * 8 + [0.2]}, "unequal ball diameters"),
-        ({"operation.rotating_load_N": 1.0}, "loads that stand still beside one that turns"),
+        ({"operation.rotating_load_N": 1.0}, "stationary loads together with a rotating one"),
         ({"operation.radial_load_N": [0.0, 0.0], "model.fidelity": "dynamic"}, "thrust alone"),
     ],
 )

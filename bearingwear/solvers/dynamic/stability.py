@@ -28,7 +28,7 @@ def why_not_periodic(scene: Scene) -> str:
     if 1e-3 * np.ptp(scene.wear.ball_diameter_loss_um) > LIKE * scene.bearing.ball_diameter_mm:
         return "unequal ball diameters"
     if standing and operation.rotating_load_N:
-        return "loads that stand still beside one that turns"
+        return "stationary loads together with a rotating one"
     if not standing and not operation.rotating_load_N:
         return "thrust alone"
     return ""

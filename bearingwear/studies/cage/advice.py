@@ -128,7 +128,7 @@ def recommended_cage(motions: xr.Dataset) -> str:
     best = min(calm, key=lambda one: one.high if math.isfinite(one.high) else math.inf)
     own_words = f"the cage as it is ({shares_in_words(own.shares)})"
     if best.at == own.at or not best.high < own.low:
-        return f"Keep {own_words}: no quieter cage of the map wears less beyond the intervals"
+        return f"Keep {own_words}: no quieter cage of the map wears significantly less"
     changes = ", ".join(
         f"{in_design_words(axis, best.at[axis])} (now {_short(axis, own.at[axis])})"
         for axis in DESIGN

@@ -103,7 +103,7 @@ POINT = table(
         "impractical",
         (),
         "",
-        "first warning, of new or worn, that nobody would build or run such a bearing",
+        "first warning, new or worn, of an impractical design",
         dtype="i1",
         flags=("none", *IMPRACTICAL),
     ),
@@ -120,7 +120,7 @@ POINT = table(
         "hertzian_life",
         LOSS_BASIS.dims,
         "h",
-        "wear life at the same preload with grooves that keep their shape",
+        "wear life at the same preload with Hertzian grooves",
         scale=HOURS_PER_SECOND,
     ),
 )

@@ -126,7 +126,7 @@ class Config:
         "Groups of scenes that are solved dynamically as well", default=()
     )
     points_per_job: int | None = setting(
-        "Points of the grid that one job solves, each into a file of its own; above the points "
+        "Points of the grid that one job solves, each in its own file; above the points "
         "of a line (all losses of a scene, method and friction) it solves whole lines into one "
         "file. Null: a line, of at most 200",
         minimum=1,

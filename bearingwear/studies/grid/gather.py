@@ -90,7 +90,7 @@ class _Read:
             dataset = load(path)
             cases, shared = _identity(dataset, path)
             if "case" not in dataset.dims and path.stem != cases[0].id:
-                raise CaseFileError(f"{path}: holds the case {cases[0].id}")
+                raise CaseFileError(f"{path}: contains the case {cases[0].id}")
             for case in cases:
                 if case in self.files:
                     raise CaseFileError(f"{path}: holds the same case as {self.files[case]}")

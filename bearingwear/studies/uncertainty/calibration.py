@@ -152,7 +152,7 @@ def calibrated(
     if any(test.seen == SEEN_TORQUE for test in found) and not friction:
         row = next(test.row for test in found if test.seen == SEEN_TORQUE)
         key = FRICTION_KEYS[scene.friction.film is not None]
-        problem = f"got it without uncertainty.{key} in the scene, which it tells of"
+        problem = f"got it without uncertainty.{key} in the scene, which it would determine"
         raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
     curve = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
     own = _found(curve, scene, False, scene.name)
@@ -187,7 +187,7 @@ def _checked(scene: Scene) -> str:
     if known is None or not is_same_for_batch("wear_coefficient", known):
         raise SceneError(
             "uncertainty.wear_coefficient",
-            "got nothing that tests could tell of, expected {distribution: lognormal, factor: 3}",
+            "got no value that tests determine, expected {distribution: lognormal, factor: 3}",
             source=scene.name,
         )
     if all(is_same_for_batch(name, one) for name, one in given.items()):
@@ -289,7 +289,7 @@ def _curve(
     middle = float(values[_NODES // 2]) if friction else float(values[0])
     if not middle > _NONE:
         problem = "got no life from the model: beyond a limit when new, or not solved"
-        raise CaseFileError(f"{problem}; `bearingwear life` says why")
+        raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
     scatter, shift = _scatter(scene, torque, middle, workers)
     if not friction:
         constant = values[0] + shift

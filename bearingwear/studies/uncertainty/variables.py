@@ -68,8 +68,8 @@ ANALYSED = table(
         (BATCH, PROBABILITY, BASIS),
         "h",
         "half the confidence interval of that quantile, by the sample",
-        comment="batches and bearings drawn anew from those sampled; widened by the error of "
-        "interpolated lives, with as many unknown ones in each batch",
+        comment="by resampling of batches and bearings; widened by the error of interpolated "
+        "lives, with as many unknown ones in each batch",
     ),
     Variable(
         "life_quantile",

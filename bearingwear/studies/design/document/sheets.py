@@ -77,8 +77,8 @@ AT_END = "residual_preload_at_end"
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_WORDS = (
     "Between these values the same method lasts longer. A dash: no change up to "
-    f"{FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. With a limit moved "
-    "the preloads are chosen anew."
+    f"{FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. If a limit changes, "
+    "the preloads are chosen again."
 )
 
 

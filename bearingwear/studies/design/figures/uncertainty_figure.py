@@ -160,7 +160,7 @@ def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int)
     one = method.sel(preload_choice=preload_drawn(method)).isel(loss_basis=basis)
     scene = scene_of(uncertainty)["name"]
     if not np.isfinite(one["total_index"]).any():
-        return f"{scene}: too few lives could be solved to say how they spread"
+        return f"{scene}: too few lives were solved to determine their spread"
 
     def decides(inputs: int) -> str:
         index = one["total_index"].sel(uncertain_inputs=inputs)
