@@ -20,8 +20,6 @@ REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
 
 
 class Node(NamedTuple):
-    """A point of a life."""
-
     x: float  # what steps go along: the counted loss [m] or the time [s]
     worn: Any  # as its way to wear has it
     states: States
@@ -84,8 +82,6 @@ class LifeStep:
 
 
 class Method:
-    """Integration method of a life."""
-
     most_steps = 2000
     counts: Any = slice(None)  # ways of counting wear whose times are followed
     root = 1e-9  # of the step in which an end is met

@@ -29,8 +29,6 @@ _ENDS = 0.05, 0.95
 
 @dataclass(frozen=True)
 class Corner:
-    """The bearings under one case, with some wear and friction."""
-
     case: str
     wear: str
     key: str  # of the friction

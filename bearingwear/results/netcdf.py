@@ -13,11 +13,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.atomic import reason, whole_file
-from bearingwear.results.entries import (
-    SOURCE,
-    Entry,
-    entries_of,
-)
+from bearingwear.results.entries import SOURCE, Entry, entries_of
 from bearingwear.results.labels import named
 from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
 

@@ -27,12 +27,7 @@ from bearingwear.solvers.bearing.arrangement import (
 )
 from bearingwear.solvers.bearing.at_rest import Mechanics
 from bearingwear.solvers.bearing.growth import growth_values, is_held
-from bearingwear.solvers.bearing.rotor_balance import (
-    ROTOR_BALANCED,
-    Nearby,
-    RotorTrial,
-    balanced,
-)
+from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED, Nearby, RotorTrial, balanced
 from bearingwear.solvers.condition import (
     USABLE,
     CaseValues,

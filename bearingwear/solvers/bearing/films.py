@@ -72,8 +72,6 @@ def surface_factor(part: Surface, partner: Surface, depth, covered, partner_cove
 
 
 class Cover(NamedTuple):
-    """Film cover of the surfaces."""
-
     inner: bool
     outer: bool
     ball: bool

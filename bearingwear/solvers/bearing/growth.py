@@ -54,8 +54,6 @@ class Expansion(NamedTuple):
 
 
 class RingGrowth(NamedTuple):
-    """Growth of a ring by speed and fit."""
-
     speed: float = 0.0  # outward displacement of its track [m]
     fit: float = 0.0  # the same
     pressure: float = 0.0  # on its seat [Pa]

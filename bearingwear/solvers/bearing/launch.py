@@ -19,13 +19,7 @@ from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.arrangement import N_UM, plane_frequencies
 from bearingwear.solvers.bearing.at_rest import AxialRotor, PreloadSpring, race_displacement
-from bearingwear.solvers.bearing.mounted import (
-    GPA,
-    MM,
-    UM,
-    mounted_geometry,
-    yield_pressure,
-)
+from bearingwear.solvers.bearing.mounted import GPA, MM, UM, mounted_geometry, yield_pressure
 from bearingwear.solvers.bearing.parameters import geometry, worn_diameters
 from bearingwear.solvers.bearing.stiffness import azimuths
 
@@ -157,8 +151,6 @@ class RestingBearing:
 
 @dataclass(frozen=True)
 class RestingRotor:
-    """The rotor under a load, at rest."""
-
     shift: float  # of its middle towards +X [m]
     across: float  # the same across the axis [m]
     tilt: float  # [rad]
@@ -346,8 +338,6 @@ def groove_arm(g: Geometry) -> float:
 
 @dataclass(frozen=True)
 class LaunchLoad:
-    """A load at launch and what it does."""
-
     name: str
     axial: float  # [N], towards +X
     radial: float  # [N]
@@ -356,8 +346,6 @@ class LaunchLoad:
 
 @dataclass(frozen=True)
 class Launched:
-    """A scene at launch."""
-
     loads: tuple[LaunchLoad, ...]
     axial_g: float  # given or by Miles' equation
     radial_g: float  # the same across

@@ -15,10 +15,7 @@ from bearingwear.kernels.equilibrium.kinematics import (
     OUTER_CONTROL,
     race_control,
 )
-from bearingwear.kernels.equilibrium.thrust_loaded import (
-    cold_start,
-    thrust_equilibrium,
-)
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
 from bearingwear.kernels.steady.balance import LAST_BIT
 from bearingwear.kernels.steady.thrust import MOST_ROUNDING

@@ -32,8 +32,6 @@ TANGENT_STEPS = 8  # of the disturbances in a stretch, each as many of the motio
 
 @dataclass(frozen=True)
 class PeriodicMotion:
-    """State that repeats itself."""
-
     balls: np.ndarray  # (n, 5) states as the run begins
     time: float  # of that [s]
     passing: float  # until each ball is where the next one was, as seen from the load [s]

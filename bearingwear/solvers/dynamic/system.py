@@ -12,27 +12,14 @@ from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND, cage_energy
 from bearingwear.kernels.cage.contacts import cage_contacts
 from bearingwear.kernels.cage.law import ELASTIC
 from bearingwear.kernels.contact.profile import STORED
+from bearingwear.kernels.dynamic import record
 from bearingwear.kernels.dynamic.equilibrium import free_equilibrium
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA, Tableau, stages
 from bearingwear.kernels.dynamic.model import BearingModel, buffers, load_at
 from bearingwear.kernels.dynamic.quasistatic import HERTZ_K
-from bearingwear.kernels.dynamic.record import (
-    Recorder,
-    TimeGrid,
-    advance_and_record,
-    empty_history,
-    empty_sums,
-)
 from bearingwear.kernels.dynamic.step_control import StepControl, Tally
+from bearingwear.kernels.equilibrium import race
 from bearingwear.kernels.equilibrium.kinematics import ORBIT
-from bearingwear.kernels.equilibrium.race import (
-    LOAD_FIELDS,
-    MODEL,
-    ORBIT_RATE,
-    PACKED,
-    race_equilibrium,
-    unpack_ball_state,
-)
 from bearingwear.kernels.layout import (
     BALL,
     CAGE,
@@ -198,11 +185,11 @@ class DynamicSystem:
         if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
         bearing, buf, n = self.bearing, self.buffers, len(self.bearing.D)
-        loads = np.zeros((n, LOAD_FIELDS))
-        loads[:, MODEL], loads[:, ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
+        loads = np.zeros((n, race.LOAD_FIELDS))
+        loads[:, race.MODEL], loads[:, race.ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
         load_at(bearing, self.time, buf.balls.F)
-        rows, delta = np.empty((n, PACKED)), buf.rest.copy()
-        alone, *_ = race_equilibrium(
+        rows, delta = np.empty((n, race.PACKED)), buf.rest.copy()
+        alone, *_ = race.race_equilibrium(
             bearing.g,
             bearing.D,
             loads,
@@ -215,7 +202,7 @@ class DynamicSystem:
         )
         if alone not in (code.OK, code.NOT_CONVERGED):
             return int(alone)
-        if unseated([unpack_ball_state(row) for row in rows]):
+        if unseated([race.unpack_ball_state(row) for row in rows]):
             return code.RACE_UNSEATED
         if status == code.NOT_CONVERGED and alone == code.OK and bearing.cage.present:
             return code.CAGE_JAMMED
@@ -255,16 +242,16 @@ class DynamicSystem:
 
     def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
         """Move the state on from this instant; time and first step stay as they are."""
-        grid = TimeGrid(origin=self.time, dt=duration, first=0)
+        grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         model = (self.y, self.bearing, self.buffers, self.stages)
-        return advance_and_record(control, grid, 0, intervals, self.h, *model, self._unread)
+        return record.advance_and_record(control, grid, 0, intervals, self.h, *model, self._unread)
 
     @functools.cached_property
-    def _unread(self) -> Recorder:
+    def _unread(self) -> record.Recorder:
         """For records that nobody reads: one kernel, half a minute to compile, serves all runs."""
         n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
-        sums = empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
-        return Recorder(sums=sums, history=empty_history(1, n), keep=False)
+        sums = record.empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
+        return record.Recorder(sums=sums, history=record.empty_history(1, n), keep=False)
 
     def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
         """All arrays that a run goes on from, the next step h (1,) among them."""

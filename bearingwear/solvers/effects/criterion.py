@@ -42,8 +42,6 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[f
 
 
 class Passed(NamedTuple):
-    """A criterion that a case is beyond."""
-
     measure: Measure
     value: float  # [SI]
     limit: float

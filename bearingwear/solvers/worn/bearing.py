@@ -13,18 +13,9 @@ from bearingwear.kernels.contact.summary import ANGLE, MAJOR
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
-from bearingwear.kernels.worn.balance import (
-    Arc,
-    WornForce,
-    WornRace,
-    latitude,
-)
+from bearingwear.kernels.worn.balance import Arc, WornForce, WornRace, latitude
 from bearingwear.kernels.worn.cells import contact_buffers
-from bearingwear.kernels.worn.friction import (
-    FrictionWork,
-    friction_work,
-    worn_dissipation,
-)
+from bearingwear.kernels.worn.friction import FrictionWork, friction_work, worn_dissipation
 from bearingwear.kernels.worn.pressure import contact_cells
 from bearingwear.kernels.worn.state import WornSeat, pitch, state_work, worn_state
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
