@@ -474,7 +474,7 @@ def test_limits_of_slip_need_a_balance_of_friction():
     told = choice_for_life(scene, "race_control").reasons[-1]
     assert told == "criteria: gyroscopic_slip_share, skid_ratio not evaluated"
     alone = load_scene(S1, ["wear.end_of_life={skid_ratio: 0.1}"])
-    with pytest.raises(NotAvailable, match="skid_ratio alone.*, expected.*fidelity auto"):
+    with pytest.raises(NotAvailable, match="only skid_ratio,.* expected.*fidelity auto"):
         choice_for_life(alone, "race_control")
 
 
