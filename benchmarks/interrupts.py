@@ -3,11 +3,13 @@
     python benchmarks/interrupts.py [COMMAND ...] [--times 20] [--longest 20] [--alone]
 
 Each command first runs undisturbed in a folder of its own, for at most LONGEST seconds, then TIMES
-times until a moment that is uniform in that time. The first 0.1 s are left out: Python itself
-starts, and answers in its own way. A row: the exit statuses and how often each came,
-median and largest seconds from the signal to the end, and the moments at which anything was wrong:
-another status than 130, a traceback, or a file that was half written. With `--alone` the signal is
-sent to the command and not to the processes that it has started.
+times until a moment that is uniform in that time. Moments before the program's first line, while
+Python itself starts and ends in its own way, are counted apart (`start`).
+
+A row: the exit statuses and how often each came, median and largest seconds from the signal to the
+end. On standard error, the moments at which anything was wrong: another status than 130, a
+traceback, or a file that was half written. With `--alone` the signal is sent to the command and not
+to the processes that it has started.
 """
 
 import argparse
@@ -22,7 +24,7 @@ import tempfile
 import time
 from pathlib import Path
 
-FIRST = 0.1
+EARLY = -1
 PROGRAM = [sys.executable, "-m", "bearingwear"]
 NEW = ["new", "mine.yaml", "7008C", "--speed", "18000"]
 LIMITS = ["--stiffness", "20", "--slip", "0.36"]
@@ -47,7 +49,8 @@ def interrupted(
 ) -> tuple[int, float, str]:
     """Exit status, seconds to the end after the signal, and what is wrong, if anything.
 
-    A command that ends before has no seconds: they are NaN.
+    A command that ends before has no seconds: they are NaN. The status is EARLY before the
+    program's first line.
     """
     run = subprocess.Popen(
         [*PROGRAM, *arguments],
@@ -65,6 +68,8 @@ def interrupted(
         (os.kill if alone else os.killpg)(run.pid, signal.SIGINT)
         _, said = run.communicate()
     seconds = time.monotonic() - sent
+    if not said or "KeyboardInterrupt" in said and "__main__.py" not in said:
+        return EARLY, seconds, ""
     wrong = [str(path) for path in folder.rglob(".*.part")]
     if "Traceback" in said or not said.endswith("interrupted\n"):
         wrong.append(said[-300:])
@@ -80,10 +85,8 @@ def main() -> None:
     asked = parser.parse_args()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # `&` in a script has it ignored
     moments = random.Random(1)
-    print(
-        "| command | runs for, s | status: times | median, s | most, s |\n|---|---|---|---|---|",
-        flush=True,
-    )
+    columns = "| command | runs for, s | status: times | median, s | most, s | start |"
+    print(f"{columns}\n|---|---|---|---|---|---|", flush=True)
     for name in asked.commands:
         arguments = COMMANDS[name]
         with tempfile.TemporaryDirectory() as folder:
@@ -95,19 +98,22 @@ def main() -> None:
         if status not in (0, 3, 130):
             raise SystemExit(f"{name}: got status {status} undisturbed")
         ends: collections.Counter[int] = collections.Counter()
-        waits, faults = [], []
+        waits, faults, starts = [], [], 0
         while len(waits) < asked.times:
-            delay = moments.uniform(FIRST, lasts)
+            delay = moments.uniform(0.0, lasts)
             with tempfile.TemporaryDirectory() as folder:
                 (Path(folder) / "mine.yaml").write_text(scene, encoding="utf-8")
                 status, seconds, wrong = interrupted(arguments, Path(folder), delay, asked.alone)
-            if seconds == seconds:  # it had not ended before
+            if status == EARLY:
+                starts += 1
+            elif seconds == seconds:  # it had not ended before
                 ends[status] += 1
                 waits.append(seconds)
                 faults += [f"{delay:.2f} s: {wrong}"] if wrong else []
         counts = ", ".join(f"{status}: {count}" for status, count in ends.items())
         middle = statistics.median(waits)
-        print(f"| {name} | {lasts:.1f} | {counts} | {middle:.2f} | {max(waits):.2f} |", flush=True)
+        ended = f"{middle:.2f} | {max(waits):.2f}"
+        print(f"| {name} | {lasts:.1f} | {counts} | {ended} | {starts} |", flush=True)
         for fault in faults:
             print(f"    {fault!r}", file=sys.stderr)
 
