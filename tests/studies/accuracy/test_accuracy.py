@@ -128,7 +128,9 @@ def trade(files, tmp_path_factory):
 
 def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
     monkeypatch.chdir(ROOT)
-    plan.check_points()
+    for scene, sweep in plan.jobs():
+        for point in plan.points(sweep):
+            plan.varied(scene, point)
     assert len(plan.scenes) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
     jobs = plan.jobs()
     assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs

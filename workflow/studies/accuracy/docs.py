@@ -27,13 +27,7 @@ DOCS_PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTab
 
 
 def docs_part(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
-    """Paragraphs and tables of a part.
-
-    Raises
-    ------
-    CaseFileError
-        One line.
-    """
+    """Paragraphs and tables of a part; CaseFileError where there is no such part."""
     if name not in DOCS_PARTS:
         raise CaseFileError(f"part: got {name}, expected {', '.join(DOCS_PARTS)}")
     return DOCS_PARTS[name](loaded(trade, point=()), read_record(AccuracyPlan, plan))
@@ -62,15 +56,7 @@ def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
 
 
 def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
-    """Step: says that the docs agree with a run.
-
-    Raises
-    ------
-    NotSolved
-        A line for each number that differs beyond the tolerance.
-    CaseFileError
-        Where they lack a part.
-    """
+    """Step: says that the docs agree with a run; else NotSolved with a line for each difference."""
     given = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
     lines = [line for part, path in given.items() for line in differences(path, plan, docs, part)]
     if lines:
@@ -79,13 +65,7 @@ def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
 
 
 def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
-    """Where a part of the docs differs from a run beyond the tolerance; a line each.
-
-    Raises
-    ------
-    CaseFileError
-        Where they lack the part.
-    """
+    """Where a part of the docs differs beyond the tolerance; CaseFileError where they lack it."""
     begin, end = _marks(part)
     inside, closed, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
     if not closed:

@@ -307,13 +307,7 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
 
 
 def figure(trade: Path, which: str) -> Figure:
-    """Step: one of the figures.
-
-    Raises
-    ------
-    CaseFileError
-        One line: there is no such figure.
-    """
+    """Step: one of the figures; CaseFileError where there is none of that name."""
     if which not in _FIGURES:
         raise CaseFileError(f"figure: got {which}, expected {', '.join(_FIGURES)}")
     return _FIGURES[which](loaded(trade, point=()))
@@ -322,10 +316,7 @@ def figure(trade: Path, which: str) -> Figure:
 def accuracy_plot(trade: xr.Dataset) -> Figure:
     """What `bearingwear plot` draws: the overview of all sweeps.
 
-    Raises
-    ------
-    CaseFileError
-        One line: a single sweep has no errors yet; both kinds of sweeps stand side by side.
+    CaseFileError for a single sweep, which has no errors yet, and for sweeps of one kind.
     """
     if "scene" not in trade:
         raise CaseFileError("got a single sweep, expected all of them, gathered in one file")

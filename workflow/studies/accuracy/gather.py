@@ -16,24 +16,12 @@ _SHARED = ("source_hash", "package_version", "numpy_version", "numba_version")
 
 
 def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Step: every point of every sweep on every scene, with its errors.
+    """Step: every point of every sweep on every scene, from their files and those of references.
 
-    Parameters
-    ----------
-    paths : iterable of path
-        Files of `workflow.studies.accuracy.run.sweep`, references among them.
-
-    Returns
-    -------
-    Dataset
-        Over `point`: scene, sweep, kind, against, label, value, settings; times; the quantities;
-        `error_*`, relative to the reference and signed, NaN where a quantity was not solved;
-        `error_contact_qv`, the larger of both contacts without its sign; `reference_time`.
-
-    Raises
-    ------
-    CaseFileError
-        One line: a file that is no such file, of other sources, or whose reference is missing.
+    Over `point`: scene, sweep, kind, against, label, value, settings; times; the quantities;
+    `error_*`, relative to the reference and signed, NaN where a quantity was not solved;
+    `error_contact_qv`, the larger of both contacts without its sign; `reference_time`.
+    CaseFileError for a file of another kind or of other sources, or whose reference is missing.
     """
     found = _of_one_study(paths)
     parts = []

@@ -243,33 +243,10 @@ class AccuracyPlan:
             _check_known(self.sweeps[row.sweep].against, (FIRST,), f"sweeps.{row.sweep}.against")
 
     def check_scenes(self) -> None:
-        """Check that every scene exists; to read it as all points change it takes seconds.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Refuse scenes that do not exist; to read them as all points change them takes seconds."""
         for name in self.scenes:
             if not os.path.isfile(self.scene_file(name)):
                 raise ValueError(f"{ACCURACY_FILE}: there is no scene {self.scenes[name].file}")
-
-    def check_points(self) -> None:
-        """Read every scene as each of its points changes it.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
-        for scene, sweep in self.jobs():
-            for point in self.points(sweep):
-                try:
-                    self.varied(scene, point)
-                except ValueError as error:
-                    raise ValueError(
-                        f"{ACCURACY_FILE}: {scene}, {sweep}, {point.label}: {error}"
-                    ) from None
 
     def varied(self, name: str, point: SweepPoint) -> Scene:
         """A scene as a point changes it."""

@@ -51,21 +51,10 @@ def solved_sweep(
     repeats: int,
     seconds: float,
 ) -> xr.Dataset:
-    """Step: all points of a sweep, or of a reference, on one scene.
+    """Step: all points (`SweepPoint` each) of a sweep, or of a reference, on one scene.
 
-    Parameters
-    ----------
-    scene : path
-    scene_name : str
-        In the study.
-    scene_settings : mapping
-        What is changed in the scene at all points: YAML texts by key.
-    sweep_name, title, kind, against : str
-        Of the sweep.
-    points : sequence of mapping
-        `SweepPoint` each.
-    repeats, seconds : int, float
-        How often a solve is timed, unless the repeats have taken so long [s].
+    `scene_settings` change the scene at all points: YAML texts by key. A solve is timed `repeats`
+    times, unless these have taken `seconds` [s].
     """
     solves = [SweepPoint(**given) for given in points]
     rows = []

@@ -53,13 +53,7 @@ class IdentifyPlan:
             raise SceneError("ball_count", str(error)) from None
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
-        """Check that every scene exists.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Refuse scenes that do not exist."""
         for name in (self.scene, *self.marks):
             if not (Path(folder) / f"{name}.yaml").is_file():
                 raise ValueError(f"config/identify.yaml: there is no scene {name}")

@@ -201,17 +201,7 @@ def candidates(base: Scene, plan: IdentifyPlan) -> list[dict[str, Any]]:
 
 
 def identified(scene: Path, marks: Sequence[Path], plan: Mapping[str, Any]) -> xr.Dataset:
-    """Step: every candidate: whether it fits, the drags it fits with, its lives.
-
-    Parameters
-    ----------
-    scene : path
-        That has all that is not varied.
-    marks : sequence of path
-        Scenes that are drawn as well.
-    plan : mapping
-        `IdentifyPlan` as plain data.
-    """
+    """Step: every candidate of an `IdentifyPlan`: whether it fits, its drags, its lives."""
     checked = record(IdentifyPlan, plan, "config/identify.yaml")
     base = load_scene(scene)
     rows = candidates(base, checked)

@@ -38,21 +38,7 @@ def branch(
 ) -> xr.Dataset:
     """Step: steady states followed up and down an axis, and found anew at each point.
 
-    Parameters
-    ----------
-    scene : path
-        Where all start from.
-    name, title : str
-        Of the branches.
-    changes : mapping
-        Keys of the scene to set.
-    along : mapping
-        Block of the axis.
-
-    Returns
-    -------
-    Dataset
-        Over `way` (up, down, anew) and `along`.
+    `changes` are keys of the scene to set. Over `way` (up, down, anew) and `along`.
     """
     axis = record(KeyAxis, along, "along")
     base = bare(with_values(load_scene(scene).to_dict(), changes))

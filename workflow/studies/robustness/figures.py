@@ -58,13 +58,7 @@ SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 
 
 def of_kind(path: Path, kind: str) -> xr.Dataset:
-    """A file of one kind of the study.
-
-    Raises
-    ------
-    CaseFileError
-        One line that names the file.
-    """
+    """A file of one kind of the study; CaseFileError that names any other."""
     dataset = load(path)
     if dataset.attrs.get("kind") != kind:
         raise CaseFileError(f"{path}: not a file of the {kind} of the study of robustness")

@@ -15,26 +15,13 @@ _KINDS = ("scene_classes", "maps")
 
 
 def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Step: ends of all scenes by file.
+    """Step: ends of all scenes by file, of random scenes and of maps.
 
-    Parameters
-    ----------
-    paths : iterable of path
-        Files of random scenes and of maps.
-
-    Returns
-    -------
-    Dataset
-        Over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
-        verified, multiple_states (of these with more than one steady state) and largest_qv_ratio
-        (by what share QV differs among them at most), refused (with a physical reason),
-        unexplained (ended without one), violations (verified by the solver and yet not right, or
-        crashed) and the first of these.
-
-    Raises
-    ------
-    CaseFileError
-        A file of another kind.
+    Over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
+    verified, multiple_states (of these with more than one steady state) and largest_qv_ratio (by
+    what share QV differs among them at most), refused (with a physical reason), unexplained (ended
+    without one), violations (verified by the solver and yet not right, or crashed) and the first
+    of these. CaseFileError for a file of another kind.
     """
     rows: list[dict[str, Any]] = []
     shared: dict[str, Any] = {}

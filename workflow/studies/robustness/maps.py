@@ -42,18 +42,8 @@ def state_map(
 ) -> xr.Dataset:
     """Step: steady states over two axes, boundaries along y, closed-form estimates of them.
 
-    Parameters
-    ----------
-    scene : path
-        Where all start from.
-    name, title : str
-        Of the map.
-    changes : mapping
-        Keys of the scene to set.
-    x, y : mapping
-        Blocks of the axes.
-    limits : mapping
-        What is sought along y, and beyond which value; None where it needs none.
+    `changes` are keys of the scene to set, `x` and `y` blocks of the axes; `limits` are sought
+    along y, with the value beyond which they are, None where it needs none.
     """
     along_x, along_y = record(KeyAxis, x, "x"), record(KeyAxis, y, "y")
     base = bare(with_values(load_scene(scene).to_dict(), changes))
@@ -138,12 +128,7 @@ def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
 def crossing(axis: KeyAxis, known: list[float], at: Callable[[float], float]) -> float:
     """Where along an axis a number changes sign for the last time, by bisection; NaN if never.
 
-    Parameters
-    ----------
-    known : list of float
-        The number at the points of the axis.
-    at : callable
-        The number anywhere.
+    The number is `known` at the points of the axis.
     """
     values = axis.values
     for k in range(len(known) - 2, -1, -1):

@@ -49,12 +49,7 @@ STAND_INS = (
 
 
 def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:
-    """Refuse ends that do not rise, or have no logarithm.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse ends that do not rise, or have no logarithm."""
     for name, ends in (("log", log), ("even", even)):
         if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
             positive = " > 0" if name == "log" else ""
@@ -105,13 +100,7 @@ class SceneClass:
 
 
 def draws(blocks: Mapping[str, Any]) -> dict[str, Draw]:
-    """Draws by the keys of their values.
-
-    Raises
-    ------
-    SceneError
-        For the first block that is wrong.
-    """
+    """Draws by the keys of their values; SceneError for the first block that is wrong."""
     found = {}
     for key, block in blocks.items():
         if "." not in key and key not in STAND_INS:
@@ -217,13 +206,7 @@ class RobustnessPlan:
         return f"config/scenes/{self.scene}.yaml"
 
     def check_scenes(self) -> None:
-        """Read the scene.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Read the scene."""
         load_scene(self.scene_file)
 
     def draw(self, name: str) -> dict[str, Any]:

@@ -41,22 +41,7 @@ def random_scenes(
     draw: Mapping[str, Mapping[str, Any]],
     seed: int = 1,
 ) -> xr.Dataset:
-    """Step: how so many random scenes of a class end.
-
-    Parameters
-    ----------
-    scene : path
-        Where all start from.
-    name : str
-        Of the class.
-    draw : mapping
-        Blocks `draw` of the plan.
-
-    Returns
-    -------
-    Dataset
-        Over `trial`: `TRIALS`, and the keys drawn.
-    """
+    """Step: how random scenes of a class end, over `trial`: `TRIALS`, and the keys drawn."""
     base = load_scene(scene).to_dict()
     trials = list(drawn(draws(draw), seed, count))
     kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
@@ -70,11 +55,6 @@ def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
     """Step: so many random scenes of a class of the plan, with a seed of their own.
 
     The scene that all start from is beside the plan, in `scenes/`.
-
-    Raises
-    ------
-    CaseFileError
-        One line: the plan has no such class.
     """
     classes = read_record(RobustnessPlan, plan)
     if name not in classes.scene_classes:

@@ -44,13 +44,7 @@ def _row(one: xr.Dataset) -> dict[str, int | float | str]:
 
 
 def wrong_answers(counts: Path) -> str:
-    """Step: says that no verified answer is wrong.
-
-    Raises
-    ------
-    NotSolved
-        How many are wrong, and the first.
-    """
+    """Step: says that no verified answer is wrong; else NotSolved, with the first."""
     found = loaded(counts, set=(), end=())
     wrong = int(found["violations"].sum())
     if wrong:
