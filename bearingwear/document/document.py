@@ -193,13 +193,7 @@ def row_notes(row: Row) -> str:
 
 
 def load_document(path: Path) -> Document:
-    """A document that a step of a study wrote.
-
-    Raises
-    ------
-    CaseFileError
-        One line.
-    """
+    """A document that a step of a study wrote. Raises CaseFileError."""
     with read_as(path, "a document"):
         read = _decoded(json.loads(path.read_text(encoding="utf-8")))
         blocks = tuple(

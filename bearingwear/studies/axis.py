@@ -70,13 +70,7 @@ class RisingAxis(tuple[float, ...]):
 
     @classmethod
     def from_plain(cls, given: Any) -> RisingAxis:
-        """The axis of a list or of `Steps`.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """The axis of a list or of `Steps`. Raises ValueError."""
         try:
             if isinstance(given, list):
                 return cls(built(Values, checked_data(Values, {"values": given})).values)
@@ -87,12 +81,7 @@ class RisingAxis(tuple[float, ...]):
 
 
 def check_rising(values: Sequence[float]) -> None:
-    """Refuse values that do not rise.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse values that do not rise. Raises ValueError."""
     if list(values) != sorted(set(values)):
         given = ", ".join(f"{value:g}" for value in values)
         raise ValueError(f"got {given}, expected increasing numbers > 0")

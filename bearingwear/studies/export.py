@@ -84,12 +84,7 @@ class StiffnessOverSpeed:
         return cls(scene, speeds, np.array(found) * n)
 
     def ross_matrices(self, bearing: int = 1, tilt: str = "held") -> np.ndarray:
-        """Stiffness (speeds, 3, 3) of a bearing by ROSS's x, y, z [N/m].
-
-        Raises
-        ------
-        SceneError
-        """
+        """Stiffness (speeds, 3, 3) of a bearing by ROSS's x, y, z [N/m]. Raises SceneError."""
         for name, given, allowed in (
             ("tilt", tilt, TILTS),
             ("bearing", bearing, range(1, self.matrices.shape[1] + 1)),

@@ -147,13 +147,7 @@ class CagePlan:
         }
 
     def check_scenes(self) -> None:
-        """Read the scene as every cage of the map changes it.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Read the scene as every cage of the map changes it. Raises ValueError."""
         for name, point in self.points.items():
             try:
                 variant(self.scene_file, self.settings_at(point)["changes"])

@@ -66,13 +66,7 @@ def lives_beside(
 
 
 def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
-    """Lives at the recommended preloads under other assumptions.
-
-    Raises
-    ------
-    CaseFileError
-        One line.
-    """
+    """Lives at the recommended preloads under other assumptions. Raises CaseFileError."""
     found = load(path)
     if found.attrs.get("kind") != _KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError(f"{path}: not a file of the kind {_KIND}")

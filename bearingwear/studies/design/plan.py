@@ -49,12 +49,7 @@ class DesignLimits(_LIMITS):
     """
 
     def check(self, scene: Scene, source: str) -> None:
-        """Refuse a limit of what a scene does not have.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Refuse a limit of what a scene does not have. Raises SceneError."""
         for key in self.given:
             one = LIMITED[key]
             for name in one.needs:
@@ -197,13 +192,7 @@ class DesignPlan:
         }
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
-        """Read every scene and look whether its map can be solved.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Read every scene and look whether its map can be solved. Raises ValueError."""
         for name, design in self.scenes.items():
             path = Path(folder) / f"{name}.yaml"
             design.limits.check(life_scene(path), str(path))

@@ -12,13 +12,7 @@ from bearingwear.studies.dataset import loaded
 
 
 def dynamic_life(path: Path) -> xr.Dataset:
-    """A life file of fidelity dynamic.
-
-    Raises
-    ------
-    CaseFileError
-        One line.
-    """
+    """A life file of fidelity dynamic. Raises CaseFileError."""
     life = loaded(path)
     if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
         raise CaseFileError(f"{path}: not a dynamic life")

@@ -41,13 +41,7 @@ class LivesPlan:
     )
 
     def check_scenes(self) -> None:
-        """Read every scene as its life changes it.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Read every scene as its life changes it. Raises ValueError."""
         for name, life in self.lives.items():
             try:
                 for_life(variant(life.scene_file(), life.changes), life.scene_file())

@@ -85,12 +85,7 @@ class Calibration:
 
 
 def files_of(path: Path) -> Path:
-    """The file of the data beside that of a scene, which is new.
-
-    Raises
-    ------
-    OutputError
-    """
+    """The file of the data beside that of a scene, which is new. Raises OutputError."""
     if path.suffix not in SCENE_SUFFIXES:
         raise OutputError(f"{path}: got this name, expected one that ends with .yaml or .yml")
     if path.exists():

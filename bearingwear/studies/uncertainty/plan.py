@@ -68,13 +68,7 @@ class UncertaintyPlan:
         ]
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
-        """Read every scene and look whether its lives can be sampled.
-
-        Raises
-        ------
-        ValueError
-            One line.
-        """
+        """Read every scene and look whether its lives can be sampled. Raises ValueError."""
         for name in self.scenes:
             uncertain_scene(Path(folder) / f"{name}.yaml")
 
