@@ -20,7 +20,6 @@ def block_html(block: Block, name: str = "") -> str:
 
     Parameters
     ----------
-    block : Block
     name : str
         The `id` of its table.
     """

@@ -106,7 +106,6 @@ def sheet(
 
     Parameters
     ----------
-    path : path
     more : Registry
         For kinds of files that a study defines: a function that takes the open file
         (`netCDF4.Dataset`) and returns a `Document`, which it may make of `values` and `row_of`.

@@ -28,7 +28,6 @@ def table_of(
 
     Parameters
     ----------
-    dataset : Dataset
     axes : sequence of str
         Dimensions that points lie along; each has a column.
     columns : sequence of (DataArray or str, str)
@@ -86,7 +85,6 @@ def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
 
     Parameters
     ----------
-    dataset : Dataset
     axes : mapping
         The head of the column of each dimension that points lie along.
     """

@@ -18,7 +18,6 @@ def figure_of(
 
     Parameters
     ----------
-    dataset : Dataset
     name : path
         What the error calls it.
     figures : Registry

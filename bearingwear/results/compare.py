@@ -59,7 +59,6 @@ def difference(
 
     Parameters
     ----------
-    first, second : path
     tolerance : float
         Numbers count as the same where they are no further apart than this fraction of the largest
         magnitude that the variable has in either file.

@@ -93,7 +93,6 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
     ----------
     scene : mapping
         As a file states it. Without distributions it has those of the table of coefficients.
-    life : float
 
     Returns
     -------

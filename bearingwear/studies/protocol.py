@@ -320,15 +320,11 @@ def step(
 
     Parameters
     ----------
-    name : str
-    outputs : str or sequence of str
     run : str
         `MODULE.FUNCTION` of the study's folder, or `studies.…` from the package on.
     each : mapping or iterable, optional
         Points by the value of their wildcard, or by a tuple of several; points that are their own
         names.
-    settings : mapping or function of a point, optional
-    inputs : mapping, optional
     **rest
         Fields of `Step`; every other one is an input.
     """

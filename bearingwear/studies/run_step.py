@@ -40,7 +40,6 @@ def run_step(
         `Step.run`.
     inputs, settings : mapping
         Keyword arguments: files, and all else.
-    outputs : sequence of path
     workers : int
         Processes, for a function that takes `workers`; they decide nothing.
 

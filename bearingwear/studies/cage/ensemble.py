@@ -171,8 +171,6 @@ def ensemble_of(
 
     Parameters
     ----------
-    scene : Scene
-    plan : Ensemble
     workers : int
         Processes; they change nothing but the time.
     tell : callable, optional
@@ -298,11 +296,9 @@ def cage_ensemble(
 
     Parameters
     ----------
-    scene : path
     changes : mapping
         Keys of the scene to set.
     ensemble : mapping
         `Ensemble` by its fields.
-    workers : int
     """
     return ensemble_of(variant(scene, changes), Ensemble(**ensemble), workers)

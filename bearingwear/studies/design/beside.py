@@ -37,7 +37,6 @@ def lives_beside(
 
     Parameters
     ----------
-    scene, recommendation : path
     cases : mapping
         Of each name `words`, and `set`, the keys of the scene that are changed.
     """

@@ -55,7 +55,6 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
 
     Parameters
     ----------
-    parts : sequence of path
     limits : mapping
         `DesignLimits` by their names.
 
@@ -134,8 +133,6 @@ def best_within(
 
     Parameters
     ----------
-    design : Dataset
-    limits : DesignLimits
     basis : int
         Index along the loss basis.
 
@@ -176,7 +173,6 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     ----------
     line : Dataset
         Over `preload` alone, none of which is within the limits.
-    limits : DesignLimits
     basis : int
         Index along the loss basis.
     """

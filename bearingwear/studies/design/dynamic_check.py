@@ -50,7 +50,6 @@ def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
 
     Parameters
     ----------
-    scene, recommendation : path
     times : float
         Factor of the recommended preload.
     """

@@ -329,7 +329,6 @@ def map_part(
 
     Parameters
     ----------
-    scene : path
     method : str
         How the preload is applied.
     friction : float

@@ -117,7 +117,6 @@ def small_map(
 
     Parameters
     ----------
-    scene : path
     axes, limits : mapping
         `MapAxes` and `DesignLimits` by their names.
     workers : int
@@ -142,9 +141,6 @@ def mapped(
 
     Parameters
     ----------
-    scene : Scene
-    axes : MapAxes
-    limits : DesignLimits
     workers : int
         Processes that share the lives, where these take long.
     tell : callable, optional
@@ -190,7 +186,6 @@ def recommendation(
 
     Parameters
     ----------
-    scene : Scene
     design : Dataset
         The map.
     each : callable

@@ -359,10 +359,8 @@ def lives_by_track(
 
     Parameters
     ----------
-    scenes : sequence of Scene or None
     lives : sequence of float
         By the tracks of the scenes [s].
-    basis : int
     """
     found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
     tracks = [

@@ -174,7 +174,6 @@ def answered(
 
     Parameters
     ----------
-    asking : sequence of generator
     solve : callable
         Of requests, what `followed_point` finds for each.
     """

@@ -55,7 +55,6 @@ def verdict_on(
     ----------
     lives, errors : sequence of float
         Life and its relative numerical error of each method.
-    room : sequence of Assumption
     tracks : ndarray
         As `lives_by_track`.
     """

@@ -114,7 +114,6 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
 
     Parameters
     ----------
-    lives : sequence of MethodLife
     scene : mapping
         The first scene, as its file states it.
     """

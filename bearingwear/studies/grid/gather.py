@@ -126,7 +126,6 @@ def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 
     Parameters
     ----------
-    cases : sequence of Case
     datasets : iterable of Dataset
         What the case files would hold, in the same order.
     """

@@ -36,7 +36,6 @@ def write_study(
         The scene.
     folder : path
         New, empty, or of an earlier call for this scene.
-    limits : DesignLimits
     instead : path, optional
         Where to write in its place.
 

@@ -114,7 +114,6 @@ def quantiles_with_error(
         NaN where a life was not solved.
     factor : ndarray (draws,) or (batches, draws)
         Of the lives of a batch, which has each of them.
-    seed : int
     known : Stated
         Of the lives; the error includes theirs.
     """

@@ -124,7 +124,6 @@ def calibrated(
     scene : Scene
         With an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
         then that of the table of coefficients is taken.
-    tests : path
     workers : int
         Processes that share the lives.
     tell : callable, optional

@@ -96,7 +96,6 @@ def calibration_dataset(
         As calibrated.
     unit : float
         K_s/H of the scene before [m2/N].
-    prior : Prior
     stages : pair of Posterior
         Before and after.
     life : callable

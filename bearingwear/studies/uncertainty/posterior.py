@@ -154,8 +154,6 @@ class Posterior:
 
         Parameters
         ----------
-        model : callable
-        probability : float
         deviates : float
             Logarithm of that quantile over the bearings, less that of their median.
         """

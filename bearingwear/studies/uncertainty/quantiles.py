@@ -72,7 +72,6 @@ def quantiles_and_indices(
 
     Parameters
     ----------
-    scene : path
     parts : sequence of path
         Sampled lives.
     sampling : mapping
@@ -136,14 +135,12 @@ def life_quantiles(
 
     Parameters
     ----------
-    scene : path
     friction : float, optional
         Coefficient of ball and race, if not the scene's own [1].
     methods : sequence of str, optional
         Preload methods, if not the scene's own alone.
     samples : int
         Half of the number of lives, a power of two.
-    seed : int
     workers : int
         Processes that follow grooves.
     tell : callable, optional
@@ -182,7 +179,6 @@ def recommended_life_quantiles(
 
     Parameters
     ----------
-    scene, recommendation : path
     samples, seed : int
         As of `life_quantiles`.
     """

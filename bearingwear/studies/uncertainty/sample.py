@@ -155,7 +155,6 @@ def sampled_lives(
 
     Parameters
     ----------
-    scene : path
     method : str
         How the preload is applied.
     preload_choice : str

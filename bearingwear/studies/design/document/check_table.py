@@ -88,7 +88,6 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
 
     Parameters
     ----------
-    recommendation : path
     cases : sequence of path
         Case files: each preload steady and dynamic.
 

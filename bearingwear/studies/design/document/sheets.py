@@ -134,7 +134,6 @@ def recommended_sheet(
     ----------
     scene : Scene
         With a steady state and an end of life.
-    limits : DesignLimits
     source : str
         What error messages name.
     workers, tell
