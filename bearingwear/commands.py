@@ -199,7 +199,7 @@ def calibrate(args: argparse.Namespace) -> int:
     from bearingwear.studies import registry
 
     _print_sheet(sheet(data, registry("SHEETS")), args)
-    _tell(f"{args.output}: written, the calibrated scene; {data}: to show and to plot")
+    _tell(f"{args.output}: calibrated scene; {data}: results for show and plot")
     return OK
 
 

@@ -26,7 +26,7 @@ class Film:
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of friction.film, or of the material below, if omitted (of a "
+        "Hardness of the film; if omitted, that of friction.film or of the material below (of a "
         "cage, its own)",
         "GPa",
         "[0.001, 100]",
@@ -70,7 +70,7 @@ class FilmFriction:
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of the material below if omitted",
+        "Hardness of the film; if omitted, that of the material below",
         "GPa",
         "[0.001, 100]",
         default=None,

@@ -149,7 +149,7 @@ class Scene:
         "Other conditions under which the bearing has to do its work, each a few keys of the scene "
         "with their values there, under the name of the case",
         least=1,
-        each="Keys of the scene and their values in the case, but preload and kind of arrangement",
+        each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}",
         default=None,
     )

@@ -56,7 +56,7 @@ def run_step(
     try:
         arguments = signature.bind(**shared, **inputs, **settings)
     except TypeError as error:
-        raise StepError(f"step: got {step} with other arguments than it takes; {error}") from None
+        raise StepError(f"step: got wrong arguments for {step}; {error}") from None
     made = function(*arguments.args, **arguments.kwargs)
     if isinstance(made, (tuple, Iterator)):
         for one, path in zip(made, outputs, strict=True):

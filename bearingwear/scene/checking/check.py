@@ -98,7 +98,7 @@ def _refused(faults: list[Fault], file: Part) -> SceneError:
 def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
     """Plain copy of nested data, refusing what is not plain or not finite."""
     if depth > DEEPEST:
-        raise SceneError(path, f"got more than {DEEPEST} blocks within each other, expected fewer")
+        raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected fewer")
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):

@@ -127,7 +127,7 @@ def _check_events(text: str, anchors: bool) -> None:
             (tag, "a tag", "none"),
             (documents > 1, "a second document", "one"),
             (values > MOST_VALUES, f"more than {MOST_VALUES} keys and values", "at most that"),
-            (depth > DEEPEST, f"more than {DEEPEST} blocks within each other", "at most that"),
+            (depth > DEEPEST, f"more than {DEEPEST} nested blocks", "at most that"),
         ):
             if refused:
                 line = event.start_mark.line + 1

@@ -66,7 +66,7 @@ class Column:
 
 @keyed
 class Overlay:
-    """A figure that lays several scenes over each other."""
+    """A figure with several scenes overlaid."""
 
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names")
     friction: float = setting("Ball/race friction coefficient", minimum=0.0)
@@ -104,10 +104,10 @@ class Figures:
         default=(),
     )
     spreads: Mapping[str, Overlay] = setting(
-        "Figures that lay several scenes over each other", default_factory=dict
+        "Figures with several scenes overlaid", default_factory=dict
     )
     lives: Mapping[str, Overlay] = setting(
-        "Figures that lay the lives of several scenes over each other", default_factory=dict
+        "Figures with the lives of several scenes overlaid", default_factory=dict
     )
     running_averages: Mapping[str, RunningAverage | None] = setting(
         "Scenes of `dynamic` with figures of the mean wear rates since the start",

@@ -17,14 +17,14 @@ class Statements:
     """What a text states about a bearing; all at fixed position."""
 
     preload_loss: float = setting("Share of the initial preload that wear takes", above=0)
-    preload_loss_at_um: float = setting("At this loss of ball diameter", "um", above=0)
+    preload_loss_at_um: float = setting("Loss of ball diameter for preload_loss", "um", above=0)
     high_friction: float = setting("High friction coefficient", above=0)
     low_friction: float = setting("Low friction coefficient", above=0)
     qv_least_um: tuple[float, float] = setting(
         "QV is least between these losses, at the low friction", "um", above=0
     )
     qv_rise: float = setting("Share by which QV then rises at least", above=0)
-    qv_rise_at_um: float = setting("At this loss of ball diameter", "um", above=0)
+    qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", above=0)
 
     def __post_init__(self) -> None:
         try:

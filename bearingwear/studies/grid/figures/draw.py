@@ -41,13 +41,13 @@ def draw_life(lives: Path, friction: Sequence[float], uncertainty: Sequence[Path
 
 
 def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
-    """Scenes over each other."""
+    """Several scenes overlaid."""
     found = [loaded(path, friction=[friction], ball_diameter_loss=()) for path in studies]
     return spread(found, friction)
 
 
 def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
-    """Lives of scenes over each other."""
+    """Lives of several scenes overlaid."""
     found = [loaded(path, interpolated_step=(), friction=[friction]) for path in lives]
     return lives_side_by_side(found, friction)
 

@@ -1,4 +1,4 @@
-"""The figure that lays several scenes over each other."""
+"""Figures with several scenes overlaid."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -61,7 +61,8 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     frame(
         figure,
         f"{', '.join(scene_of(study)['name'] for study in studies)} at {mu_is(friction)}: "
-        f"QV in {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of that when new",
+        f"QV in {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its initial "
+        "value",
         [
             key(label, **look)
             for label, look in zip(scene_labels([scene_of(s) for s in studies]), looks, strict=True)
