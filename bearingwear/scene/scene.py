@@ -89,7 +89,7 @@ class Scene:
         "Name of the scene, that of its file if omitted", pattern=NAME, default="bearing"
     )
     description: str = setting(
-        "What the scene is and where its numbers come from",
+        "Description of the scene and sources of its numbers",
         pattern=NO_CONTROL,
         longest=4000,
         allowed="text of at most 4000 characters, none of them a control character",

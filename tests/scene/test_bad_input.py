@@ -151,7 +151,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "merge key": (GOOD + "<<: {name: other}\n", "<<", ("unknown",)),
     "tag": (edited(("preload_N: 7.0", "preload_N: !!float 7")), "", ("tag",)),
     "python object": (GOOD + "x: !!python/object/apply:os.getcwd []\n", "", ("tag",)),
-    "deep nesting": (GOOD + "x: " + "[" * 5000 + "]" * 5000 + "\n", "", ("within each other",)),
+    "deep nesting": (GOOD + "x: " + "[" * 5000 + "]" * 5000 + "\n", "", ("nested blocks",)),
 }  # fmt: skip
 
 

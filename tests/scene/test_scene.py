@@ -159,7 +159,7 @@ def test_scene_of_another_kind(bad):
 
 def test_dict_that_contains_itself(plain):
     plain["bearing"]["ball_count"] = plain
-    with pytest.raises(SceneError, match="within each other"):
+    with pytest.raises(SceneError, match="nested blocks"):
         config.scene_from_dict(plain)
 
 

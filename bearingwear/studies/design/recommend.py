@@ -423,7 +423,7 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
 def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
     more = table(
         RECOMMENDED_PRELOAD,
-        replace(ACTIVE_LIMIT, long_name="what keeps it from a longer life"),
+        replace(ACTIVE_LIMIT, long_name="limit that prevents a longer life"),
         LIFE_ERROR,
         *CLIFF.values(),
     )

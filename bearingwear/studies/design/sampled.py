@@ -23,9 +23,9 @@ from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 from bearingwear.studies.dataset import counted
 
 INDEX_WORDS = (
-    "Total Sobol index of log life: the share of its variance that goes with the value, its "
-    "interactions counted. Preload as recommended; the distributions are stated in the scene. A "
-    "distribution without its own centre has the scene's value there."
+    "Total Sobol index of log life: the share of its variance due to the value, including "
+    "interactions. Preload as recommended; the scene defines the distributions. A distribution "
+    "without a mean or median uses the value of the scene."
 )
 
 

@@ -173,7 +173,7 @@ def test_what_other_assumptions_change_is_told(files):
     assert what_others_change(beside, found, 0) == [
         "Constant force violates a limit with a warm inner ring "
         "(axial stiffness of the arrangement).",
-        "Constant force stays the better method, within its limits, with nothing.",
+        "Constant force remains the better method, within its limits, with nothing.",
     ]
     beside["life"][1, 1] = 2.0 * beside["life"][1, 0]
     beside["system_axial_stiffness"][0, 0] = 2.9e6

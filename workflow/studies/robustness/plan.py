@@ -185,7 +185,7 @@ class LimitValues:
 class RobustnessPlan:
     """Everything in config/robustness.yaml."""
 
-    scene: str = setting("Scene that all start from", pattern=NAME)
+    scene: str = setting("Base of all scenes", pattern=NAME)
     scene_classes: Mapping[str, SceneClass] = setting("Random scenes, by class")
     maps: Mapping[str, StateMap] = setting("Maps of steady states")
     limits: LimitValues = setting("What counts as a limit of a map")

@@ -227,7 +227,7 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(each)) for text, each in said if each]
-    hold = [f"{name} stays the better method, within its limits, with {'; '.join(same)}."]
+    hold = [f"{name} remains the better method, within its limits, with {'; '.join(same)}."]
     return [*exceptions, *(hold if same else [])]
 
 
