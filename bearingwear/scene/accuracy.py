@@ -168,7 +168,7 @@ class Model:
         default=None,
     )
     normal_balance: str | None = setting(
-        "Whether traction is included in the balance of normal forces; overrides model.contact",
+        "Whether traction is included in the balance of normal forces (overrides model.contact)",
         choices=NORMAL_BALANCES,
         default=None,
     )

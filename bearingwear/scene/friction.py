@@ -26,8 +26,8 @@ class Film:
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film; if omitted, that of friction.film or of the material below (of a "
-        "cage, its own)",
+        "Hardness of the film (if omitted, that of friction.film or of the material below, for a "
+        "cage its own)",
         "GPa",
         "[0.001, 100]",
         default=None,
@@ -70,7 +70,7 @@ class FilmFriction:
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film; if omitted, that of the material below",
+        "Hardness of the film (if omitted, that of the material below)",
         "GPa",
         "[0.001, 100]",
         default=None,

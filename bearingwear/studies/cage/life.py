@@ -91,7 +91,7 @@ def with_cage_end(scene: Scene) -> Scene:
     for name in ("pocket_clearance_mm", "guide_clearance_mm"):
         limit, own = getattr(end, name), getattr(cage, name)
         if limit is not None and limit <= own:
-            problem = f"got {limit:g}, expected more than the cage has new, {own:g}"
+            problem = f"got {limit:g}, expected more than its initial value, {own:g}"
             raise SceneError(f"wear.end_of_life.{name}", problem)
     return with_end(scene, end)
 

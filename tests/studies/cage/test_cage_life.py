@@ -140,5 +140,5 @@ def test_balls_and_races_beside_it():
 def test_nothing_that_ends_it_is_refused():
     with pytest.raises(SceneError, match="expected one that ends the life of the cage"):
         with_cage_end(variant(S1, {}))
-    with pytest.raises(SceneError, match="got 0.1, expected more than the cage has new, 0.2"):
+    with pytest.raises(SceneError, match="got 0.1, expected more than its initial value, 0.2"):
         with_cage_end(variant(S1, {"wear.end_of_life": {"guide_clearance_mm": 0.1}}))
