@@ -103,8 +103,10 @@ def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
         "star: best of its method": any(line.star for line in chart.lines),
-        "upright bar: 90 % of bearings": any(line.band for line in chart.lines),
-        "dashed and shaded: a limit is passed": any(line.beyond for line in chart.lines),
+        "vertical bar: 90 % of bearings": any(line.band for line in chart.lines),
+        "dashed and shaded: a limit of that method is violated": any(
+            line.beyond for line in chart.lines
+        ),
         "diamond: from here something else ends the life": any(
             len(set(line.ends)) > 1 for line in chart.lines
         ),

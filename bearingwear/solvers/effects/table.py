@@ -202,9 +202,9 @@ EFFECTS = (
     Effect(
         "preload_grown",
         practice.grown_preload,
-        "the running preload of {value:.4g} N is {ratio:.2g} times the initial {preload:.4g} N "
+        "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
         "(rule of thumb: at most three times)",
-        "use a spring, less preload, or cooler inner rings",
+        "use a spring, or cooler inner rings",
     ),
     Effect(
         "temperature_beyond_practice",
@@ -241,7 +241,7 @@ EFFECTS = (
         "growth_left_out",
         growth.growth_left_out,
         "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed) it "
-        "would change the preload of the fixed position by about {value:+.0f} %",
+        "would change the preload of the fixed position by {value:+.0f} % of its initial value",
         "set bearing.bore_mm",
         modelled=growth.growth_at_speed,
     ),
@@ -249,7 +249,7 @@ EFFECTS = (
         "temperature_left_out",
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
-        "the preload of the fixed position by about {value:+.0f} %",
+        "the preload of the fixed position by {value:+.0f} % of its initial value",
         "set temperature or thermal",
         modelled=growth.temperature,
     ),

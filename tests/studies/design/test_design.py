@@ -378,7 +378,7 @@ def test_every_status_is_counted(folder, tmp_path):
         assert f"| {in_words(name)} | {count} |" in text
         assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
     solves = int(design["solves"].sum())
-    assert f"10 lives over preload, method, friction and speed, made of {solves}" in text
+    assert f"10 lives over preload, method, friction and speed, from {solves} steady" in text
 
 
 def test_answer_stands_first(folder):

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.measures import ENDS, LIMITED
+from bearingwear.measures import LIMITED
 from bearingwear.results.chart import Chart, ChartLine, Charts
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
@@ -21,7 +21,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.sheets import brief_rows
-from bearingwear.studies.design.document.words import limit_text
+from bearingwear.studies.design.document.words import end_words, limit_text
 from bearingwear.studies.design.files import at_scene, design_files
 
 X_LABEL = "initial preload (N)"
@@ -95,7 +95,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
                     name=method_words(scene, name),
                     method=name,
                     points=found,
-                    ends=[_end(one) for _, one in line] if row is rows[0] else (),
+                    ends=[end_words(one) for _, one in line] if row is rows[0] else (),
                     notes=[next(texts).replace(NONE_PASSED, "") for _ in line],
                     beyond=beyond[name],
                     star=stars[0] if stars else None,
@@ -104,7 +104,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             )
         known = [value for value in row.values if value > 0.0]
         yield Chart(
-            title=row.label if row is not rows[0] else "Life over the preload",
+            title=row.label if row is not rows[0] else "Life over initial preload",
             x_label=X_LABEL,
             y_label=row.head,
             lines=lines,
@@ -113,13 +113,6 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             log_x=max(preloads) > _DECADES * min(preloads),
             log_y=bool(known) and max(known) > _DECADES * min(known),
         )
-
-
-def _end(one: xr.Dataset) -> str:
-    """What ends the life of a point."""
-    criterion = one["end_criterion"]
-    name = criterion.attrs["flag_meanings"].split()[int(criterion)]
-    return ENDS[name].words if name in ENDS and int(one["status"]) == OK else ""
 
 
 def _number(value: float) -> float | None:

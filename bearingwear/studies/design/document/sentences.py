@@ -26,6 +26,7 @@ from bearingwear.studies.design.document.words import (
     LIMIT_KEY,
     NONE_BECAUSE,
     TRACK_WORDS,
+    end_words,
     limit_text,
     without_limits,
 )
@@ -41,7 +42,8 @@ TAKE = {
 
 _HELD = {
     "none": "No limit is active: the life has its maximum there.",
-    "end_of_range": "No limit is active: the map ends there, and a longer life may lie beyond it.",
+    "end_of_range": "No limit is active: the range tried ends here, and beyond it the life may be "
+    "longer.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
     "end_of_life": "No limit is active: at other preloads another criterion ends the life sooner.",
     "impractical": "Preloads with a longer life give an impractical design.",
@@ -101,7 +103,7 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
     preload, below = float(one["preload"]), float(one["cliff_preload"])
     if ACTIVE[int(one["active_limit"])] == "end_of_range":
         middle = scene["operation"]["preload_N"] if design is None else design["preload"].mean()
-        end = f", the {'least' if preload < float(middle) else 'largest'} preload tried"
+        end = f", the {'lowest' if preload < float(middle) else 'highest'} preload tried"
     if math.isfinite(below):
         near = percent_in_text(abs(below / preload - 1.0))
         life = Rough(one["cliff_life"]).text
@@ -121,7 +123,8 @@ def what_it_gives(found: xr.Dataset) -> str:
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
         words = f"{'a ' * pair}{method_words(scene_of(found), other)}"
         said += f": {times} the {Rough(less).text} h of {words} at {preload_text(twin)} N"
-    return f"{said}."
+    ended = end_words(lives[0][1])
+    return f"{said}. {ended[:1].upper()}{ended[1:]} ends the life." if ended else f"{said}."
 
 
 def what_limits_it(found: xr.Dataset) -> list[str]:
@@ -184,18 +187,18 @@ def what_would_change_it(found: xr.Dataset) -> str:
         known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
-            limit = "a limit on " * row.name.startswith(LIMIT_KEY)
-            label = limit + row.label.replace("end: ", "an end of life by ")
+            limit = "the limit on " * row.name.startswith(LIMIT_KEY)
+            label = limit + row.label.replace("end: ", "the end of life by ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
-            near.append((away, f"{label} {ends}{unit} (now {digits(now)})"))
+            near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
     if not near:
         return "No limit, end of life or friction tried makes the other method better."
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
     more = f"; {len(near) - NEAREST} more at larger changes" if len(near) > NEAREST else ""
-    said = "; ".join(text for _, text in near[:NEAREST])
-    return f"{other} becomes the better method with {said}{more}."
+    said = "; or if ".join(text for _, text in near[:NEAREST])
+    return f"{other} becomes the better method if {said}{more}."
 
 
 def _as_subject(found: xr.Dataset, method: str) -> str:

@@ -4,7 +4,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from bearingwear.measures import LIMITED, Measure
+from bearingwear.kernels.status import OK
+from bearingwear.measures import ENDS, LIMITED, Measure
 from bearingwear.results.units import in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
@@ -26,6 +27,13 @@ def held_words(name: str, extremes: Callable[[str], Any]) -> str:
         return LIMIT_WORDS[name]
     value, which = one.critical(extremes)
     return one.words_of(which) if value == value else one.words
+
+
+def end_words(one: Any) -> str:
+    """What ends the life of a point; nothing where it is not known."""
+    criterion = one["end_criterion"]
+    name = criterion.attrs["flag_meanings"].split()[int(criterion)]
+    return ENDS[name].words if name in ENDS and int(one["status"]) == OK else ""
 
 
 def limit_text(name: str, value: float) -> str:
