@@ -5,6 +5,7 @@ its circumference: its section moves outwards, and the groove radius stays. Only
 the mass of the balls and the elastic constants stay.
 """
 
+import functools
 import math
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -76,6 +77,11 @@ def temperatures(scene: Scene) -> Temperature:
     t, held = scene.temperature or Temperature(), scene.thermal
     if held is not None:  # before the friction heat is known
         t = held.parts(held.shaft_C, 0.5 * (held.shaft_C + held.housing_C), held.housing_C)
+    return _with_numbers(t)
+
+
+@functools.lru_cache(maxsize=64)  # asked for several times in each solve
+def _with_numbers(t: Temperature) -> Temperature:
     parts = ("inner_ring_C", "balls_C", "outer_ring_C")
     return replace(t, **{name: t.reference_C for name in parts if getattr(t, name) is None})
 
