@@ -15,7 +15,9 @@ from numba.core.runtime import _nrt_python, rtsys
 from support import scene_file
 
 from bearingwear.cli import main
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.linear import copy
+from bearingwear.kernels.params import Geometry
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
 
@@ -129,3 +131,28 @@ def test_kernel_called_from_code_of_others():
         return 2.0 * out
 
     assert doubled(np.arange(3.0)).tolist() == [0.0, 2.0, 4.0]
+
+
+@jit
+def diameter_ratio(new, old):
+    """Of two records that are passed by address."""
+    return new.D0 / old.D0
+
+
+@jit
+def ratios(g, count, out):
+    """Records that a loop replaces while the replaced ones are still in use."""
+    before = g
+    for k in range(count):
+        old, before = before, g
+        g = Geometry(*g[:1], 2.0 * g.D0, *g[2:])
+        out[k] = diameter_ratio(g, old) + diameter_ratio(before, g)
+    return g
+
+
+def test_record_is_passed_as_it_is_at_the_call():
+    """Large records are passed by their address, which another one may get afterwards."""
+    g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
+    found, expected = np.empty(4), np.empty(4)
+    assert ratios(g, 4, found) == ratios.py_func(g, 4, expected) == g._replace(D0=16.0 * g.D0)
+    assert found.tolist() == expected.tolist() == [2.5, 4.5, 4.5, 4.5]

@@ -21,10 +21,11 @@ from numba.core.cpu import CPUContext
 from numba.core.datamodel.models import StructModel
 from numba.core.environment import Environment
 from numba.core.registry import CPUDispatcher
-from numba.core.typed_passes import IRLegalization
+from numba.core.typed_passes import IRLegalization, NativeLowering
 from numba.core.types.functions import BaseFunction
 
 from bearingwear.kernels.build.boxing import box_without_python
+from bearingwear.kernels.build.records import Lowering
 
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 VIEWS = {
@@ -147,6 +148,9 @@ class _CalleeCompiler(Compiler):
         (steps,) = super().define_pipelines()
         steps._finalized = False
         steps.add_pass_after(Borrow, IRLegalization)
+        steps.passes = [
+            (Lowering if kind is NativeLowering else kind, text) for kind, text in steps.passes
+        ]
         steps.finalize()
         return [steps]
 
