@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from comparison import table as table_text
 
-from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK
 from bearingwear.results.warnings import impractical_warnings
 from bearingwear.scene.arrangement import held_by
@@ -257,7 +257,7 @@ def table(found: list[dict[str, Any]]) -> str:
     lives = sum(row["lives"] for one in found for row in one["rows"])
     beyond = sum(r > 1.0 for r in ratios)
     return (
-        markdown_table(" | ".join(COLUMNS), rows)
+        table_text(COLUMNS, rows, 3)
         + f"\n\n{len(found)} bearings, {len(ratios)} choices, {lives} lives of the grid: the least "
         f"ratio is {worst:.4f}; {sum(r < 0.99 for r in ratios)} below 0.99; {beyond} above 1.\n"
     )
