@@ -66,6 +66,10 @@ def in_processes(
         yield from each(function, jobs)
 
 
+_FEW = 4.0
+"""Results of a kind after which their pace counts as much as the one assumed."""
+
+
 class TimeLeft:
     """Of work of several kinds, each at its own pace as far as it is known.
 
@@ -102,10 +106,10 @@ class TimeLeft:
         """How long the rest takes [s]."""
         spent = sum(seconds for _, seconds in self._done.values())
         cost = sum(count * self._ahead[kind][1] for kind, (count, _) in self._done.items())
-        left = 0.0
+        pace, left = spent / max(cost, 1e-9), 0.0
         for kind, (count, assumed) in self._ahead.items():
             done, seconds = self._done.get(kind, (0.0, 0.0))
-            each = seconds / done if done else assumed * spent / max(cost, 1e-9)
+            each = (seconds + _FEW * assumed * pace) / (done + _FEW)
             left += max(count - done, 0.0) * each
         return left
 

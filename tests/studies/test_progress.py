@@ -5,6 +5,8 @@ import logging
 import re
 from types import SimpleNamespace
 
+import pytest
+
 from bearingwear.studies import pool
 from bearingwear.studies.progress import JobLines
 from bearingwear.studies.protocol import SCENE, Study, step
@@ -69,4 +71,5 @@ def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
     left.expect("long", 6)
     clock[0] = 5.0
     left.done("long", 1)
-    assert left.seconds == 3.0 * 5
+    pace = 5.0 / (4 * 1.0 + 1 * 5.0)
+    assert left.seconds == pytest.approx(5 * (3.0 + 4 * 5.0 * pace) / (1 + 4))

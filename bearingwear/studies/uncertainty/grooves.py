@@ -19,7 +19,13 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.pool import Tell, TimeLeft, processes, told_in_lines
 from bearingwear.studies.sampling import perturbed
-from bearingwear.studies.uncertainty.surrogate import Interpolated, Stated, fewest, interpolated
+from bearingwear.studies.uncertainty.surrogate import (
+    LEAST_SOUGHT,
+    Interpolated,
+    Stated,
+    fewest,
+    interpolated,
+)
 
 HERTZIAN, FOLLOWED = (64, 2048), (16, 256)
 """Lives that are solved where there are more, at least and at most."""
@@ -33,6 +39,9 @@ _AT_ONCE = {_QUICK: 16, _WORN: 2}
 
 _WORN_COST = 6.0
 """Time of a life with worn grooves over that of a Hertzian one, before any is measured."""
+
+_QUANTILES_COST = 0.05
+"""Time of interpolation and quantiles for each sampled life, over that of a Hertzian life."""
 
 _RACES = COUNTS.index("ball_and_races")
 _NO_CRITERION = len(CRITERIA) - 1
@@ -83,9 +92,10 @@ def found_lives(
     workers : int
         Processes that share the lives.
     """
-    ahead = {_QUICK: (fewest(len(places), *HERTZIAN), 1.0)}
+    ahead = {"quantiles": (1.0, _QUANTILES_COST * len(places))}
+    ahead[_QUICK] = LEAST_SOUGHT + fewest(len(places), *HERTZIAN), 1.0
     if grooves_followed(scene, "steady")[0] is not None:
-        ahead[_WORN] = fewest(len(places), *FOLLOWED), _WORN_COST
+        ahead[_WORN] = LEAST_SOUGHT + fewest(len(places), *FOLLOWED), _WORN_COST
     left = TimeLeft(ahead)
     with processes(workers, "uncertainty") as each:
 
