@@ -291,6 +291,8 @@ def interpolated(
         drawn = pool[: max(min(lacking, left - LEAST_SOUGHT), 0)]
         bad = bad[~np.isin(bad, drawn)]
         doubtful = bad[: min(max(LEAST_SOUGHT, known.sum() // 4), left - drawn.size)]
+        if not drawn.size + doubtful.size:
+            break
         sought += doubtful.size
     log[others], label, _ = branches.at(x[others])
     kind[others] = every[label, :-1]
