@@ -39,7 +39,9 @@ def anchors(page: Path) -> set[str]:
 
 
 def test_readme_is_one_screen():
-    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 70
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 70
+    assert all(f"(docs/{page}.md)" in text for page in ("quickstart", "validation", "architecture"))
 
 
 def test_every_page_is_in_the_navigation():
@@ -68,6 +70,10 @@ def test_the_site_builds_without_a_warning_or_a_network(tmp_path):
     for page in tmp_path.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         assert not re.search(r'(?:<script[^>]*src|<link[^>]*stylesheet[^>]*href)="https?:', text)
+
+
+def test_blocks_of_code_end():
+    assert not [page for page in READ if page.read_text(encoding="utf-8").count("```") % 2]
 
 
 def test_no_line_is_over_100_columns():
