@@ -66,7 +66,7 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
         key(in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linewidth=5)
         for code in np.flatnonzero(found).tolist()
     ]
-    handles.append(key(f"quiet; numbers: work in a turn ({unit.printed})", color="black"))
+    handles.append(key(f"quiet; numbers: work per turn ({unit.printed})", color="black"))
     frame(figure, f"{name_of(motions.attrs)}: {recommended_cage(motions)}", handles, 3)
     return figure
 

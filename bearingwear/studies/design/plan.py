@@ -135,7 +135,7 @@ class Design:
     )
     limits: DesignLimits = setting("Hold from new to the end of life", default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(
-        "Assumptions under which lives at the preload of the small map are found again",
+        "Assumptions under which lives at the recommended preloads are computed again",
         default_factory=dict,
     )
 

@@ -77,7 +77,7 @@ class RunningAverage:
     """Figures of the mean wear rates since the start."""
 
     reference: str | None = setting(
-        "Name of a file config/reference/NAME.csv whose values are drawn too",
+        "Name of a file config/reference/NAME.csv whose values are also plotted",
         pattern=NAME,
         default=None,
     )
