@@ -69,9 +69,7 @@ def errors(beginning: str) -> None:
         spread = (*np.quantile(each, [0.5, 0.99]), np.sqrt(np.mean(each**2)), each.max())
         numbers = (*stated, beyond, *spread)
         cells = " | ".join(f"{100.0 * value:.2g} %" for value in numbers)
-        print(
-            f"| {name} | {found.followed or found.solved} of {len(places)} | {cells} |", flush=True
-        )
+        print(f"| {name} | {found.followed or found.solved} | {cells} |", flush=True)
 
 
 def cost(most: int, beginning: str) -> None:

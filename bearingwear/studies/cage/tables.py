@@ -72,8 +72,8 @@ def cage_document(motions: xr.Dataset) -> Document:
         column("torque noise", means("torque_noise", noise), noise.unit),
     )  # fmt: skip
     lines = [
-        "Work: normal force times slip in a shaft turn, mean and its 90 % interval. Wear follows "
-        "by K_s/H of the cage's material.",
+        "Work: normal force times slip in a shaft turn, mean and its 90 % interval. Times "
+        "K_s/H of the cage material, it is the volume worn off.",
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
         lines.append("A cage that hangs may change its motion after hundreds of turns.")
