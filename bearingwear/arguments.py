@@ -52,11 +52,9 @@ def command_parser() -> argparse.ArgumentParser:
 
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
     check = command("check", "check a scene; report which model would be used, and why")
-    solve = command("solve", "solve a scene; print the sheet, write a case file with -o")
+    solve = command("solve", "solve a scene and print the sheet; -o writes a case file")
     launch = command("launch", "compute gaps and dents of a rotor's bearings at launch")
-    life = command(
-        "life", "follow wear to the end of life; print the sheet, write a life file with -o"
-    )
+    life = command("life", "follow wear to its end and print the sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
