@@ -124,7 +124,7 @@ class Method:
 
     def zero(self, value: Any, a: Node, b: Node) -> float:
         """Root of a margin between two nodes."""
-        least = self.root * (value(a.x) - value(b.x))
+        least = self.root * value(a.x)
 
         def left(x: float) -> float:
             found = value(x)

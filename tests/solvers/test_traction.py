@@ -234,11 +234,11 @@ def test_estimate_before_the_solve(scene, name, most):
     axial = s.operation.preload_N / s.bearing.ball_count
     right = found["gyroscopic_moment"][0] / (0.5e-3 * s.bearing.ball_diameter_mm) / axial
     assert 0.95 * right < gyroscopic_share(s) < most * right
-    assert "traction: in the balance of normal forces" in "\n".join(choice(s).reasons)
+    assert "traction: included in the balance of normal forces" in "\n".join(choice(s).reasons)
 
 
 def test_runs_in_time_have_it_and_say_so(scene):
-    said = "traction: in the balance of normal forces"
+    said = "traction: included in the balance of normal forces"
     for contact, has in (("hertz", True), ("paper", False)):
         s = scene("gyro_s1", {"model.contact": contact})
         assert (said in "\n".join(choice(s, "dynamic").reasons)) == has

@@ -40,7 +40,7 @@ _AT_ONCE = {_QUICK: 16, _WORN: 2}
 _WORN_COST = 6.0
 """Time of a life with worn grooves over that of a Hertzian one, before any is measured."""
 
-_QUANTILES_COST = 0.05
+_QUANTILES_COST = 0.01
 """Time of interpolation and quantiles for each sampled life, over that of a Hertzian life."""
 
 _RACES = COUNTS.index("ball_and_races")
