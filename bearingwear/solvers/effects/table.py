@@ -204,7 +204,7 @@ EFFECTS = (
         practice.grown_preload,
         "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
         "(rule of thumb: at most three times)",
-        "use a spring, or cooler inner rings",
+        "a spring, or cooler inner rings, would avoid that",
     ),
     Effect(
         "temperature_beyond_practice",

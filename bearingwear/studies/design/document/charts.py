@@ -104,7 +104,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             )
         known = [value for value in row.values if value > 0.0]
         yield Chart(
-            title=row.label if row is not rows[0] else "Life over initial preload",
+            title=row.label if row is not rows[0] else "Life versus initial preload",
             x_label=X_LABEL,
             y_label=row.head,
             lines=lines,
