@@ -53,21 +53,20 @@ STATUS_SENTENCES = {
     "unverified": "the answer failed the check made after the solve",
     "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
     "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
-    "below_rounding": "slip is smoothed so finely (slip_regularisation_m_s), or a slip or load is "
-    "so small beside the others, that rounding hides it",
+    "below_rounding": "rounding hides a slip or load: it is too small beside the others, or "
+    "slip_regularisation_m_s is too small",
     "no_race_control": "race control has no equilibrium: neither race can hold the balls against "
     "their gyroscopic moments, or the rotor of a pair has no place where the control changes",
     "race_unseated": "load or tilt lifts the inner race off some of its balls, and the preload "
     "does not seat it on the others",
     "too_stiff": "the motion asks for far more steps than its turns are worth; no average was "
     "found",
-    "cage_jammed": "balls and race have places, but none in which the cage fits too: it has no "
-    "room, or friction in a pocket holds a ball that only inertia across its orbit would free, "
-    "which is not modelled",
+    "cage_jammed": "the cage does not fit between balls and race: it has no room, or friction in a "
+    "pocket holds a ball that only inertia across its orbit, which is not modelled, would free",
     "warm_seizure": "friction heat and preload drive each other up and no temperature bounds them: "
     "the bearing seizes",
-    "no_heat_balance": "no temperatures were found at which the friction heat is carried away and "
-    "no part grows by more than 1 %",
+    "no_heat_balance": "no temperatures were found that carry the friction heat away with every "
+    "part growing by less than 1 %",
     "lifted_off": "the rotor has come off one bearing of the pair: wear or the external force has "
     "taken its preload",
 }

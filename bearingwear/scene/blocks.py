@@ -219,6 +219,11 @@ class Operation:
         default=(0.0, 0.0, 0.0),
     )
 
+    @property
+    def fastest_rpm(self) -> float:
+        """Speed of the faster race [r/min]."""
+        return max(abs(self.shaft_speed_rpm), abs(self.outer_speed_rpm))
+
 
 @keyed
 class Lubricant:

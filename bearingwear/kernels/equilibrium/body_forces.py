@@ -1,4 +1,4 @@
-"""Forces on a ball other than the normal ones of its contacts (theory.md section 2)."""
+"""Force equations of a ball, and the forces on it but its contacts' (theory.md section 2)."""
 
 import math
 

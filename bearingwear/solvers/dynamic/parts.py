@@ -53,7 +53,7 @@ def cage_of(scene: Scene) -> CageModel:
     k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
     # A light impact sets the scale of depth in such a contact.
     operation = scene.operation
-    speed = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm)) * parameters.RPM
+    speed = operation.fastest_rpm * parameters.RPM
     impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
     m_ball = ball_mass(ball.density_kg_m3, 2.0 * R)
     m_eff = m_ball * mass / (m_ball + mass)

@@ -154,9 +154,8 @@ def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
     """Wear of pockets and land of a map [m3/s], by the scene's K_s/H, without a film."""
     scene = scene_from_dict(scene_of(motions))
     assert scene.cage is not None
-    per_joule, operation = wear_per_joule(scene, scene.cage.material), scene.operation
-    fastest = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm))
+    per_joule, rpm = wear_per_joule(scene, scene.cage.material), scene.operation.fastest_rpm
     return {
-        name: motions[f"mean_{name}_work"].isel(group=0) * per_joule * fastest / 60.0
+        name: motions[f"mean_{name}_work"].isel(group=0) * per_joule * rpm / 60.0
         for name in ("pocket", "land")
     }

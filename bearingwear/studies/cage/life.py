@@ -107,8 +107,8 @@ class EnsembleWear(Motion):
         self, scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None
     ) -> None:
         super().__init__(with_cage_end(scene), progress=tell)
-        self.found, self.made, operation = found, 0, scene.operation
-        self.turn = 60.0 / max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm))
+        self.found, self.made = found, 0
+        self.turn = 60.0 / scene.operation.fastest_rpm
         assert scene.cage is not None
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
@@ -255,10 +255,8 @@ def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
         return {}
     if life.status != OK:
         return {}
-    time, spread = (
-        float(life.last.time[COUNTS.index(scene.wear.counts)]),
-        with_usual_spread(scene)[0],
-    )
+    time = float(life.last.time[COUNTS.index(scene.wear.counts)])
+    spread, _ = with_usual_spread(scene)
     names = [name for name in WORN if name in (spread.uncertainty or {})]
     sampled = values_at(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
     relative = dict(zip(names, (sampled / [spread.nominal(name) for name in names]).T, strict=True))

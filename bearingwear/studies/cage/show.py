@@ -13,12 +13,7 @@ import xarray as xr
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import (
-    Figure,
-    frame,
-    key,
-    new_figure,
-)
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
 from bearingwear.results.words import in_words
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
@@ -75,16 +70,14 @@ def ensemble_sheet(file: Any) -> Document:
             "a cage that hangs may change its motion after hundreds of turns: use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
         )
-    if (tolerance := getattr(file, "dynamic_tolerance", 0.0)) > CAGE_TOLERANCE:
-        lines.append(
-            f"steps of tolerance {tolerance:g}: the work may be wrong by more than "
-            f"{100.0 * CAGE_ERROR:g} %; {CAGE_TOLERANCE:g} is the default"
+    if tolerance := getattr(file, "dynamic_tolerance", 0.0):
+        error = f"{100.0 * CAGE_ERROR:g} %"
+        accuracy = (
+            f"the work of a motion is accurate to {error}, in addition to its interval"
+            if tolerance <= CAGE_TOLERANCE
+            else f"the work may be wrong by more than {error}; {CAGE_TOLERANCE:g} is the default"
         )
-    elif tolerance:
-        lines.append(
-            f"steps of tolerance {tolerance:g}: the work of a motion is accurate to "
-            f"{100.0 * CAGE_ERROR:g} %, in addition to its interval"
-        )
+        lines.append(f"steps of tolerance {tolerance:g}: {accuracy}")
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")
     return Document(tuple(heading), facts, (*blocks, Block("", lines=tuple(lines))))

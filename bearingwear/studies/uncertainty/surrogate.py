@@ -125,12 +125,12 @@ class Branches:
         for spline, one, of_kind in zip(self.splines, own, values, strict=True):
             if spline is not None:
                 of_kind[one] = logs[one] + spline.left_out
-        distances, errors = self._distances(x, left_out=True), []
-        for self.earliest in (False, True):
-            errors.append(relative_error(self._joined(values, *distances)[0], logs))
-        self.earliest = _rms(errors[1]) < _rms(errors[0])
-        self.left_out = errors[self.earliest]
-        self.doubtful = self._joined(values, *distances)[2]
+        distances, fits = self._distances(x, left_out=True), []
+        for earliest in (False, True):
+            log, _, doubtful = self._joined(values, *distances, earliest)
+            fits.append((relative_error(log, logs), doubtful))
+        self.earliest = _rms(fits[True][0]) < _rms(fits[False][0])
+        self.left_out, self.doubtful = fits[self.earliest]
 
     def _values(self, places: np.ndarray) -> np.ndarray:
         """Logarithms (kinds, n, m) by each spline; NaN without one."""
@@ -155,12 +155,12 @@ class Branches:
         return np.array(far), np.array(near)
 
     def _joined(
-        self, values: np.ndarray, far: np.ndarray, near: np.ndarray
+        self, values: np.ndarray, far: np.ndarray, near: np.ndarray, earliest: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """As `at`, from values and distances of each kind."""
         n, close = np.arange(far.shape[1]), far < UNSURE * far.min(axis=0)
         kind = nearest = far.argmin(axis=0)
-        if self.earliest:
+        if earliest:
             trend = [one is not None and one.degree > 0 for one in self.splines]
             apt = np.array(trend)[:, None] & close
             last = np.where(apt, values[..., -1], np.inf)
@@ -176,7 +176,7 @@ class Branches:
         It is doubtful where the nearest place known is of another kind, and near another one where
         there is no spline.
         """
-        return self._joined(self._values(places), *self._distances(places))
+        return self._joined(self._values(places), *self._distances(places), self.earliest)
 
 
 def relative_error(log: np.ndarray, true: np.ndarray) -> np.ndarray:
