@@ -35,8 +35,8 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
     """
     values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
-    steps, counts = scene.model.life_steps, wearing.parts.count
-    life = follow(wearing, Criteria(scene), Trapezoid(steps, _MOST_STEPS * steps, counts))
+    method = Trapezoid(_MOST_STEPS * wearing.steps, wearing.parts.count)
+    life = follow(wearing, Criteria(scene), method)
     values |= {"status": life.status, "end_criterion": life.criterion}
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     attrs = {

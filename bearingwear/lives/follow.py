@@ -33,32 +33,15 @@ class Node(NamedTuple):
 class Wearing(Protocol):
     """A way to wear, of one bearing or of two."""
 
-    @property
-    def start(self) -> Any:
-        """Wear at the start of the life."""
+    start: Any  # wear at the start of the life
+    origin: float  # of the integration
+    range: float  # of the integration: a life that is as long is not followed further
 
-    @property
-    def origin(self) -> float:
-        """Wear at which integration starts."""
-
-    @property
-    def range(self) -> float:
-        """After which no more are taken."""
-
-    def state(self, worn: Any) -> States:
-        """The bearings with so much worn, or why they are not solved."""
-
-    def rates(self, node: Node) -> Any:
-        """Wear rates per second."""
-
-    def wears(self, node: Node) -> bool:
-        """Whether anything that counts does."""
-
-    def events(self, node: Node) -> np.ndarray:
-        """How far what changes the way is, beside the criteria; the range first."""
-
-    def passes(self, event: int, node: Node) -> bool:
-        """Change the way at one of the events; False where the life cannot go on."""
+    def state(self, worn: Any) -> States: ...  # bearings with so much worn, or why not solved
+    def rates(self, node: Node) -> Any: ...  # wear per second
+    def wears(self, node: Node) -> bool: ...  # whether anything that counts does
+    def events(self, node: Node) -> np.ndarray: ...  # distance to each change of the way
+    def passes(self, event: int, node: Node) -> bool: ...  # change it; False if the life ends
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,18 +50,8 @@ class LifeStep:
 
     end: float
     nodes: Sequence[Node] = ()
-    failed: Node | None = None
     error: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the times [s]
     is_rough: bool = False  # and has to be shorter
-
-    @classmethod
-    def through(cls, nodes: Iterable[Node], end: float) -> "LifeStep":
-        solved: list[Node] = []
-        for node in nodes:
-            if node.status != code.OK:
-                return cls(end=end, nodes=solved, failed=node)
-            solved.append(node)
-        return cls(end=end, nodes=solved)
 
 
 class Method:
@@ -90,12 +63,14 @@ class Method:
     length = tried = 0.0  # of the next step, and of the last one
     wearing: Any
 
-    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
-        """The first node, or the last one again where the way has changed."""
+    def first(self, wearing: Wearing) -> Node:
+        """The node that a life begins with."""
         self.wearing = wearing
-        if node is None:
-            return self.node(wearing.origin, wearing.start, 0.0)
-        return node._replace(states=wearing.state(node.worn))
+        return self.node(wearing.origin, wearing.start, 0.0)
+
+    def again(self, node: Node) -> Node:
+        """The last node, where the way has changed."""
+        return node._replace(states=self.wearing.state(node.worn))
 
     def node(self, x: float, worn: Any, time: float) -> Node:
         return Node(x, worn, self.wearing.state(worn), self.clock(time))
@@ -111,7 +86,17 @@ class Method:
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
+        """A node within the last step."""
         raise NotImplementedError
+
+    def solved_at(self, *places: float) -> list[Node]:
+        """Nodes within the last step, up to the first that was not solved."""
+        nodes: list[Node] = []
+        for x in places:
+            nodes.append(self.at(x))
+            if nodes[-1].status != code.OK:
+                break
+        return nodes
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
         """Nodes of a step that is taken."""
@@ -203,7 +188,7 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
     def margins(node: Node) -> np.ndarray:
         return np.concatenate([ends.margins(node.states), wearing.events(node)])
 
-    life = Life([method.begin(wearing)], wearing)
+    life = Life([method.first(wearing)], wearing)
     if life.last.status != code.OK:
         life.status = life.last.status
         return life
@@ -221,7 +206,7 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
         if end < NO_CRITERION:
             life.criterion, life.status = end, code.OK
             return life
-        node = method.begin(wearing, life.last)
+        node = method.again(life.last)
         if node.status != code.OK:
             life.fails(node)
             return life
@@ -236,14 +221,16 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
         if bound - life.last.x <= method.shortest:
             break
         step = method.step(life, bound)
+        failed = _failed(step.nodes)
         if met is None:
-            found, after = _first_zero([life.last, *step.nodes], before, method, margins)
+            solved = step.nodes[:-1] if failed else step.nodes
+            found, after = _first_zero([life.last, *solved], before, method, margins)
             if found is not None:
                 bound, met = found  # up to there and no further
                 if bound < step.end:
                     continue
-        kept = [] if step.failed or step.is_rough else method.kept(step)
-        failed = next((node for node in kept if node.status != code.OK), step.failed)
+        kept = [] if failed or step.is_rough else method.kept(step)
+        failed = failed or _failed(kept)
         if failed:
             life.fails(failed)
         elif kept:
@@ -254,6 +241,10 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
         if not method.shorten():
             break
     return met
+
+
+def _failed(nodes: Iterable[Node]) -> Node | None:
+    return next((node for node in nodes if node.status != code.OK), None)
 
 
 def _first_zero(

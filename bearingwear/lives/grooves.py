@@ -62,11 +62,8 @@ class Grooves:
         self.sides: tuple[Worn, ...] = ()
         if self.status == code.OK:
             self.sides = tuple(map(innermost, self.bearings.sides))
+        self.start: Wears = tuple(side.bearing.unworn() for side in self.sides)
         self._last: States = ()  # solved, not on the way
-
-    @property
-    def start(self) -> Wears:
-        return tuple(side.bearing.unworn() for side in self.sides)
 
     def state(self, worn: Wears, on_the_way: bool = False) -> States:
         """The bearings with some wear; on the way, their answers alone."""

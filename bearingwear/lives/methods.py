@@ -48,30 +48,26 @@ class Simpson(Method):
     def step(self, life: Life, bound: float) -> LifeStep:
         start = life.last
         self.tried = h = min(self.length, bound - start.x)
-        places = [*(start.x + share * h for share in QUARTERS), start.x + h]
-        nodes = [self.at(x) for x in places]
+        end = start.x + h
+        nodes = [self.at(x) for x in (*(start.x + share * h for share in QUARTERS), end)]
         failed = [node for node in nodes if node.status != code.OK]
         if failed:
-            solved = [*takewhile(lambda node: node.status == code.OK, nodes)]
-            return LifeStep(end=places[-1], nodes=solved, failed=failed[-1])
+            solved = takewhile(lambda node: node.status == code.OK, nodes)
+            return LifeStep(end=end, nodes=[*solved, failed[-1]])
         y = np.array([1.0 / node.states[0].rate for node in (start, *nodes)])
         *times, whole = h / 48.0 * np.dot(SIMPSON, y)
         # The finer rule is about 15 times better than this difference of the two.
         error = np.abs(times[-1] - whole)
         allowed = self.tolerance * np.maximum(start.time + times[-1], TINY_TIME)
-        self._well_within = bool(np.all(error < WELL_WITHIN * allowed))
+        if np.all(error < WELL_WITHIN * allowed):
+            self.length = 2.0 * h
         reached = zip(nodes, times, strict=True)
         return LifeStep(
-            end=places[-1],
+            end=end,
             nodes=[node._replace(time=start.time + passed) for node, passed in reached],
             error=error,
             is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
         )
-
-    def kept(self, step: LifeStep) -> Sequence[Node]:
-        if self._well_within:
-            self.length = 2.0 * self.tried
-        return step.nodes
 
     def error_of_end(self, life: Life) -> np.ndarray:
         passed = life.last.x - life.nodes[0].x
@@ -88,17 +84,17 @@ class RungeKutta(Method):
     """
 
     shorter = 0.25
+    solver: Any = None
 
     def __init__(
         self, tolerance: float, first: float, counts: int, between: Sequence[float] = QUARTERS
     ):
-        self.tolerance, self.first, self.shortest = tolerance, first, SHORTEST_STEP * first
-        self.counts, self.between = counts, between
+        self.tolerance, self.initial, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.length, self.counts, self.between = first, counts, between
 
-    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
-        self.solver: Any = None
-        self.length = self.first
-        return super().begin(wearing, node)
+    def again(self, node: Node) -> Node:
+        self.solver, self.length = None, self.initial
+        return super().again(node)
 
     def at(self, x: float) -> Node:
         y = self.solver.y.copy() if x == self.solver.t else self.solver.dense_output()(x)
@@ -120,16 +116,16 @@ class RungeKutta(Method):
         try:
             if self.solver is None or self.solver.t_bound != bound:
                 y = np.append(start.worn, start.time[self.counts])
-                atol = np.full(y.size, self.tolerance * self.first)
+                atol = np.full(y.size, self.tolerance * self.initial)
                 atol[-1] /= self._counted(start)
                 first = min(self.length, bound - start.x)
                 how = {"rtol": self.tolerance, "atol": atol, "first_step": first}
                 self.solver = RK45(self._derivative, start.x, y, bound, **how)
             self.solver.step()
         except Unsolved as failure:
-            return LifeStep(end=bound, failed=failure.node)
+            return LifeStep(end=bound, nodes=[failure.node])
         end = self.solver.t
-        return LifeStep.through(map(self.at, (start.x + 0.5 * (end - start.x), end)), end)
+        return LifeStep(end=end, nodes=self.solved_at(start.x + 0.5 * (end - start.x), end))
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
         start = self.solver.t_old
@@ -145,36 +141,38 @@ class RungeKutta(Method):
 
 
 class InTime(Method):
-    """Steps in time from the last two nodes; a node within one is solved once."""
+    """Steps in time from the last node and the one before; a node within one is solved once."""
 
-    _from: Sequence[Any] = (None,)  # those two
-    _known: dict[float, Node]
+    now: Any = None  # the last node
+    before: Any  # the one before, if the way did not change there
+    rates: Any = None  # at both
+    older: Any
+    known: dict[float, Node]
+    nearest = 0.0  # what may be left of the way to an end, over the longest step
 
-    def longest(self, now: Node) -> float:
-        """Longest step from a node [s]; what else is known of it is kept."""
-        raise NotImplementedError
-
-    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
-        """A node at a time after the last one, before which there may be another."""
+    def after(self, x: float) -> Node:
+        """A node at a time after the last one."""
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
-        if x not in self._known:
-            *before, now = self._from
-            self._known[x] = self.after(x, before, now)
-        return self._known[x]
+        if x not in self.known:
+            self.known[x] = self.after(x)
+        return self.known[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        if life.last is not self._from[-1]:
-            before = [node for node in life.nodes[-2:-1] if node.x < life.last.x]
-            self._from, self._known = [*before, life.last], {}
-            self._longest = self.longest(life.last)
-        if math.isinf(self._longest):
+        now = life.last
+        if now is not self.now:
+            self.older, self.rates = self.rates, self.wearing.rates(now)
+            self.before = next((one for one in life.nodes[-2:-1] if one.x < now.x), None)
+            self.now, self.known = now, {}
+            self.longest = self.wearing.longest_step(now, self.rates)
+        if math.isinf(self.longest):
             return LifeStep(end=math.inf)
-        return self.step_to(min(life.last.x + self._longest, bound))
+        self.shortest = self.nearest * self.longest
+        return self.step_to(min(now.x + self.longest, bound))
 
     def step_to(self, end: float) -> LifeStep:
-        return LifeStep.through([self.at(end)], end)
+        return LifeStep(end=end, nodes=self.solved_at(end))
 
 
 class Adams(InTime):
@@ -183,85 +181,62 @@ class Adams(InTime):
     Each is as long as the deepest place may wear in one.
     """
 
-    most_steps, counts, root = 1000, 1, 1e-3
-    _rated: tuple[Node | None, Any] = (None, None)  # the last node, and its rates
+    most_steps, counts, root, nearest = 1000, 1, 1e-3, 1e-4
 
-    def longest(self, now: Node) -> float:
-        self._earlier, self._rated = self._rated, (now, self.wearing.rates(now))
-        longest = self.wearing.longest_step(now, self._rated[1])
-        self.shortest = 0.1 * self.root * longest
-        return longest
-
-    def step_to(self, end: float) -> LifeStep:
-        now = self._from[-1]
-        for k in range(_SHORTENINGS + 1):
-            step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
-            if step.nodes and not self.wearing.is_too_deep(now, step.nodes[0]):
-                break
-        return step
-
-    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
-        first = super().begin(wearing, node)
+    def first(self, wearing: Wearing) -> Node:
+        first = super().first(wearing)
         return self.wearing.completed(first)
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
-    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
-        wearing, h, time = self.wearing, x - now.x, self.clock(x)
-        rates, ratio, older = self._rated[1], 0.0, self._rated[1]
-        for earlier in before:
-            step = h / (now.x - earlier.x)
-            wearing.start_ahead(earlier, now, step)
-            if earlier is self._earlier[0] and step <= MOST_STRETCHED:
-                ratio, older = step, self._earlier[1]
-        spans = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, older)
-        worn, states = wearing.moved(now.worn, spans, on_the_way=True)
+    def step_to(self, end: float) -> LifeStep:
+        now = self.now
+        for k in range(_SHORTENINGS + 1):
+            step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
+            first = step.nodes[0]
+            if first.status == code.OK and not self.wearing.is_too_deep(now, first):
+                break
+        return step
+
+    def after(self, x: float) -> Node:
+        wearing, now, time = self.wearing, self.now, self.clock(x)
+        h, ratio, rates, older = x - now.x, 0.0, self.rates, self.rates
+        if self.before is not None:
+            stretched = h / (now.x - self.before.x)
+            wearing.start_ahead(self.before, now, stretched)
+            if stretched <= MOST_STRETCHED:
+                ratio, older = stretched, self.older
+        predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, older)
+        worn, states = wearing.moved(now.worn, predictor, on_the_way=True)
         ahead = Node(x, worn, states, time)
         if ahead.status != code.OK:
             return ahead
         share = h / (6.0 * (1.0 + ratio))
-        worn, states = wearing.moved(
-            now.worn,
-            (
-                (share * (3.0 + 2.0 * ratio), wearing.rates(ahead)),
-                (h * (3.0 + ratio) / 6.0, rates),
-                (-share * ratio * ratio, older),
-            ),
+        corrector = (
+            (share * (3.0 + 2.0 * ratio), wearing.rates(ahead)),
+            (h * (3.0 + ratio) / 6.0, rates),
+            (-share * ratio * ratio, older),
         )
+        worn, states = wearing.moved(now.worn, corrector)
         return Node(x, worn, states, time)
 
 
 class Trapezoid(InTime):
-    """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13).
+    """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13)."""
 
-    The life is followed in `steps` as long as it seems to be, in `most` where rates fall.
-    """
-
-    def __init__(self, steps: int, most: int, counts: int):
-        self.steps, self.most_steps, self.counts = steps, most, counts
+    def __init__(self, most: int, counts: int):
+        self.most_steps, self.counts = most, counts
         self._errors: dict[float, float] = {}  # of ends [s]
 
-    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
-        if node is None:
-            first = super().begin(wearing)
-        else:
-            first = node._replace(states=self.wearing.state(node.worn, node.states))
-        self.begun = first.x
-        return first
+    def again(self, node: Node) -> Node:
+        return node._replace(states=self.wearing.state(node.worn, node.states))
 
-    def longest(self, now: Node) -> float:
-        horizon: float = self.wearing.horizon(now)
-        if math.isinf(horizon):
-            return horizon
-        self.wearing.report_progress(now, horizon)
-        return min((horizon - self.begun) / self.steps, self.wearing.longest_step(now))
-
-    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
-        wearing, h = self.wearing, x - now.x
-        ahead = rates = wearing.rates(now)
-        for earlier in before:
-            slope = (rates - wearing.rates(earlier)) / (now.x - earlier.x)
+    def after(self, x: float) -> Node:
+        wearing, now, rates = self.wearing, self.now, self.rates
+        h, ahead = x - now.x, rates
+        if self.before is not None:
+            slope = (rates - self.older) / (now.x - self.before.x)
             ahead = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
         worn = now.worn + h * ahead
         found = Node(x, worn, wearing.state(worn, now.states), self.clock(x))

@@ -61,6 +61,7 @@ class Motion:
         progress: Callable[[str], None] | None = None,
     ):
         self.scene, self.steady, self.progress = scene, steady, progress
+        self.steps = scene.model.life_steps
         self.parts = WornParts(scene)
         self.end = scene.wear.end_of_life or EndOfLife()
         self.start = self.parts.nothing
@@ -244,9 +245,17 @@ class Motion:
         """Depths of whatever may have a film: races, balls, pockets, land (5,) [m]."""
         return np.append(self.films.depths(self.depths(worn)), self.parts.cage_depths(worn))
 
-    def longest_step(self, node: Node) -> float:
-        """As `FilmWear.running_in_time`."""
-        return self.films.running_in_time(*map(self.depths, (node.worn, self.rates(node))))
+    def longest_step(self, node: Node, rates: np.ndarray) -> float:
+        """A part of the way to the end, or `FilmWear.running_in_time` [s]; reports progress.
+
+        Infinite as `horizon`.
+        """
+        horizon = self.horizon(node)
+        if math.isinf(horizon):
+            return horizon
+        self.report_progress(node, horizon)
+        part = (horizon - self._since[0]) / self.steps
+        return min(part, self.films.running_in_time(*map(self.depths, (node.worn, rates))))
 
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:

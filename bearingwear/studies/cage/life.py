@@ -8,7 +8,7 @@ lose in the pockets is left out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +18,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.lives.dynamic_life import steady_life
 from bearingwear.lives.ends import Criteria, with_end
-from bearingwear.lives.follow import Life, Node, States, Wearing, follow
+from bearingwear.lives.follow import Life, Node, States, follow
 from bearingwear.lives.methods import Trapezoid
 from bearingwear.lives.motion import Motion
 from bearingwear.lives.worn_parts import CAGE_PARTS
@@ -107,7 +107,7 @@ class EnsembleWear(Motion):
         self, scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None
     ) -> None:
         super().__init__(with_cage_end(scene), progress=tell)
-        self.found, self.made = found, 0
+        self.found, self.made, self.steps = found, 0, LIFE_STEPS
         self.turn = 60.0 / scene.operation.fastest_rpm
         assert scene.cage is not None
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
@@ -135,6 +135,9 @@ class EnsembleWear(Motion):
     def wears(self, node: Node) -> bool:
         return bool(self.rates(node).any())
 
+    def longest_step(self, node: Node, rates: np.ndarray) -> float:
+        return _BEYOND * super().longest_step(node, rates)
+
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
@@ -148,20 +151,15 @@ class BetweenEnsembles(Trapezoid):
     So an end or a film that is worn through within a step requires no further ensemble.
     """
 
-    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
-        if node is None:
-            return super().begin(wearing)
-        self.begun = node.x
+    def again(self, node: Node) -> Node:
         return node
 
-    def longest(self, now: Node) -> float:
-        return _BEYOND * super().longest(now)
-
-    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
-        end = max(self._known.values(), key=lambda node: node.x, default=None)
+    def after(self, x: float) -> Node:
+        end = max(self.known.values(), key=lambda node: node.x, default=None)
         if end is None:
-            return super().after(x, before, now)
-        wearing, h, share = self.wearing, x - now.x, (x - now.x) / (end.x - now.x)
+            return super().after(x)
+        wearing, now = self.wearing, self.now
+        h, share = x - now.x, (x - now.x) / (end.x - now.x)
         first, last = wearing.rates(now), wearing.rates(end)
         worn = now.worn + h * (first + 0.5 * share * (last - first))
         limits = now.states[0].values, end.states[0].values
@@ -176,7 +174,7 @@ class BetweenEnsembles(Trapezoid):
 def followed(scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None) -> Life:
     """The life of a cage by ensembles along it."""
     wearing = EnsembleWear(scene, found, tell)
-    method = BetweenEnsembles(LIFE_STEPS, _MOST_STEPS, wearing.parts.count)
+    method = BetweenEnsembles(_MOST_STEPS, wearing.parts.count)
     return follow(wearing, Criteria(wearing.scene), method)
 
 
