@@ -521,6 +521,7 @@ def _file_name(text: str) -> Path:
 
 def _scene_keys(**_: Any) -> list[str]:
     """Keys of `--set`, for completion in a shell."""
-    from bearingwear.scene.checking.keys import scene_keys
+    from bearingwear.scene.checking.records import keys, whole
+    from bearingwear.scene.scene import Scene
 
-    return [f"{key}=" for key in scene_keys()]
+    return [f"{key}=" for key, part in keys(whole(Scene)) if part.kind != "block"]

@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any
 
 from bearingwear.results.units import in_print, key_in_words
-from bearingwear.scene.checking.keys import leaves
+from bearingwear.scene.changes import leaves
 
 KeyRow = tuple[str, list[str], bool]
 _NAMES = ("name", "description")

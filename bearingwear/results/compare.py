@@ -14,7 +14,7 @@ from bearingwear.results.kinds import kind_of
 from bearingwear.results.netcdf import CaseFileError, opened
 from bearingwear.results.units import display
 from bearingwear.results.variables import CASE, DIAGNOSTICS, LIFE
-from bearingwear.scene.checking.keys import leaves
+from bearingwear.scene.changes import leaves
 
 SAID_OF_RESULTS = ("fidelity", "modelled", "settled")
 """Attributes that say what was solved; the others say how a file was made."""

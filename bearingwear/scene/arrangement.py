@@ -102,8 +102,7 @@ class Arrangement:
         each=f"Whole number in [1, {MOST_IN_TANDEM}]",
         least=2,
         most=2,
-        minimum=1,
-        maximum=MOST_IN_TANDEM,
+        within=f"[1, {MOST_IN_TANDEM}]",
         default=(1, 1),
     )
     second: Mapping[str, Any] = setting(

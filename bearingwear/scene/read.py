@@ -11,8 +11,8 @@ from typing import Any
 from bearingwear.scene.accuracy import Model, accuracy_preset, slip_is_over
 from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
-from bearingwear.scene.checking.check import DEEPEST, built, checked_data, fits, record
-from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.check import built, checked_data, fits, record
+from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
 from bearingwear.scene.checking.records import NAME, keyed, setting, whole
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene

@@ -189,7 +189,7 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """In a notebook: the line, and every key below it."""
-        from bearingwear.scene.checking.keys import leaves
+        from bearingwear.scene.changes import leaves
 
         rows = "".join(
             f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"

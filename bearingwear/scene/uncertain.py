@@ -87,12 +87,15 @@ class Distribution:
         default=None,
     )
     standard_deviation: float | None = setting(
-        "Standard deviation of a normal distribution", "as the value", above=0, default=None
+        "Standard deviation of a normal distribution",
+        "as the value",
+        within="(0, inf)",
+        default=None,
     )
     median: float | None = setting(
         "Median of a lognormal distribution, the scene's own value if omitted",
         "as the value",
-        above=0,
+        within="(0, inf)",
         default=None,
     )
     factor: float | None = setting(

@@ -32,9 +32,9 @@ def in_name(value: float, decimals: int) -> str:
 class Steps:
     """Evenly spaced values."""
 
-    first: float = setting("First value", above=0)
-    last: float = setting("Last value", above=0)
-    step: float = setting("Distance between two values", above=0)
+    first: float = setting("First value", within="(0, inf)")
+    last: float = setting("Last value", within="(0, inf)")
+    step: float = setting("Distance between two values", within="(0, inf)")
 
     def __post_init__(self) -> None:
         beyond = abs(self.first + (self.count - 1) * self.step - self.last)
@@ -57,7 +57,7 @@ class Steps:
 class Values:
     """A list of values."""
 
-    values: tuple[float, ...] = setting("Values", least=1, above=0)
+    values: tuple[float, ...] = setting("Values", least=1, within="(0, inf)")
 
     def __post_init__(self) -> None:
         check_rising(self.values)

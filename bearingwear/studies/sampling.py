@@ -28,9 +28,9 @@ SAMPLES = 256
 class Sampling:
     """Size and seed of a sample."""
 
-    samples: int = setting("Base samples, a power of two", minimum=1, default=SAMPLES)
-    chunks: int = setting("Jobs that share them", minimum=1, default=1)
-    seed: int = setting("Seed of the sequence", minimum=0, default=1)
+    samples: int = setting("Base samples, a power of two", within="[1, inf)", default=SAMPLES)
+    chunks: int = setting("Jobs that share them", within="[1, inf)", default=1)
+    seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):

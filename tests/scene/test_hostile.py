@@ -6,9 +6,9 @@ import pytest
 from support import scene_file
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.keys import scene_keys
+from bearingwear.scene.checking.records import keys, whole
 from bearingwear.scene.read import as_scene, load_scene
-from bearingwear.scene.scene import key_of_scene
+from bearingwear.scene.scene import Scene, key_of_scene
 
 HOSTILE = (
     math.nan, math.inf, -math.inf, 1e308, -1e308, 5e-324, -5e-324, 10**40, -1, 0, -0.0,
@@ -20,7 +20,11 @@ NETWORK = {
     f"thermal.conductance_W_K.{name}": 0.1
     for name in ("inner_ring_shaft", "outer_ring_housing", "ball_race")
 }
-KEYS = [key for key in scene_keys() if ".NAME" not in key and "[]" not in key]
+KEYS = [
+    key
+    for key, part in keys(whole(Scene))
+    if part.kind != "block" and ".NAME" not in key and "[]" not in key
+]
 
 
 @pytest.fixture(scope="module")

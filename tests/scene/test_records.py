@@ -13,8 +13,8 @@ from bearingwear.scene.checking.records import keyed, part_at, setting, whole
 
 @keyed
 class Sampling:
-    samples: int = setting("Base samples, a power of two", minimum=1, default=256)
-    seed: int = setting("Seed of the sequence", minimum=0, default=1)
+    samples: int = setting("Base samples, a power of two", within="[1, inf)", default=256)
+    seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
@@ -45,8 +45,8 @@ class Plan:
     sampling: Sampling = setting("How to sample", default_factory=Sampling)
     sweeps: Mapping[str, Sweep] = setting("Sweeps by name", least=1)
     scenes: tuple[str, ...] = setting("Scenes", least=1, choices=("a", "b"))
-    factor: float | None = setting("Factor", above=1, maximum=9, default=None)
-    aim: str | float = setting("Aim", choices=("low", "high"), minimum=0, default="low")
+    factor: float | None = setting("Factor", within="(1, 9]", default=None)
+    aim: str | float = setting("Aim", choices=("low", "high"), within="[0, inf)", default="low")
 
 
 def plan(**changes: Any) -> dict[str, Any]:

@@ -11,17 +11,20 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
+from support import benchmark
 
 from bearingwear.scene import read as config
 from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
 from bearingwear.scene.checking.errors import yaml_number
-from bearingwear.scene.checking.keys import key_list, keys, renewed
-from bearingwear.scene.checking.schema import schema
+from bearingwear.scene.checking.records import keys, whole
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.scene.variant import variant
 from bearingwear.solvers.effects.choice import choice
+
+key_lists = benchmark("key_lists")
+schema = benchmark("scene_schema").schema
 
 CONFIG = Path(__file__).parents[2] / "config"
 SCENES = sorted((CONFIG / "scenes").glob("*.yaml"))
@@ -254,7 +257,7 @@ def test_schema_allows_no_unknown_key():
 
 
 def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
-    decided = {path for path, part in keys() if part.key.default_by == "model.accuracy"}
+    decided = {path for path, part in keys(whole(Scene)) if part.key.default_by == "model.accuracy"}
     standard = STANDARD.keys("ellipse")
     assert decided == set(standard)
     for path, value in standard.items():
@@ -315,5 +318,5 @@ def test_plain_validators_agree(plain):
 
 def test_key_list_is_up_to_date():
     text = (CONFIG / "README.md").read_text(encoding="utf-8")
-    assert key_list() in text
-    assert renewed(text) == text, "run: python -m bearingwear.scene.checking.keys config/README.md"
+    assert key_lists.key_list() in text
+    assert key_lists.renewed(text) == text, "run: python benchmarks/key_lists.py config/README.md"

@@ -13,7 +13,7 @@ from snakemake.logging import logger
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
 from bearingwear.document.document import load_document
-from bearingwear.scene.checking.keys import leaves
+from bearingwear.scene.changes import leaves
 from bearingwear.scene.read import as_data
 from bearingwear.studies import fork_server
 from bearingwear.studies.protocol import flat_files

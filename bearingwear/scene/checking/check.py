@@ -11,6 +11,7 @@ a ValueError, or a `SceneError` that names the field.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import math
 import numbers
@@ -19,29 +20,27 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from bearingwear.scene.checking.errors import SceneError, short, shown, yaml_number
-from bearingwear.scene.checking.records import NAME, Key, Part, R, part_at, whole
-
-DEEPEST = 20
-"""Limit of blocks within blocks; a scene has three."""
+from bearingwear.scene.checking.errors import (
+    DEEPEST,
+    SceneError,
+    key_path,
+    short,
+    shown,
+    yaml_number,
+)
+from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, keys, part_at, whole
 
 MOST_FAULTS = 10
 """Faults of one file that are reported together."""
 
+_LARGEST = 1.7976931348623157e308
+"""A whole number of YAML may be larger than any that can be calculated with."""
+
 
 def record(record_type: type[R], data: Any, source: str = "scene") -> R:
-    """Check plain nested data and build the record of it.
+    """Check plain nested data, which it does not change, and build the record of it.
 
-    Parameters
-    ----------
-    record_type : type
-        A dataclass.
-    data : dict
-        Not changed.
-    source : str
-        What error messages name.
-
-    SceneError: whatever is wrong.
+    SceneError: whatever is wrong; its message names the source.
     """
     try:
         return built(record_type, checked_data(record_type, data))
@@ -66,33 +65,17 @@ def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
 def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     """Plain copy of data that fits the record, nothing filled in.
 
-    May raise SceneError.
+    SceneError: the gravest fault, with the others that do not follow from it.
     """
     file = whole(record_type)
-    plain = _copied(data, "", 0, file)
-    if faults := list(_faults(plain, file, "", ())):
-        raise _refused(faults, file)
-    return plain
-
-
-def _refused(faults: list[Fault], file: Part) -> SceneError:
-    """The gravest fault, with the others that do not follow from it.
-
-    Paths below an impossible name hold it, and a mistyped key is missing as well.
-    """
-    faults = sorted(faults, key=lambda f: (f.rank, f.place))
-    if faults[0].rank == _IMPOSSIBLE_NAME:
+    plain: dict[str, Any] = _copied(data, "", 0, file)
+    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault.rank)
+    if not faults:
+        return plain
+    if faults[0].rank == _IMPOSSIBLE_NAME:  # paths below one contain it
         faults = [fault for fault in faults if fault.rank == _IMPOSSIBLE_NAME]
-    mistyped = {fault.place for fault in faults if fault.rank == _UNKNOWN}
-    errors = [
-        SceneError(
-            fault.path, (fault.rank == _UNKNOWN and _meant(fault.path, file)) or fault.problem
-        )
-        for fault in faults
-        if not (fault.rank == _NOTHING and fault.place in mistyped)
-    ]
-    first, *further = errors[:MOST_FAULTS]
-    return SceneError(first.key, first.problem, further=tuple(further))
+    first, *further = (SceneError(fault.path, fault.problem) for fault in faults[:MOST_FAULTS])
+    raise SceneError(first.key, first.problem, further=tuple(further))
 
 
 def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
@@ -103,177 +86,145 @@ def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
         for key in value:
             if not isinstance(key, str):
                 raise SceneError(path, f"got the key {shown(key)}, expected text as a key")
-        return {
-            k: _copied(v, f"{path}.{k}" if path else k, depth + 1, file) for k, v in value.items()
-        }
+        return {key: _copied(v, key_path(path, key), depth + 1, file) for key, v in value.items()}
     if hasattr(value, "tolist"):  # numpy numbers and arrays
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_copied(part, f"{path}[{i}]", depth + 1, file) for i, part in enumerate(value)]
+        return [_copied(item, f"{path}[{i}]", depth + 1, file) for i, item in enumerate(value)]
     if value is None or isinstance(value, bool | str | int):
         return value
-    if isinstance(value, numbers.Real) and math.isfinite(value):
-        return float(value)
     given = float(value) if isinstance(value, numbers.Real) else value
+    if isinstance(given, float) and math.isfinite(given):
+        return given
     part = part_at(file, path)
-    raise SceneError(
-        path, f"got {shown(given)}, expected {part.allowed if part else 'another value'}"
-    )
+    allowed = part.allowed if part else "another value"
+    raise SceneError(path, f"got {shown(given)}, expected {allowed}")
 
 
-# A name that is impossible comes first: the path of whatever is wrong below it would hold it.
-# A mistyped key is both unknown and missing: it is named as what it is.
-_IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _NOTHING = range(5)
+_IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _MISSING = range(5)
 
 
 class Fault(NamedTuple):
-    """A fault: its priority, its place in the file, and its message."""
+    """A fault: its priority, its key, and its message."""
 
     rank: int
-    place: tuple[int, ...]
     path: str
     problem: str
 
 
-def _faults(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Iterator[Fault]:
-    if value is None and part.nullable:
+def fits(value: Any, part: Part) -> bool:
+    """Whether a value may stand at a part."""
+    return not any(_faults(value, part, "", part))
+
+
+def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
+    if part.kind in ("own", "any") or (value is None and part.nullable):
         return
-    given_as = part
-    if part.kind == "list" and part.key.single and _is_number(value):
-        part = part.item or part
     if part.kind == "block" and isinstance(value, Mapping):
-        yield from _block_faults(value, part, path, place)
+        yield from _block_faults(value, part, path, file)
     elif part.kind == "mapping" and isinstance(value, Mapping):
-        yield from _mapping_faults(value, part, path, place)
+        if len(value) < part.key.least:
+            yield _misfit(_OUT_OF_RANGE, value, part, path)
+        for name, one in value.items():
+            if not _is_name(name, part):
+                problem = f"got the name {shown(name)}, expected {part.allowed}"
+                yield Fault(_IMPOSSIBLE_NAME, path, problem)
+            yield from _faults(one, part.item, key_path(path, name), file)
     elif part.kind == "list" and isinstance(value, list):
-        if len(value) < part.key.least or len(value) > (part.key.most or math.inf):
-            yield _out_of_range(value, part, path, place)
-        for i, item in enumerate(value):
-            yield from _faults(item, part.item, f"{path}[{i}]", (*place, i))  # type: ignore[arg-type]
-    elif part.kind in ("choice", "choice_or_number"):
-        number = part.kind == "choice_or_number" and _is_number(value)
-        if not (number and _in_range(value, part.key)) and value not in part.key.choices:
-            yield _out_of_range(value, given_as, path, place)
-    elif part.kind not in ("own", "any"):
-        if not _has_kind(value, part.kind):
-            hint = _number_hint(value, part) or _text_hint(value, part)
-            problem = f"got {shown(value)}{hint}, expected {part.allowed}"
-            yield Fault(_WRONG_TYPE, place, path, problem)
-        elif not (_text_fits if part.kind == "text" else _in_range)(value, part.key):
-            yield _out_of_range(value, given_as, path, place)
+        if not part.key.least <= len(value) <= (part.key.most or math.inf):
+            yield _misfit(_OUT_OF_RANGE, value, part, path)
+        for i, one in enumerate(value):
+            yield from _faults(one, part.item, f"{path}[{i}]", file)
+    elif not _has_kind(value, part):
+        yield _misfit(_WRONG_TYPE, value, part, path)
+    elif not _is_permitted(value, part):
+        yield _misfit(_OUT_OF_RANGE, value, part, path)
 
 
-def _out_of_range(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Fault:
-    problem = f"got {shown(value)}, expected {part.allowed}"
-    return Fault(_OUT_OF_RANGE, place, path, problem)
+def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
+    return Fault(rank, path, f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}")
 
 
-def _block_faults(
-    given: Mapping[str, Any], part: Part, path: str, place: tuple[int, ...]
-) -> Iterator[Fault]:
-    known = part.below
-    for unknown in (key for key in given if key not in known):
-        near = difflib.get_close_matches(unknown, known, n=2, cutoff=0.6)
-        free = [key for key in known if key not in given] or list(known)
-        names = (
-            f"did you mean {' or '.join(near)}" if near else f"expected one of {', '.join(free)}"
-        )
-        where = _joined(path, short(unknown))
-        yield Fault(_UNKNOWN, place, where, f"got an unknown key; {names}")
-    for name, below in known.items():
-        if below.required and name not in given:
+def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
+    unknown = [name for name in given if name not in block.below]
+    for name in unknown:
+        problem = f"got an unknown key; {_meant(name, given, block, file)}"
+        yield Fault(_UNKNOWN, key_path(path, short(name)), problem)
+    for name, below in block.below.items():
+        if below.required and name not in given and not unknown:  # not a mistyped one
             such = f", such as {below.key.example}" if below.key.example else ""
             problem = f"got nothing, expected {below.allowed}{such}"
-            yield Fault(_NOTHING, place, _joined(path, name), problem)
-    for i, (name, value) in enumerate(given.items()):
-        if name in known:
-            yield from _faults(value, known[name], _joined(path, name), (*place, i))
+            yield Fault(_MISSING, key_path(path, name), problem)
+    for name, value in given.items():
+        if name in block.below:
+            yield from _faults(value, block.below[name], key_path(path, name), file)
 
 
-def _meant(path: str, file: Part) -> str:
-    """The message for an unknown key that belongs to another block; empty if it belongs to none."""
-    block, _, name = path.rpartition(".")
-    siblings = part_at(file, block)
-    if siblings is not None and difflib.get_close_matches(name, siblings.below):
-        return ""
-    places: dict[str, list[str]] = {}
-    for place in _places(file, ""):
-        places.setdefault(place.rpartition(".")[2], []).append(place)
-    near = difflib.get_close_matches(name, places, n=1, cutoff=0.8)
-    meant = [place for one in near for place in places[one]]
-    meant = [place for place in meant if place.count(".") == min(p.count(".") for p in meant)]
-    return f"got an unknown key; did you mean {' or '.join(meant)}" if meant else ""
-
-
-def _places(block: Part, path: str) -> Iterator[str]:
-    """Every key of a file that takes a value, with the blocks it stands in."""
-    for name, part in block.below.items():
-        if part.kind == "block":
-            yield from _places(part, _joined(path, name))
-        else:
-            yield _joined(path, name)
-
-
-def _mapping_faults(
-    given: Mapping[str, Any], part: Part, path: str, place: tuple[int, ...]
-) -> Iterator[Fault]:
-    assert part.item is not None
-    if len(given) < part.key.least:
-        problem = f"got a block of {len(given)} keys, expected {part.allowed}"
-        yield Fault(_OUT_OF_RANGE, place, path, problem)
-    for i, (name, value) in enumerate(given.items()):
-        if not _is_name(name, part):
-            problem = f"got the name {shown(name)}, expected {part.allowed}"
-            yield Fault(_IMPOSSIBLE_NAME, place, path, problem)
-        yield from _faults(value, part.item, _joined(path, name), (*place, i))
+def _meant(unknown: str, given: Mapping[str, Any], block: Part, file: Part) -> str:
+    """The key that an unknown one may mean: of its block, or of another one."""
+    if near := difflib.get_close_matches(unknown, block.below, n=2):
+        return f"did you mean {' or '.join(near)}"
+    places = [
+        path
+        for path, part in keys(file)
+        if part.kind != "block" and ".NAME" not in path and "[]" not in path
+    ]
+    names = [path.rpartition(".")[2] for path in places]
+    if near := difflib.get_close_matches(unknown, names, n=1, cutoff=0.8):
+        meant = [path for path, name in zip(places, names, strict=True) if name == near[0]]
+        least = min(path.count(".") for path in meant)
+        return f"did you mean {' or '.join(p for p in meant if p.count('.') == least)}"
+    free = [name for name in block.below if name not in given]
+    return f"expected one of {', '.join(free or block.below)}"
 
 
 def _is_name(name: str, mapping: Part) -> bool:
     if mapping.key.names:
         return name in mapping.key.names
-    return mapping.item is None or mapping.item.kind == "any" or bool(re.search(NAME, name))
+    return mapping.item.kind == "any" or bool(re.search(NAME, name))
 
 
-def _has_kind(value: Any, kind: str) -> bool:
-    if kind == "integer":
-        whole_float = isinstance(value, float) and value.is_integer()
-        return _is_number(value) and (isinstance(value, int) or whole_float)
-    if kind == "number":
+def _has_kind(value: Any, part: Part) -> bool:
+    if part.kind in ("choice", "choice_or_number"):
+        return True
+    if part.kind == "integer":
+        return _is_number(value) and value == value // 1
+    if part.kind == "number" or (part.kind == "list" and part.key.single):
         return _is_number(value)
-    return isinstance(value, {"boolean": bool, "text": str}.get(kind, ()))
+    return isinstance(value, {"boolean": bool, "text": str}.get(part.kind, ()))
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _in_range(value: Any, key: Key) -> bool:
-    if isinstance(value, bool):
+def _is_permitted(value: Any, part: Part) -> bool:
+    """Whether a value of the right type is a choice, in the range, or fits the pattern."""
+    key = part.key
+    if part.kind == "boolean" or value in key.choices:
         return True
-    return (
-        (key.minimum is None or value >= key.minimum)
-        and (key.above is None or value > key.above)
-        and (key.maximum is None or value <= key.maximum)
-        and (key.below is None or value < key.below)
-        and abs(value) <= _LARGEST
-    )
+    if part.kind == "text":
+        return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
+    if part.kind == "choice" or not _is_number(value) or abs(value) > _LARGEST:
+        return False
+    return all(COMPARISONS[name][0](value, end) for name, end in key.bounds.items())
 
 
-_LARGEST = 1.7976931348623157e308
-"""A whole number of YAML may be larger than any that can be calculated with."""
-
-
-def _text_fits(value: str, key: Key) -> bool:
-    return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
-
-
-def fits(value: Any, part: Part) -> bool:
-    """Whether a value may stand at a part."""
-    return not any(_faults(value, part, "", ()))
-
-
-def _joined(path: str, name: str) -> str:
-    return f"{path}.{name}" if path else name
+def _hint(value: Any, part: Part) -> str:
+    """How a text that was meant as a number is written, and a name that YAML takes for one."""
+    if part.key.pattern == NAME and _is_number(value) and re.search(NAME, str(value)):
+        return f', a number, not text (write "{value}")'
+    kind = part.item.kind if part.key.single else part.kind
+    if not isinstance(value, str) or kind not in ("integer", "number"):
+        return ""
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        return ", text, not a number"
+    is_whole = number == int(number) and abs(number) < 1e9
+    return f", text, not a number (write {int(number) if is_whole else yaml_number(number)})"
 
 
 # building
@@ -285,58 +236,39 @@ def built(record_type: type[R], plain: Mapping[str, Any], path: str = "") -> R:
     SceneError where the record itself refuses its values.
     """
     values = {
-        part.field: _value(plain[name], part, _joined(path, name))
+        part.field: _value(plain[name], part, key_path(path, name))
         for name, part in whole(record_type).below.items()
         if name in plain and (plain[name] is not None or part.required)
     }
-    try:
+    with _errors_at(path):
         return record_type(**values)
+
+
+@contextlib.contextmanager
+def _errors_at(path: str) -> Iterator[None]:
+    """Name the block in errors of its record."""
+    try:
+        yield
     except SceneError as error:
-        here = path and ".".join(filter(None, (path, error.key)))
-        raise SceneError(here or error.key, error.problem, error.involved) from None
+        key = ".".join(filter(None, (path, error.key)))
+        raise SceneError(key, error.problem, error.involved) from None
     except ValueError as error:
         raise SceneError(path, str(error)) from None
 
 
 def _value(value: Any, part: Part, path: str) -> Any:
-    if value is None:
-        return None
+    if value is None or part.kind == "any":
+        return value
     if part.kind == "block":
         return built(part.type, value, path)
     if part.kind == "own":
-        try:
+        with _errors_at(path):
             return part.type.from_plain(value)
-        except SceneError:
-            raise
-        except ValueError as error:
-            raise SceneError(path, str(error)) from None
-    if part.kind == "mapping" and part.item:
-        return {name: _value(v, part.item, _joined(path, name)) for name, v in value.items()}
-    if part.kind == "list" and part.item:
+    if part.kind == "mapping":
+        return {name: _value(v, part.item, key_path(path, name)) for name, v in value.items()}
+    if part.kind == "list":
         values = value if isinstance(value, list) else [value]
         return tuple(_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
     if part.kind == "integer":
         return int(value)
-    return float(value) if part.kind != "any" and _is_number(value) else value
-
-
-def _number_hint(value: Any, part: Part) -> str:
-    """How a text that was meant as a number is written as one."""
-    numeric = part.item if part.key.single and part.item else part
-    if not isinstance(value, str) or numeric.kind not in ("integer", "number"):
-        return ""
-    try:
-        number = float(value)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        return ", text, not a number"
-    whole = number == int(number) and abs(number) < 1e9
-    return f", text, not a number (write {int(number) if whole else yaml_number(number)})"
-
-
-def _text_hint(value: Any, part: Part) -> str:
-    """How a name that YAML takes for a number is written as one."""
-    if part.key.pattern != NAME or not _is_number(value) or not re.search(NAME, str(value)):
-        return ""
-    return f', a number, not text (write "{value}")'
+    return float(value) if _is_number(value) else value

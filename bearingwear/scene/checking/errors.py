@@ -6,34 +6,23 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+DEEPEST = 20
+"""Limit of blocks within blocks; a scene has three."""
+
 LONGEST = 60
 """Longest text that a message repeats."""
 
 
 class SceneError(ValueError):
-    """Input that cannot be used; its text is one line.
-
-    Parameters
-    ----------
-    key : str
-        Path of the key at fault, `bearing.ball_count`; empty for the file as a whole.
-    problem : str
-        What was given and what is allowed.
-    involved : tuple of str
-        Further keys that take part in the contradiction.
-    source : str
-        Where the data came from: a file, or `scene` for one built in Python.
-    further : tuple of SceneError
-        What else is wrong with the same input.
-    """
+    """Input that cannot be used; its text is one line."""
 
     def __init__(
         self,
-        key: str,
-        problem: str,
-        involved: tuple[str, ...] = (),
-        source: str = "scene",
-        further: tuple[SceneError, ...] = (),
+        key: str,  # path of the key at fault, `bearing.ball_count`; empty for the whole file
+        problem: str,  # what was given and what is allowed
+        involved: tuple[str, ...] = (),  # further keys of the contradiction
+        source: str = "scene",  # a file, or `scene` for data of Python
+        further: tuple[SceneError, ...] = (),  # other faults of the same input
     ) -> None:
         self.key = key
         self.problem = problem
@@ -50,6 +39,11 @@ class SceneError(ValueError):
         """All that is wrong, as of another source."""
         further = tuple(one.in_source(source) for one in self.further)
         return SceneError(self.key, self.problem, self.involved, source, further)
+
+
+def key_path(path: str, name: str) -> str:
+    """The path of a key in a block."""
+    return f"{path}.{name}" if path else name
 
 
 def yaml_number(value: float) -> str:

@@ -6,8 +6,8 @@ A field says its `Key`:
     class Sampling:
         samples: int = setting("Base samples, a power of two", minimum=1, default=256)
 
-`check` checks plain data by it. The JSON schema (`schema`) and the table of keys (`keys`) are made
-from the same fields.
+`check` checks plain data by it. Completion, the JSON schema and the list of keys in
+config/README.md are generated from the same fields.
 
 A field may be int, float, bool, str (with `choices` or a `pattern`), `str | float` (a choice or a
 number), another record, a tuple of one of these, a `Mapping` of names to one of these, `X | None`,
@@ -21,9 +21,10 @@ from __future__ import annotations
 
 import functools
 import math
+import operator
 import re
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass, replace
 from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
@@ -49,11 +50,6 @@ class Key:
     # the range as an interval: `[0, 0.5)` are the numbers from 0 to below 0.5, `(0, inf)`
     # those above 0
     within: str = ""
-    # the same as its ends, where there is only one; above and below are not part of it
-    minimum: float | None = None
-    above: float | None = None
-    maximum: float | None = None
-    below: float | None = None
     choices: tuple[str, ...] = ()  # the texts that are allowed
     pattern: str = ""  # regular expression of a text
     longest: int | None = None  # most characters of a text
@@ -68,19 +64,30 @@ class Key:
     example: str = ""  # a value that a message suggests where a required one is missing
     name: str = ""  # in the file, where it cannot be a name in Python
 
-    def __post_init__(self) -> None:
-        if self.within:
-            low, high = map(float, self.within[1:-1].split(","))
-            object.__setattr__(self, "minimum" if self.within[0] == "[" else "above", low)
-            if math.isfinite(high):
-                object.__setattr__(self, "maximum" if self.within[-1] == "]" else "below", high)
-
     @property
     def ends(self) -> tuple[float, float]:
         """Least and largest number."""
-        low = self.above if self.minimum is None else self.minimum
-        high = self.below if self.maximum is None else self.maximum
-        return -math.inf if low is None else low, math.inf if high is None else high
+        low, high = map(float, (self.within[1:-1] or "-inf, inf").split(","))
+        return low, high
+
+    @functools.cached_property
+    def bounds(self) -> dict[str, float]:
+        """The finite ends, under the names of the JSON schema."""
+        low, high = self.ends
+        bounds = {
+            "minimum" if self.within.startswith("[") else "exclusiveMinimum": low,
+            "maximum" if self.within.endswith("]") else "exclusiveMaximum": high,
+        }
+        return {name: end for name, end in bounds.items() if math.isfinite(end)}
+
+
+COMPARISONS: Mapping[str, tuple[Callable[[Any, float], bool], str]] = {
+    "minimum": (operator.ge, ">="),
+    "exclusiveMinimum": (operator.gt, ">"),
+    "maximum": (operator.le, "<="),
+    "exclusiveMaximum": (operator.lt, "<"),
+}
+"""How a number compares with each bound of a range, and the sign of it."""
 
 
 def setting(meaning: str, unit: str = "", within: str = "", **more: Any) -> Any:
@@ -104,7 +111,7 @@ class Part:
     kind: str
     key: Key
     type: Any = None  # the record of a block
-    item: Part | None = None  # of a list or a mapping
+    item: Part = None  # type: ignore[assignment]  # of a list or a mapping
     nullable: bool = False
     field: str = ""
     required: bool = True
@@ -123,12 +130,7 @@ class Part:
     @property
     def unit(self) -> str:
         """`-` where there is none."""
-        numeric = self.kind in ("integer", "number")
-        return self.key.unit or ("1" if numeric else "-")
-
-    def at(self, name: str) -> Part | None:
-        """Part with a name, or with an index of a list."""
-        return self.below.get(name) or self.item
+        return self.key.unit or ("1" if self.kind in ("integer", "number") else "-")
 
 
 def optional_numbers(keys: Mapping[str, Key]) -> Any:
@@ -166,8 +168,19 @@ def part_at(part: Part, path: str) -> Part | None:
     """The part at a path, `materials.steel.density_kg_m3`; None where there is none."""
     found: Part | None = part
     for name in re.findall(r"[^.\[\]]+", path):
-        found = found and found.at(name)
+        found = found and (found.below.get(name) or found.item)
     return found
+
+
+def keys(block: Part, path: str = "") -> Iterator[tuple[str, Part]]:
+    """Every key of a block, with those below it: `operation.preload_N`."""
+    for name, part in block.below.items():
+        key = f"{path}{name}"
+        yield key, part
+        if part.kind == "block":
+            yield from keys(part, f"{key}.")
+        elif part.item and part.item.kind == "block":
+            yield from keys(part.item, f"{key}{'.NAME' if part.kind == 'mapping' else '[]'}.")
 
 
 def _part(hint: Any, key: Key, **more: Any) -> Part:
@@ -207,7 +220,7 @@ def _in_words(part: Part) -> str:
         return f"{', '.join(key.choices)} or a number{_range(key)}"
     if part.kind == "choice":
         return " or ".join(filter(None, (", ".join(key.choices[:-1]), key.choices[-1])))
-    if part.kind == "list" and part.item is not None:
+    if part.kind == "list":
         count = f" of {_COUNTS[key.least]} numbers" if key.least == key.most else ""
         return f"a list{count}, each {part.item.allowed.removeprefix('a number ')}"
     if part.kind == "mapping":
@@ -223,10 +236,9 @@ _COUNTS = ("no", "one", "two", "three", "four")
 
 
 def _range(key: Key) -> str:
-    if key.minimum is not None and key.maximum is not None:
-        return f" from {_end(key.minimum)} to {_end(key.maximum)}"
-    signs = {">": key.above, ">=": key.minimum, "<": key.below, "<=": key.maximum}
-    ends = [f"{sign} {_end(end)}" for sign, end in signs.items() if end is not None]
+    if {"minimum", "maximum"} == set(key.bounds):
+        return " from {} to {}".format(*map(_end, key.ends))
+    ends = [f"{COMPARISONS[name][1]} {_end(end)}" for name, end in key.bounds.items()]
     return " " + " and ".join(ends) if ends else ""
 
 

@@ -14,8 +14,7 @@ from typing import Any
 
 import yaml
 
-from bearingwear.scene.checking.check import DEEPEST
-from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.errors import DEEPEST, SceneError, key_path
 
 LARGEST_FILE = 1_000_000
 """Size limit of a scene file [bytes]; a scene takes two thousand."""
@@ -81,15 +80,9 @@ def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
 def data_of(text: str, source: str, anchors: bool = False) -> Any:
     """Plain data (dict, list, str, int, float, bool, None) of a YAML text.
 
-    Parameters
-    ----------
-    text : str
-    source : str
-        What error messages name.
-    anchors : bool
-        Allow anchors, aliases and merge keys: in a file of one's own they save repetition.
+    Anchors, aliases and merge keys save repetition in a file of one's own; a scene has none.
 
-    SceneError: not YAML, or YAML that is refused (see above).
+    SceneError: not YAML, or YAML that is refused (see above); its message names the source.
     """
     try:
         _check_events(text, anchors)
@@ -117,21 +110,20 @@ def _check_events(text: str, anchors: bool) -> None:
         values += isinstance(event, yaml.NodeEvent)
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
-        anchor = isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None
-        tag = getattr(event, "tag", None) is not None
-        large = documents > 1 or values > MOST_VALUES or depth > DEEPEST
-        if not (anchor or tag or large):
+        if getattr(event, "anchor", None) is not None and not anchors:
+            what, allowed = "an anchor or alias", "none"
+        elif getattr(event, "tag", None) is not None:
+            what, allowed = "a tag", "none"
+        elif documents > 1:
+            what, allowed = "a second document", "one"
+        elif values > MOST_VALUES:
+            what, allowed = f"more than {MOST_VALUES} keys and values", "at most that"
+        elif depth > DEEPEST:
+            what, allowed = f"more than {DEEPEST} nested blocks", "at most that"
+        else:
             continue
-        for refused, what, allowed in (
-            (anchor and not anchors, "an anchor or alias", "none"),
-            (tag, "a tag", "none"),
-            (documents > 1, "a second document", "one"),
-            (values > MOST_VALUES, f"more than {MOST_VALUES} keys and values", "at most that"),
-            (depth > DEEPEST, f"more than {DEEPEST} nested blocks", "at most that"),
-        ):
-            if refused:
-                line = event.start_mark.line + 1
-                raise SceneError("", f"got {what} in line {line}, expected {allowed}")
+        line = event.start_mark.line + 1
+        raise SceneError("", f"got {what} in line {line}, expected {allowed}")
 
 
 def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
@@ -147,7 +139,7 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
                 problem = f"got a list or block as a key in line {line}, expected text"
                 raise SceneError(path, problem)
             key = key_node.value
-            here = f"{path}.{key}" if path else key
+            here = key_path(path, key)
             if key in block:
                 raise SceneError(here, f"got it a second time in line {line}, expected once")
             value = _plain(loader, value_node, here, anchors)

@@ -29,25 +29,28 @@ FEWEST = 20
 class Ensemble:
     """Runs of one cage, each with a draw of its own."""
 
-    runs: int = setting("Most runs", minimum=FEWEST, default=200)
+    runs: int = setting("Most runs", within=f"[{FEWEST}, inf)", default=200)
     within: float = setting(
         "Relative half-width of the 90 % interval of the work per turn at which the ensemble ends",
         "1",
         "(0, 1)",
         default=0.1,
     )
-    seed: int = setting("Seed of the samples", minimum=0, default=1)
+    seed: int = setting("Seed of the samples", within="[0, inf)", default=1)
     least_turns: int = setting(
-        f"Minimum shaft turns of a run, a multiple of {STRETCH}", "1", minimum=30, default=30
+        f"Minimum shaft turns of a run, a multiple of {STRETCH}",
+        "1",
+        within="[30, inf)",
+        default=30,
     )
     most_turns: int = setting(
-        "Maximum shaft turns of a run that has not settled", "1", minimum=30, default=150
+        "Maximum shaft turns of a run that has not settled", "1", "[30, inf)", default=150
     )
 
     worn_um: tuple[float, float] = setting(
         "Wear depth of the pocket walls and of the guiding surface",
         "um",
-        minimum=0,
+        within="[0, inf)",
         default=(0.0, 0.0),
     )
 
@@ -101,13 +104,13 @@ class CagePlan:
         "Keys of the scene to set", name="set", default_factory=dict
     )
     gravity_m_s2: tuple[float, ...] = setting(
-        "Weights, gravity along -Z", "m/s2", minimum=0, least=1
+        "Weights, gravity along -Z", "m/s2", within="[0, inf)", least=1
     )
     guiding_race: tuple[str, ...] = setting(
         "What guides the cage", choices=GUIDES, least=1, default=("outer",)
     )
     imbalance_um: tuple[float, ...] = setting(
-        "Distances of the centre of mass", "um", minimum=0, least=1, default=(0.0,)
+        "Distances of the centre of mass", "um", within="[0, inf)", least=1, default=(0.0,)
     )
     pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
     guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")

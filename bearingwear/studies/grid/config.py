@@ -21,9 +21,11 @@ class GridBlock:
 
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names")
     preload_method: tuple[str, ...] = setting("Method of preload", choices=PRELOAD_METHODS, least=1)
-    friction: tuple[float, ...] = setting("Ball/race friction coefficients", minimum=0.0, least=1)
+    friction: tuple[float, ...] = setting(
+        "Ball/race friction coefficients", "", "[0, inf)", least=1
+    )
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "States of wear", unit="um", minimum=0.0, least=1
+        "States of wear", unit="um", within="[0, inf)", least=1
     )
 
 
@@ -45,11 +47,10 @@ class UncertainLives:
     )
     samples: int = setting(
         "Half of the lives that are sampled for each method and friction, a power of two",
-        minimum=16,
-        maximum=4096,
+        within="[16, 4096]",
         default=256,
     )
-    seed: int = setting("Of the sample", minimum=0, default=1)
+    seed: int = setting("Of the sample", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
@@ -61,7 +62,7 @@ class Column:
     """A column of the figure of wear across scenes."""
 
     scene: str = setting("Name of a file config/scenes/NAME.yaml", pattern=NAME)
-    friction: float = setting("Ball/race friction coefficient", minimum=0.0)
+    friction: float = setting("Ball/race friction coefficient", within="[0, inf)")
 
 
 @keyed
@@ -69,7 +70,7 @@ class Overlay:
     """A figure with several scenes overlaid."""
 
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names")
-    friction: float = setting("Ball/race friction coefficient", minimum=0.0)
+    friction: float = setting("Ball/race friction coefficient", within="[0, inf)")
 
 
 @keyed
@@ -96,7 +97,7 @@ class Figures:
     friction: tuple[float, ...] = setting(
         "Coefficients compared in the figures of slip, wear and life, if in the grid; none: all "
         "of a grid",
-        minimum=0.0,
+        within="[0, inf)",
         default=(),
     )
     wear_columns: tuple[Column, ...] = setting(
@@ -129,7 +130,7 @@ class Config:
         "Points of the grid that one job solves, each in its own file; above the points "
         "of a line (all losses of a scene, method and friction) it solves whole lines into one "
         "file. Null: a line, of at most 200",
-        minimum=1,
+        within="[1, inf)",
         default=None,
     )
     unsolved: str = setting(

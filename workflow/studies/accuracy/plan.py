@@ -182,7 +182,7 @@ class CageTrade:
 
     file: str = setting("Name of a file in config/scenes", pattern=NAME)
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
-    runs: int = setting("Runs of each ensemble", minimum=FEWEST)
+    runs: int = setting("Runs of each ensemble", within=f"[{FEWEST}, inf)")
     ensembles: Mapping[str, CageRow] = setting("Ensembles by the names of their files")
 
     def ensemble_settings(self, name: str) -> dict[str, Any]:
@@ -199,18 +199,18 @@ class CageTrade:
 class Tolerance:
     """How far a number in docs/accuracy.md may differ from a run."""
 
-    error: float = setting("Factor of an error", minimum=1)
-    floor: float = setting("Error of a steady state below which all is noise", minimum=0)
-    floor_dynamic: float = setting("The same of the dynamic model", minimum=0)
-    time: float = setting("Factor of a time", minimum=1)
+    error: float = setting("Factor of an error", within="[1, inf)")
+    floor: float = setting("Error of a steady state below which all is noise", within="[0, inf)")
+    floor_dynamic: float = setting("The same of the dynamic model", within="[0, inf)")
+    time: float = setting("Factor of a time", within="[1, inf)")
 
 
 @keyed
 class AccuracyPlan:
     """Everything in config/accuracy.yaml."""
 
-    repeats: int = setting("How often a solve is timed; the median counts", minimum=1)
-    seconds: float = setting("Time after which it is not repeated", unit="s", above=0)
+    repeats: int = setting("How often a solve is timed; the median counts", within="[1, inf)")
+    seconds: float = setting("Time after which it is not repeated", unit="s", within="(0, inf)")
     tolerance: Tolerance = setting("How far the docs may differ from a run")
     references: Mapping[str, Reference] = setting("Solutions that count as exact")
     scenes: Mapping[str, TradeScene] = setting("Scenes, by a name of their own")

@@ -16,15 +16,15 @@ from bearingwear.studies.axis import RisingAxis, check_rising
 class Statements:
     """What a text states about a bearing; all at fixed position."""
 
-    preload_loss: float = setting("Share of the initial preload that wear takes", above=0)
-    preload_loss_at_um: float = setting("Loss of ball diameter for preload_loss", "um", above=0)
-    high_friction: float = setting("High friction coefficient", above=0)
-    low_friction: float = setting("Low friction coefficient", above=0)
+    preload_loss: float = setting("Share of the initial preload that wear takes", within="(0, inf)")
+    preload_loss_at_um: float = setting("Loss of ball diameter for preload_loss", "um", "(0, inf)")
+    high_friction: float = setting("High friction coefficient", within="(0, inf)")
+    low_friction: float = setting("Low friction coefficient", within="(0, inf)")
     qv_least_um: tuple[float, float] = setting(
-        "QV is least between these losses, at the low friction", "um", above=0
+        "QV is least between these losses, at the low friction", "um", "(0, inf)"
     )
-    qv_rise: float = setting("Share by which QV then rises at least", above=0)
-    qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", above=0)
+    qv_rise: float = setting("Share by which QV then rises at least", within="(0, inf)")
+    qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", "(0, inf)")
 
     def __post_init__(self) -> None:
         try:
@@ -40,7 +40,7 @@ class IdentifyPlan:
     scene: str = setting("Scene with all values that are not varied")
     marks: tuple[str, ...] = setting("Scenes that are drawn as well")
     pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
-    ball_count: tuple[int, ...] = setting("Numbers of balls", minimum=1, least=1)
+    ball_count: tuple[int, ...] = setting("Numbers of balls", within="[1, inf)", least=1)
     inner_groove_factor: RisingAxis = setting("Inner groove radii over ball diameter", "1")
     contact_angle_deg: RisingAxis = setting("Steps of the search for the angle", "degree")
     drag_density_kg_m3: RisingAxis = setting("Drag densities that are tried", "kg/m3")

@@ -64,7 +64,7 @@ class Draw:
     even: tuple[float, float] | None = setting("Two rising ends", default=None)
     of: tuple[Any, ...] = setting("Values, one of which is drawn", default=())
     share: float | None = setting(
-        "How often one of `of` is drawn, if not always", minimum=0, maximum=1, default=None
+        "How often one of `of` is drawn, if not always", within="[0, 1]", default=None
     )
 
     def __post_init__(self) -> None:
@@ -89,7 +89,7 @@ class SceneClass:
     """Random scenes of one kind."""
 
     fidelity: str = setting("Model that solves them", choices=RANDOM_FIDELITIES)
-    scenes: int = setting("How many", minimum=1)
+    scenes: int = setting("How many", within="[1, inf)")
     draw: Mapping[str, Any] = setting(
         "What is drawn: keys of a scene, and values that stand for some"
     )
@@ -127,7 +127,7 @@ class KeyAxis:
     key: str = setting("A key of the scene")
     log: tuple[float, float] | None = setting("Two rising ends", default=None)
     even: tuple[float, float] | None = setting("Two rising ends", default=None)
-    points: int = setting("How many", minimum=2)
+    points: int = setting("How many", within="[2, inf)")
 
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)
@@ -177,8 +177,8 @@ class Branch:
 class LimitValues:
     """What counts as the limit."""
 
-    gyroscopic_slip: float = setting("Gyroscopic share of the slip", above=0)
-    skid: float = setting("Lag behind pure rolling", above=0)
+    gyroscopic_slip: float = setting("Gyroscopic share of the slip", within="(0, inf)")
+    skid: float = setting("Lag behind pure rolling", within="(0, inf)")
 
 
 @keyed

@@ -1,11 +1,15 @@
-"""The JSON schema of a record, made from its keys."""
+"""The JSON schema of a record, made from its keys, for editors and other validators.
+
+`python benchmarks/scene_schema.py` prints that of a scene.
+"""
 
 from __future__ import annotations
 
 import functools
+import json
 from typing import Any
 
-from bearingwear.scene.checking.records import NAME, Key, Part, whole
+from bearingwear.scene.checking.records import NAME, Part, whole
 from bearingwear.scene.scene import Scene
 
 
@@ -46,7 +50,7 @@ def _typed(part: Part) -> dict[str, Any]:
     key = part.key
     if part.kind == "block":
         return _block(part)
-    if part.kind == "mapping" and part.item:
+    if part.kind == "mapping":
         names = {"enum": list(key.names)} if key.names else {"pattern": NAME}
         return _without_none(
             type="object",
@@ -54,18 +58,18 @@ def _typed(part: Part) -> dict[str, Any]:
             propertyNames=None if part.item.kind == "any" else names,
             additionalProperties=_schema(part.item),
         )
-    if part.kind == "list" and part.item:
+    if part.kind == "list":
         items = _schema(part.item)
         kinds: Any = [part.item.kind, "array"] if key.single else "array"
         limits = {"minItems": key.least or None, "maxItems": key.most}
-        own = _range(key) if key.single else {}
+        own = key.bounds if key.single else {}
         return _without_none(type=kinds, **own, items=items, **limits)
     if part.kind == "choice":
         return {"enum": [*key.choices, *([None] if part.nullable else [])]}
     if part.kind == "choice_or_number":
-        return {"anyOf": [{"enum": list(key.choices)}, {"type": "number", **_range(key)}]}
+        return {"anyOf": [{"enum": list(key.choices)}, {"type": "number", **key.bounds}]}
     if part.kind in ("integer", "number"):
-        return {"type": part.kind, **_range(key)}
+        return {"type": part.kind, **key.bounds}
     if part.kind == "text":
         text = {"maxLength": key.longest, "pattern": key.pattern or None}
         return _without_none(type="string", **text)
@@ -82,14 +86,9 @@ def _block(part: Part) -> dict[str, Any]:
     }
 
 
-def _range(key: Key) -> dict[str, Any]:
-    return _without_none(
-        minimum=key.minimum,
-        exclusiveMinimum=key.above,
-        maximum=key.maximum,
-        exclusiveMaximum=key.below,
-    )
-
-
 def _without_none(**values: Any) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
+
+
+if __name__ == "__main__":
+    print(json.dumps(schema(), indent=2))

@@ -1,7 +1,7 @@
-"""The keys of a record as Markdown and as names, and the values of nested data under their keys.
+"""The keys of a record as Markdown.
 
-`python -m bearingwear.scene.checking.keys config/README.md` puts lists between the markers of that
-file: of a scene's keys, or of those of the record that a marker names.
+`python benchmarks/key_lists.py config/README.md` puts lists between the markers of that file: of a
+scene's keys, or of those of the record that a marker names.
 """
 
 from __future__ import annotations
@@ -11,13 +11,12 @@ import json
 import re
 import sys
 import textwrap
-from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+
+from scene_schema import default
 
 from bearingwear.scene.checking.errors import yaml_number
-from bearingwear.scene.checking.records import Part, whole
-from bearingwear.scene.checking.schema import default
+from bearingwear.scene.checking.records import Part, keys, whole
 from bearingwear.scene.scene import Scene
 
 LINE_LENGTH = 100
@@ -31,7 +30,7 @@ KEY_LISTS = re.compile(
 
 def key_list(record_type: type = Scene) -> str:
     """Markdown list: key, unit, meaning, what is allowed, default."""
-    return "\n".join(_item(path, part) for path, part in keys(record_type))
+    return "\n".join(_item(path, part) for path, part in keys(whole(record_type)))
 
 
 def _item(path: str, part: Part) -> str:
@@ -46,37 +45,6 @@ def _item(path: str, part: Part) -> str:
     return textwrap.fill(
         text, LINE_LENGTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
     )
-
-
-def keys(record_type: type = Scene) -> Iterator[tuple[str, Part]]:
-    """Every key of a record, with those below it: `operation.preload_N`."""
-    return _keys(whole(record_type), "")
-
-
-def _keys(block: Part, path: str) -> Iterator[tuple[str, Part]]:
-    for name, part in block.below.items():
-        yield f"{path}{name}", part
-        if part.kind == "block":
-            yield from _keys(part, f"{path}{name}.")
-        elif part.item is not None and part.item.kind == "block":
-            named = ".NAME" if part.kind == "mapping" else "[]"
-            yield from _keys(part.item, f"{path}{name}{named}.")
-
-
-def scene_keys() -> list[str]:
-    """Every key of a scene that takes a value of its own, `operation.preload_N`."""
-    return [path for path, part in keys() if part.kind != "block"]
-
-
-def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Values of nested data by their whole keys, `operation.preload_N`."""
-    found: dict[str, Any] = {}
-    for key, value in block.items():
-        if isinstance(value, Mapping):
-            found |= leaves(value, f"{path}{key}.")
-        else:
-            found[f"{path}{key}"] = value
-    return found
 
 
 def _default(part: Part) -> str:
