@@ -26,10 +26,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Folders are made. Whatever goes wrong, a file of before is left as it was, and no part of the
     new one stays, unless the process is killed.
 
-    Raises
-    ------
-    OutputError
-        One line: no permission, a full disk, a name that cannot be.
+    OutputError: no permission, a full disk, a name that cannot be.
     """
     path = Path(path)
     if "\0" in str(path):
@@ -74,9 +71,7 @@ def _append(part: Path) -> None:
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a text as UTF-8.
 
-    Raises
-    ------
-    OutputError
+    May raise OutputError.
     """
     with whole_file(path) as part:
         part.write_text(text, encoding="utf-8", newline="\n")

@@ -112,9 +112,7 @@ def sheet(
     every : bool
         With residuals, error estimates, counts of steps, versions.
 
-    Raises
-    ------
-    CaseFileError
+    May raise CaseFileError.
     """
     from bearingwear.document.study import quantile_blocks
     from bearingwear.results.quantiles import KIND

@@ -66,10 +66,7 @@ def drawings(files: Sequence[Path], data: Mapping[str, Sequence[str]]) -> Iterat
     data : mapping
         Paths of the files behind each figure, by its own.
 
-    Raises
-    ------
-    CaseFileError
-        One line.
+    May raise CaseFileError.
     """
     for file in files:
         if file.suffix == ".svg":

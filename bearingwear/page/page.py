@@ -119,10 +119,7 @@ def page(
     descriptions : mapping, optional
         Of scenes by their names, where they have changed since the results were made.
 
-    Raises
-    ------
-    CaseFileError
-        One line.
+    May raise CaseFileError.
     """
     results, leading = list(sections), list(answers)
     _check_kinds(results, (".nc", ".md", *SUFFIXES))

@@ -85,10 +85,7 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
     of a logarithmic axis need it, and get plain numbers here.
 
-    Raises
-    ------
-    OutputError
-        One line; a suffix that names no format is refused before anything is written.
+    OutputError: also a suffix that names no format is refused before anything is written.
     """
     kinds = {path: path.suffix.lower() for path in map(Path, paths)}
     for path, kind in kinds.items():

@@ -25,10 +25,7 @@ def figure_of(
     bearing : {"first", "second"}, optional
         Which bearing of a pair.
 
-    Raises
-    ------
-    CaseFileError
-        A kind that cannot be drawn.
+    CaseFileError: a kind that cannot be drawn.
     """
     kind = kind_of(dataset)
     is_pair = OF_BEARING in dataset.dims and not dataset["status"].dims
@@ -67,8 +64,6 @@ def plot(
 ) -> None:
     """Draw a result file into files whose suffixes name their formats.
 
-    Raises
-    ------
-    CaseFileError, OutputError
+    May raise CaseFileError, OutputError.
     """
     save(figure_of(load(path), path, figures, bearing), outputs)

@@ -41,10 +41,7 @@ def read(config: Mapping[str, Any]) -> dict[str, Study]:
 
     A study whose file is not there is left out; the main one is described by `config`.
 
-    Raises
-    ------
-    ValueError
-        One line: what is wrong with a configuration.
+    ValueError: what is wrong with a configuration.
     """
     return {
         name: _module(name).study(config)

@@ -42,12 +42,8 @@ def filled(
     attributes
         Of the dataset, after those of every file; `scene` may be a Scene.
 
-    Raises
-    ------
-    KeyError
-        Values of what is not in the table.
-    ValueError
-        Shapes that differ, or not as many rows as places.
+    KeyError: values of what is not in the table.
+    ValueError: shapes that differ, or not as many rows as places.
     """
     coords: dict[str, xr.Variable] = {}
     sizes: dict[str, int] = {}
@@ -191,10 +187,7 @@ def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]
 def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
     """A file that has the given dimensions and, along them, the given values.
 
-    Raises
-    ------
-    CaseFileError
-        One line.
+    May raise CaseFileError.
     """
     dataset = load(path)
     for axis, values in axes.items():

@@ -65,9 +65,7 @@ def launch(
     int
         Exit status of Snakemake.
 
-    Raises
-    ------
-    NoStudy
+    May raise NoStudy.
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that holds a study")
@@ -85,9 +83,7 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
     own : sequence of str
         Options of ours, one of which may have been meant.
 
-    Raises
-    ------
-    UsageError
+    May raise UsageError.
     """
     if set(more) <= DRY_RUN | TOLD:
         return
@@ -170,10 +166,7 @@ def _interrupt(process: subprocess.Popen[bytes]) -> None:
 def only_run(folder: Path) -> Iterator[int]:
     """Locks a study's folder against other commands of bearingwear; yields the open file.
 
-    Raises
-    ------
-    NoStudy
-        Where one of them runs the study already.
+    NoStudy: where one of them runs the study already.
     """
     path = folder / ".snakemake" / "bearingwear.lock"
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -208,9 +201,7 @@ def launch_own(
     page : path or None
         The page, beside the folders of the study; none where none was made.
 
-    Raises
-    ------
-    NoStudy
+    May raise NoStudy.
     """
     # nobody runs it: a lock of Snakemake is left by a run that was killed
     shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)

@@ -13,10 +13,7 @@ from bearingwear.scene.scene import Scene, SceneError
 def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = False) -> Scene:
     """A scene with an end of life and a steady state; `films` says whether it may have any.
 
-    Raises
-    ------
-    SceneError
-        One line.
+    May raise SceneError.
     """
     from bearingwear.scene.read import for_life, load_scene
     from bearingwear.solvers.effects.choice import choice_for_life

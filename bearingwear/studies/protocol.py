@@ -175,10 +175,7 @@ class Step(Task):
     def point(self, wildcards: Wildcards) -> Any:
         """Point of one job in the plan.
 
-        Raises
-        ------
-        ValueError
-            One line: the plan has no such point.
+        ValueError: the plan has no such point.
         """
         try:
             return (self.points or {})[tuple(wildcards[name] for name in self.wildcards)]
@@ -431,10 +428,7 @@ class Study:
     def check(self) -> None:
         """Read every scene as the study changes it.
 
-        Raises
-        ------
-        ValueError
-            One line: the first thing that is wrong.
+        ValueError: the first thing that is wrong.
         """
         self.plan.check_scenes()
 

@@ -51,10 +51,7 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
     str
         One line for each damaged file, and one for all dates.
 
-    Raises
-    ------
-    OSError
-        A file that cannot be renamed, dated or removed.
+    OSError: a file that cannot be renamed, dated or removed.
     """
     paths = list(paths)
     _remove_abandoned(paths)

@@ -43,12 +43,8 @@ def run_step(
     workers : int
         Processes, for a function that takes `workers`; they decide nothing.
 
-    Raises
-    ------
-    StepError, CaseFileError, SceneError, OutputError
-        One line.
-    NotSolved
-        Where the step itself fails; nothing is written.
+    May raise StepError, CaseFileError, SceneError, OutputError.
+    NotSolved: where the step itself fails; nothing is written.
     """
     function = _function(step)
     signature = inspect.signature(function)

@@ -72,10 +72,7 @@ _SAME_RUNS = ("scene", "spread", "drawn_by", "run_sources")
 def ensemble_scene(scene: Scene) -> Scene:
     """A scene as its runs solve it: with the cage, at temperatures that are known.
 
-    Raises
-    ------
-    SceneError
-        It has no cage, or no temperatures at which its heat goes.
+    SceneError: it has no cage, or no temperatures at which its heat goes.
     """
     if scene.cage is None:
         raise SceneError("cage", "got nothing, expected a cage")
@@ -180,10 +177,7 @@ def ensemble_of(
     journal : path, optional
         File that the ensemble will be written to, beside which runs are kept till then.
 
-    Raises
-    ------
-    SceneError
-        One line.
+    May raise SceneError.
     """
     solved = ensemble_scene(scene)
     spread, said = cage_spread(solved)

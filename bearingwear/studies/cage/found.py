@@ -33,10 +33,7 @@ def cage_found(
         File to write. What is killed goes on from there. Ensembles along the life stand beside it,
         NAME-1.nc and so on.
 
-    Raises
-    ------
-    SceneError
-        One line.
+    May raise SceneError.
     """
     if life:
         with_cage_end(scene)  # refused before anything is solved

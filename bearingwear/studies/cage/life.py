@@ -76,10 +76,7 @@ WornEnsembles = Callable[[int, np.ndarray], xr.Dataset]
 def with_cage_end(scene: Scene) -> Scene:
     """The scene with an end for its cage: a film that is worn through, if it has no other.
 
-    Raises
-    ------
-    SceneError
-        Nothing ends the life of the cage, or it has ended.
+    SceneError: nothing ends the life of the cage, or it has ended.
     """
     cage, end = scene.cage, scene.wear.end_of_life or EndOfLife()
     assert cage is not None

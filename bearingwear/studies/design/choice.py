@@ -58,10 +58,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
     limits : mapping
         `DesignLimits` by their names.
 
-    Raises
-    ------
-    CaseFileError
-        One line: no part of a map, parts that do not belong together, or parts missing.
+    CaseFileError: no part of a map, parts that do not belong together, or parts missing.
     """
     found = {path: load(path) for path in parts}
     first, attributes = next((path, one.attrs) for path, one in found.items())

@@ -26,12 +26,8 @@ def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene
 
     Where no preload is recommended, with the scene's own method and preload times the factor.
 
-    Raises
-    ------
-    CaseFileError
-        Where the recommendation is not of this scene.
-    SceneError
-        A preload that cannot be.
+    CaseFileError: where the recommendation is not of this scene.
+    SceneError: a preload that cannot be.
     """
     recommended_for(scene, recommendation)
     method, preload = scene.operation.preload_method, scene.operation.preload_N

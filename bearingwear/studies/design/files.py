@@ -25,10 +25,8 @@ def design_files(
 ) -> DesignFiles:
     """Read the files of one scene.
 
-    Raises
-    ------
-    CaseFileError
-        One line: a file of another kind, or not of the scene or the preload methods of the map.
+    CaseFileError: a file of another kind, or not of the scene or the preload methods of the
+    map.
     """
     kinds = {design: "design map", recommendation: "recommendation"}
     if uncertainty is not None:

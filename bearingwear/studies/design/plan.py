@@ -94,10 +94,7 @@ def axes_around(
 ) -> MapAxes:
     """A map by both methods around a scene's own preload, at its own speed.
 
-    Raises
-    ------
-    SceneError
-        A preload of nothing, which has nothing around it.
+    SceneError: a preload of nothing, which has nothing around it.
     """
     own = scene.operation.preload_N
     if own <= 0.0:

@@ -193,10 +193,7 @@ def recommendation(
     tell : callable, optional
         Given a line of text now and then.
 
-    Raises
-    ------
-    CaseFileError
-        Where the map is of another scene or does not hold its friction and speed.
+    CaseFileError: where the map is of another scene or does not hold its friction and speed.
     """
     if json.loads(design.attrs["scene"]) != scene.to_dict():
         raise CaseFileError("the design map is not of this scene")
@@ -438,10 +435,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
     """The same, if it is the recommendation of this scene.
 
-    Raises
-    ------
-    CaseFileError
-        Where it is not.
+    CaseFileError: where it is not.
     """
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("the recommended preload needs the file of a recommendation")

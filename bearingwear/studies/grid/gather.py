@@ -44,11 +44,8 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         `ball_diameter_loss` [um], then those of the case. Of a case whose status is not ok, the
         status and the other flags stay and every number is NaN.
 
-    Raises
-    ------
-    CaseFileError
-        One line naming the file that is missing, truncated, foreign, of another scene, of another
-        version of the solver, or there twice; or the case that is missing.
+    CaseFileError: the file that is missing, truncated, foreign, of another scene, of
+    another version of the solver, or there twice; or the case that is missing.
     """
     read = _Read()
     whole = _along_cases(read.each(paths))

@@ -46,10 +46,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         The variables of a life file over `preload_method` and `friction`, those of
         `interpolated_life`, and `life_route_difference`, the second route against the first.
 
-    Raises
-    ------
-    SceneError
-        Where the scene has no end of life, or is not one that can be solved.
+    SceneError: where the scene has no end of life, or is not one that can be solved.
     """
     grid = Grid.from_lists(
         [PRELOAD_METHODS[int(flag)] for flag in study["preload_method"]],

@@ -32,10 +32,8 @@ class Plan:
     def from_config(cls, config: Mapping) -> "Plan":
         """The plan of a config.yaml.
 
-        Raises
-        ------
-        ValueError
-            One line; also where a figure wants a scene or a coefficient that is not studied.
+        ValueError: also where a figure wants a scene or a coefficient that is not
+        studied.
         """
         return cls(record(Config, config, "config"))
 
@@ -123,10 +121,7 @@ class Plan:
     def check_scenes(self) -> None:
         """Read every scene as it stands, and with each value of its grid.
 
-        Raises
-        ------
-        ValueError
-            One line: the first thing that is wrong with a scene or with a value of its grid.
+        ValueError: the first thing that is wrong with a scene or with a value of its grid.
         """
         for scene, grid in self.grids.items():
             path = _scene_file(scene)

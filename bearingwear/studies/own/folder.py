@@ -39,10 +39,7 @@ def write_study(
     instead : path, optional
         Where to write in its place.
 
-    Raises
-    ------
-    SceneError, UsageError, OutputError
-        One line.
+    May raise SceneError, UsageError, OutputError.
     """
     from bearingwear.scene.checking.strict_yaml import text_of
     from bearingwear.scene.read import scene_files

@@ -31,10 +31,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     lives, and no states of wear of a bearing. A scene with a film of its cage or a
     `cage_uncertainty` has a map of cages, too.
 
-    Raises
-    ------
-    SceneError
-        One line: a friction or a preload that no study can be made around.
+    SceneError: a friction or a preload that no study can be made around.
     """
     limits.check(scene, source)
     frictions = _frictions(scene, source)

@@ -129,10 +129,7 @@ def calibrated(
     tell : callable, optional
         Given a line of progress before each condition.
 
-    Raises
-    ------
-    SceneError, CaseFileError
-        One line: the scene lacks a distribution, or a row is wrong.
+    SceneError, CaseFileError: the scene lacks a distribution, or a row is wrong.
     """
     scene, said = with_usual_spread(for_life(scene))
     if tell and said:
@@ -265,10 +262,7 @@ def _curve(
 ) -> Curve:
     """Lives or torques of a scene over the friction that is possible, and how they scatter.
 
-    Raises
-    ------
-    CaseFileError
-        Where the model has none at the middle of the friction.
+    CaseFileError: where the model has none at the middle of the friction.
     """
     if tell:
         tell(f"{'torque' if torque else 'life'} over friction, under one condition ...")

@@ -57,10 +57,7 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     Commas or semicolons part its columns. Its first line names them: keys of the scene (an empty
     cell leaves the scene's own value) and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
 
-    Raises
-    ------
-    CaseFileError
-        One line: file, row, column, what was given, what is allowed.
+    CaseFileError: file, row, column, what was given, what is allowed.
     """
     text = text_of(path, "CSV").lstrip("\ufeff")
     first = text.partition("\n")[0]

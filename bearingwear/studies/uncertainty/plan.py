@@ -85,10 +85,7 @@ def uncertain_scene(
     tell : callable, optional
         Given what distributions are taken where the scene has none.
 
-    Raises
-    ------
-    SceneError
-        One line.
+    May raise SceneError.
     """
     scene, source = life_scene(path, settings, films=True), os.fspath(path)
     scene, said = with_usual_spread(scene)

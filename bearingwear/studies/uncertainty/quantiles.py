@@ -77,10 +77,7 @@ def quantiles_and_indices(
     sampling : mapping
         `Sampling` by its fields.
 
-    Raises
-    ------
-    CaseFileError
-        One line: a file that is no such part, of another scene or sampling, or parts missing.
+    CaseFileError: a file that is no such part, of another scene or sampling, or parts missing.
     """
     problem_scene, plan = uncertain_scene(scene), Sampling(**sampling)
     found = _parts(parts, problem_scene, plan)

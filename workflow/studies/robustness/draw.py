@@ -60,10 +60,7 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
     `second_loss_ratio` (as `loss_ratio`, in the second one) and `in_tandem` (bearings on the first
     side); `worn_ratio` (loss that ends the life, over the gap at the edge of a contact).
 
-    Raises
-    ------
-    SceneError
-        Where there is no such bearing.
+    SceneError: where there is no such bearing.
     """
     data = with_values(base, drawn)
     b, operation = data["bearing"], data["operation"]

@@ -91,10 +91,8 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     cases : sequence of path
         Case files: each preload steady and dynamic.
 
-    Raises
-    ------
-    CaseFileError
-        Files that are no such cases, of another scene, or without the case of the other fidelity.
+    CaseFileError: files that are no such cases, of another scene, or without the case of the
+    other fidelity.
     """
     chosen = load(recommendation)
     of_preload = _cases(chosen, cases)

@@ -206,10 +206,7 @@ def _turn(case: xr.Dataset) -> float:
 def reference_values(path: str | Path) -> dict[str, np.ndarray]:
     """Values of others by part, rows of time [s] and wear rate [m3/s]; lines with # are comments.
 
-    Raises
-    ------
-    CaseFileError
-        One line naming the file and what is wrong with it.
+    CaseFileError: the file and what is wrong with it.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
