@@ -110,12 +110,8 @@ class Measure:
     def critical(self, value_of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
         """The worst value [SI], and the variable that has it.
 
-        Parameters
-        ----------
-        value_of : callable
-            Values of a variable by its name: of a state, at a step of a life.
-        preload_N : float or array_like
-            Initial, of each value of the residual preload.
+        value_of: values of a variable by its name: of a state, at a step of a life.
+        preload_N: initial, of each value of the residual preload.
         """
         found = [(self.value(value_of(name), preload_N), name) for name in self.variables]
         known = [one for one in found if one[0] == one[0]] or found

@@ -30,10 +30,8 @@ def sources(*modules: str) -> tuple[Path, ...]:
     Imports inside functions count, those for the type checker alone do not. A file that is not
     Python (a template, a style) belongs to the module beside it that names it.
 
-    Parameters
-    ----------
-    *modules : str
-        Dotted names of modules of the package, or of `workflow/studies`; they count themselves.
+    *modules: dotted names of modules of the package, or of `workflow/studies`; they count
+        themselves.
     """
     found: dict[str, Path] = {}
     waiting = list(modules)

@@ -18,10 +18,7 @@ _CONTACTS = {
 def bearing_line(scene: Mapping[str, Any]) -> str:
     """Which bearing it is and how it runs, on a line.
 
-    Parameters
-    ----------
-    scene : mapping
-        As a file states it; that of a study leaves out what is varied.
+    scene: as a file states it; that of a study leaves out what is varied.
     """
     bearing, operation = scene["bearing"], scene["operation"]
     balls, races = (bearing[f"{part}_material"].replace("_", " ") for part in ("ball", "race"))

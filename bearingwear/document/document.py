@@ -50,33 +50,18 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Block:
-    """A table below a title, and sentences below the table; either may be missing.
-
-    Attributes
-    ----------
-    title : str
-    columns : tuple of str
-    rows : tuple of Row
-    lines : tuple of str
-        Sentences.
-    unit : str
-    given : bool
-        Whether its numbers were given, and stand as they were.
-    axes : int
-        The first rows that name a point, where the table has a line for each point and a column for
-        each row.
-    place : str
-        One of `PLACES`.
-    """
+    """A table below a title, and sentences below the table; either may be missing."""
 
     title: str = ""
     columns: tuple[str, ...] = ()
     rows: tuple[Row, ...] = ()
-    lines: tuple[str, ...] = ()
+    lines: tuple[str, ...] = ()  # sentences
     unit: str = ""
-    given: bool = False
+    given: bool = False  # whether its numbers were given, and stand as they were
+    # the first rows that name a point, where the table has a line for each point and a column for
+    # each row
     axes: int = 0
-    place: str = ""
+    place: str = ""  # one of `PLACES`
 
     @property
     def heads(self) -> tuple[str, ...]:

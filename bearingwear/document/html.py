@@ -18,10 +18,7 @@ def as_html(document: Document) -> str:
 def block_html(block: Block, name: str = "") -> str:
     """A table with its title and the sentences below it, or sentences below their title.
 
-    Parameters
-    ----------
-    name : str
-        The `id` of its table.
+    name: the `id` of its table.
     """
     if not block.rows:
         return sentences_html([block])

@@ -104,14 +104,9 @@ def sheet(
 ) -> Document:
     """The sheet of a result file of any kind.
 
-    Parameters
-    ----------
-    more : Registry
-        For kinds of files that a study defines: a function that takes the open file
+    more: for kinds of files that a study defines: a function that takes the open file
         (`netCDF4.Dataset`) and returns a `Document`, which it may make of `values` and `row_of`.
-    every : bool
-        With residuals, error estimates, counts of steps, versions.
-
+    every: with residuals, error estimates, counts of steps, versions.
     May raise CaseFileError.
     """
     from bearingwear.document.study import quantile_blocks

@@ -26,15 +26,10 @@ def table_of(
 ) -> Block:
     """A table with a line for each point along some axes; labels and units are the variables' own.
 
-    Parameters
-    ----------
-    axes : sequence of str
-        Dimensions that points lie along; each has a column.
-    columns : sequence of (DataArray or str, str)
-        A variable over the axes, or its name, which may go on after a point; and what tells the
-        column from others of the same variable. All columns of a variable have one unit.
-    title, lines : str, tuple of str
-        Of the block.
+    axes: dimensions that points lie along; each has a column.
+    columns: a variable over the axes, or its name, which may go on after a point; and what tells
+        the column from others of the same variable. All columns of a variable have one unit.
+    title, lines: of the block.
     """
     found = [(dataset[v] if isinstance(v, str) else v, words) for v, words in columns]
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
@@ -83,10 +78,7 @@ def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
 
     A variable over further dimensions has a column for each of their flags.
 
-    Parameters
-    ----------
-    axes : mapping
-        The head of the column of each dimension that points lie along.
+    axes: the head of the column of each dimension that points lie along.
     """
     columns = {
         head: texts for name in dataset.data_vars for head, texts in _of(dataset, name, axes)

@@ -68,15 +68,9 @@ def chart_html(
 ) -> Markup:
     """A chart with its title, its lines in words and what they have at the recommended preload.
 
-    Parameters
-    ----------
-    chart : Chart
-    name : str
-        Its `id`.
-    group : str
-        Charts that have one cursor.
-    size : (float, float)
-        Width and height [px].
+    name: its `id`.
+    group: charts that have one cursor.
+    size: width and height [px].
     """
     said = ", ".join(f"{line.name} {_starred(chart, line)}" for line in chart.lines if line.star)
     words = f"{chart.title}: {chart.y_label} against {chart.x_label}"

@@ -33,39 +33,21 @@ WITH_COORDINATES = ("d", "points", "x", "y", "transform")
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure as the page holds it.
-
-    Attributes
-    ----------
-    path : path
-    message, description : str
-        What it states, and what it shows.
-    width, height : int
-        [px]
-    uri : str
-        The picture itself.
-    data : sequence of path
-        What it was drawn from.
-    """
+    """A figure as the page holds it."""
 
     path: Path
-    message: str
+    message: str  # what it states, and what it shows
     description: str
-    width: int
+    width: int  # [px]
     height: int
-    uri: Markup
-    data: Sequence[Path] = ()
+    uri: Markup  # the picture itself
+    data: Sequence[Path] = ()  # what it was drawn from
 
 
 def drawings(files: Sequence[Path], data: Mapping[str, Sequence[str]]) -> Iterator[Drawing]:
     """Every SVG among the files; a heavy one as the PNG of the same name, if that is given.
 
-    Parameters
-    ----------
-    files : sequence of path
-    data : mapping
-        Paths of the files behind each figure, by its own.
-
+    data: paths of the files behind each figure, by its own.
     May raise CaseFileError.
     """
     for file in files:

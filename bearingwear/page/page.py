@@ -102,23 +102,15 @@ def page(
 ) -> str:
     """The page, as HTML.
 
-    Parameters
-    ----------
-    sections : iterable of path
-        Files of a study, as the Snakefile makes them: study.nc, wear_life.nc and dynamic.nc of
-        scenes; Markdown tables and figures in folders beside them, and figures of several scenes
+    sections: files of a study, as the Snakefile makes them: study.nc, wear_life.nc and dynamic.nc
+        of scenes; Markdown tables and figures in folders beside them, and figures of several scenes
         elsewhere.
-    docs : iterable of path
-        Documents to link.
-    answers : iterable of path
-        What studies answer (`Document.stored`, .json); the one of the least rank leads. Markdown
-        and figures in folders beside one belong to it. The scenes of recommendations (.nc) are
-        the inputs where there are no sections.
-    data : mapping, optional
-        Files behind each figure, by its path.
-    descriptions : mapping, optional
-        Of scenes by their names, where they have changed since the results were made.
-
+    docs: documents to link.
+    answers: what studies answer (`Document.stored`, .json); the one of the least rank leads.
+        Markdown and figures in folders beside one belong to it. The scenes of recommendations (.nc)
+        are the inputs where there are no sections.
+    data: files behind each figure, by its path.
+    descriptions: of scenes by their names, where they have changed since the results were made.
     May raise CaseFileError.
     """
     results, leading = list(sections), list(answers)

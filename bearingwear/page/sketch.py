@@ -75,13 +75,8 @@ def section_of(bearing: Mapping[str, Any]) -> BearingSection:
 def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None = None) -> Markup:
     """The section of a bearing, or of both of a pair, with what loads it, as SVG with a caption.
 
-    Parameters
-    ----------
-    scene : mapping
-    method : str
-        How the preload is applied, if not as the scene says.
-    preload_N : float, optional
-        If not the scene's.
+    method: how the preload is applied, if not as the scene says.
+    preload_N: if not the scene's.
     """
     arrangement = scene.get("arrangement") or {}
     pair = arrangement.get("kind", "single") != "single"

@@ -136,21 +136,12 @@ def mark_failed(
 ) -> bool:
     """Put a cross at the foot of a panel for each case of a line that was not solved.
 
-    Parameters
-    ----------
-    where : DataArray
-        Abscissa of each case.
-    status : DataArray
-        Its status.
-    color : str
-        That of the line.
-    slot : int
-        Row of the crosses, so that several lines do not hide each other's.
+    where: abscissa of each case.
+    status: its status.
+    color: that of the line.
+    slot: row of the crosses, so that several lines do not hide each other's.
 
-    Returns
-    -------
-    bool
-        Whether there was any.
+    Returns: whether there was any.
     """
     failed = where.values[status.values != OK]
     if failed.size:
@@ -204,25 +195,14 @@ def lines(
 ) -> bool:
     """Lines of a quantity over an axis: a colour for each preload method, a dash for each race.
 
-    Parameters
-    ----------
-    panel : Axes
-    values : DataArray
-        Over `axis` and, where it has them, `preload_method` and `race`.
-    axis : str
-    label : str
-        Of the ordinate, without unit.
-    unit : Display, optional
-        In which the values are shown; without one they are drawn as they are.
-    status : DataArray, optional
-        Of each case over `axis` and `preload_method`: a cross at the foot where it was not solved.
-    **look
-        Of the lines; it comes after that of a race.
+    values: over `axis` and, where it has them, `preload_method` and `race`.
+    label: of the ordinate, without unit.
+    unit: in which the values are shown; without one they are drawn as they are.
+    status: of each case over `axis` and `preload_method`: a cross at the foot where it was not
+        solved.
+    **look: of the lines; it comes after that of a race.
 
-    Returns
-    -------
-    bool
-        Whether there was a cross.
+    Returns: whether there was a cross.
     """
     failed = False
     every = methods(values) if "preload_method" in values.dims else [("", values)]

@@ -16,14 +16,10 @@ def figure_of(
 ) -> Figure:
     """The figure of a dataset as files have it.
 
-    Parameters
-    ----------
-    name : path
-        What the error calls it.
-    figures : Registry
-        For each kind that can be drawn, a function that takes the dataset and returns a figure.
-    bearing : {"first", "second"}, optional
-        Which bearing of a pair.
+    name: what the error calls it.
+    figures: for each kind that can be drawn, a function that takes the dataset and returns a
+        figure.
+    bearing {"first", "second"}: which bearing of a pair.
 
     CaseFileError: a kind that cannot be drawn.
     """

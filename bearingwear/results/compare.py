@@ -57,20 +57,13 @@ def difference(
 ) -> tuple[str, bool]:
     """Compare two result files.
 
-    Parameters
-    ----------
-    tolerance : float
-        Numbers count as the same where they are no further apart than this fraction of the largest
-        magnitude that the variable has in either file.
+    tolerance: numbers count as the same where they are no further apart than this fraction of the
+        largest magnitude that the variable has in either file.
 
-    Returns
-    -------
-    text : str
-        Results that differ, those that a person asks for first; keys of the scene; then how well
-        each was solved and how it was made.
-    same : bool
-        Whether scene, model and variables are the same. How a file was made (versions, source
-        hash, solver statistics) is shown where it differs, but does not count.
+    Returns `text`: results that differ, those that a person asks for first; keys of the scene; then
+        how well each was solved and how it was made.
+    Returns `same`: whether scene, model and variables are the same. How a file was made (versions,
+        source hash, solver statistics) is shown where it differs, but does not count.
 
     CaseFileError where a file cannot be read, or the files are of different kinds.
     """

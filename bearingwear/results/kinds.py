@@ -23,10 +23,6 @@ def kind_of(file: Any) -> str:
 
     A case and a life are known by their variables. Every other file names its kind by its attribute
     `kind`, or else by its title up to the first ` of ` or colon.
-
-    Parameters
-    ----------
-    file : netCDF4.Dataset or xarray.Dataset
     """
     if _is_scalar(file, "end_criterion"):
         return LIFE_KIND

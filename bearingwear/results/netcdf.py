@@ -205,10 +205,6 @@ def header(path: str | os.PathLike[str]) -> dict[str, Any]:
 def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
     """A result file, open for reading; any fault in it is reported in one line.
 
-    Yields
-    ------
-    netCDF4.Dataset
-
     May raise CaseFileError.
     """
     import netCDF4

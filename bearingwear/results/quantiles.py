@@ -89,17 +89,10 @@ class Spread(NamedTuple):
 def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None, str]:
     """Between which lives 90 % of bearings lie by what is not known of wear; life goes as 1/K_s.
 
-    Parameters
-    ----------
-    scene : mapping
-        As a file states it. Without distributions it has those of the table of coefficients.
+    scene: as a file states it. Without distributions it has those of the table of coefficients.
 
-    Returns
-    -------
-    Interval, optional
-        In the unit of the life; none where the distributions do not say, or not as lognormal.
-    str
-        What distributions were taken, empty if its own.
+    Returns: in the unit of the life; none where the distributions do not say, or not as lognormal.
+    Returns: what distributions were taken, empty if its own.
     """
     spread, taken = scene.get("uncertainty"), ""
     if scene and not spread:
@@ -163,16 +156,10 @@ def spreads_of(
 ) -> Spreads | None:
     """The spread of the life of a scene; None if it was not computed for exactly that scene.
 
-    Parameters
-    ----------
-    known : iterable of Dataset
-        Files of the study of uncertainty.
-    scene : mapping
-        The life's, as its file states it; that of a study leaves out what is varied.
-    method, friction
-        Of the life; no friction of one with a film.
-    choice : int
-        The preload: the scene's own or the recommended one.
+    known: files of the study of uncertainty.
+    scene: the life's, as its file states it; that of a study leaves out what is varied.
+    method, friction: of the life; no friction of one with a film.
+    choice: the preload: the scene's own or the recommended one.
     """
     for dataset in known:
         sampled = json.loads(dataset.attrs["scene"])

@@ -23,18 +23,10 @@ MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGUL
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
     """State from which a run continues.
 
-    Parameters
-    ----------
-    path : path
-        A case file of `fidelity: dynamic`, solved.
-    scene : Scene, optional
-        The scene to continue; it may differ from the file's in wear and model alone.
+    path: a case file of `fidelity: dynamic`, solved.
+    scene: the scene to continue; it may differ from the file's in wear and model alone.
 
-    Returns
-    -------
-    dict
-        `state` (m,) in SI units, `time` [s], `scene` as plain data.
-
+    Returns: `state` (m,) in SI units, `time` [s], `scene` as plain data.
     CaseFileError: one line: no such case, not solved, of another version of the solver, of
     another scene.
     """

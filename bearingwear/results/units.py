@@ -80,14 +80,9 @@ class Display(NamedTuple):
 def display(units: str, *values: Any, shown: str = "") -> Display:
     """The unit in which values are shown together.
 
-    Parameters
-    ----------
-    units : str
-        Of the file.
-    *values : array_like
-        Those that are shown; the largest magnitude decides.
-    shown : str
-        How the quantity is shown where its unit does not say: `%`.
+    units: of the file.
+    *values: those that are shown; the largest magnitude decides.
+    shown: how the quantity is shown where its unit does not say: `%`.
     """
     scales = SCALES.get(shown or units, (_Scale(shown or units, 1.0),))
     numbers = [np.abs(np.asarray(v, dtype=float)).ravel() for v in values]

@@ -41,12 +41,8 @@ class AccuracyPreset(NamedTuple):
     def keys(self, slip_over: str, cage_wears: bool = False) -> dict[str, float | int | str]:
         """The settings by their paths in a scene.
 
-        Parameters
-        ----------
-        slip_over : str
-            `line` or `ellipse`.
-        cage_wears : bool
-            Whether motion and wear of the cage are asked for.
+        slip_over: `line` or `ellipse`.
+        cage_wears: whether motion and wear of the cage are asked for.
         """
         values = self._asdict()
         del values["error"]

@@ -75,13 +75,8 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 def blamed(error: SceneError, data: Mapping[str, Any], changes: Sequence[str]) -> SceneError:
     """The same error, naming the change that brought it about, if one did.
 
-    Parameters
-    ----------
-    error : SceneError
-    data : mapping
-        Before the changes.
-    changes : sequence of str
-        Their keys.
+    data: before the changes.
+    changes: their keys.
     """
     for at_fault in (error.key, *error.involved):
         for key in changes:

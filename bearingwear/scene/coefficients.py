@@ -229,10 +229,7 @@ _STEEL = ((180.0, 230.0), (7400.0, 8300.0))
 def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     """Distributions for a scene without any, by the row of what rubs in it, and what they are.
 
-    Parameters
-    ----------
-    scene : mapping
-        As `Scene.to_dict` has it. The middle of each distribution is the scene's own value.
+    scene: as `Scene.to_dict` has it. The middle of each distribution is the scene's own value.
     """
     bearing, on_it = scene["bearing"], scene["friction"].get("film")
     parts = [scene["materials"][bearing[f"{part}_material"]] for part in ("ball", "race")]

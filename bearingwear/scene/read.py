@@ -28,13 +28,8 @@ _CHECKED = "_is_checked"
 def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
     """Read and check a scene file.
 
-    Parameters
-    ----------
-    path : path
-        The YAML file.
-    overrides : iterable of str
-        `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
-
+    path: the YAML file.
+    overrides: `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
     SceneError: one line that names the file (or the `--set`), the key, what was given, what is
     allowed.
     """
@@ -76,13 +71,8 @@ def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: s
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
     """Check plain nested data and build the scene from it.
 
-    Parameters
-    ----------
-    data : mapping
-        The shape of a scene file; not changed.
-    source : str
-        What error messages name.
-
+    data: the shape of a scene file; not changed.
+    source: what error messages name.
     May raise SceneError.
     """
     try:

@@ -15,12 +15,8 @@ def variant(
 ) -> Scene:
     """A scene with some of its values replaced, checked.
 
-    Parameters
-    ----------
-    source : path, dict or Scene
-    changes : mapping
-        `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out what a
-        scene can do without.
+    changes: `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out
+        what a scene can do without.
 
     SceneError: one line that names the file, or the change (as `--set`, which makes such
     changes).

@@ -29,19 +29,12 @@ def filled(
 ) -> xr.Dataset:
     """A dataset of rows along axes.
 
-    Parameters
-    ----------
-    table : mapping
-        Variables of the dataset, in their order.
-    axes : mapping
-        Values of each coordinate, a Variable, or None for all of its flags; the length of a
+    table: variables of the dataset, in their order.
+    axes: values of each coordinate, a Variable, or None for all of its flags; the length of a
         dimension without one, a name. The rows lie along those that are no dimension of a variable.
-    rows : sequence of mapping
-        Values [SI] by the names of the table, in C order. What a row lacks is NaN, also of whole
+    rows: values [SI] by the names of the table, in C order. What a row lacks is NaN, also of whole
         numbers and flags.
-    attributes
-        Of the dataset, after those of every file; `scene` may be a Scene.
-
+    attributes: of the dataset, after those of every file; `scene` may be a Scene.
     KeyError: values of what is not in the table.
     ValueError: shapes that differ, or not as many rows as places.
     """
@@ -89,23 +82,14 @@ def stacked(
 ) -> xr.Dataset:
     """Datasets as one, along new leading dimensions.
 
-    Parameters
-    ----------
-    datasets : sequence of Dataset
-        In C order over the new dimensions. What one of them lacks is NaN there; a dimension that
-        is shorter in one of them is padded with NaN.
-    lengths : mapping
-        Names and lengths of the new dimensions.
-    leave_out : sequence of str
-        Variables to leave out, and dimensions whose variables to leave out.
-    along : str
-        A first dimension along which a dataset may hold several of what others hold one of.
+    datasets: in C order over the new dimensions. What one of them lacks is NaN there; a dimension
+        that is shorter in one of them is padded with NaN.
+    lengths: names and lengths of the new dimensions.
+    leave_out: variables to leave out, and dimensions whose variables to leave out.
+    along: a first dimension along which a dataset may hold several of what others hold one of.
 
-    Returns
-    -------
-    Dataset
-        With the coordinates of the inner dimensions, which the longest decides; places along one
-        (of strips) only where all have as many.
+    Returns: with the coordinates of the inner dimensions, which the longest decides; places along
+        one (of strips) only where all have as many.
     """
     templates: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}

@@ -47,24 +47,13 @@ def launch(
 ) -> int:
     """Run a study; its results are below `results/`.
 
-    Parameters
-    ----------
-    name : str
-        A study of `studies.NAMES`, or `all` for those that run by default.
-    jobs : int
-        How many run at a time.
-    more : sequence of str
-        Further arguments of Snakemake.
-    folder : path
-        Where the study is.
-    files : sequence of int
-        Open files that Snakemake keeps open while it runs.
+    name: a study of `studies.NAMES`, or `all` for those that run by default.
+    jobs: how many run at a time.
+    more: further arguments of Snakemake.
+    folder: where the study is.
+    files: open files that Snakemake keeps open while it runs.
 
-    Returns
-    -------
-    int
-        Exit status of Snakemake.
-
+    Returns: exit status of Snakemake.
     May raise NoStudy.
     """
     if not (folder / CONFIG).is_file():
@@ -78,11 +67,7 @@ def launch(
 def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
     """Refuse arguments that are none of Snakemake's, before it prints its usage.
 
-    Parameters
-    ----------
-    own : sequence of str
-        Options of ours, one of which may have been meant.
-
+    own: options of ours, one of which may have been meant.
     May raise UsageError.
     """
     if set(more) <= DRY_RUN | TOLD:
@@ -189,18 +174,10 @@ def launch_own(
 ) -> tuple[int, Path | None]:
     """Run the study of a folder that `own.folder.write_study` made; a run that was killed goes on.
 
-    Parameters
-    ----------
-    held : int
-        What `only_run` gave for the folder.
+    held: what `only_run` gave for the folder.
 
-    Returns
-    -------
-    status : int
-        Exit status of Snakemake.
-    page : path or None
-        The page, beside the folders of the study; none where none was made.
-
+    Returns `status`: exit status of Snakemake.
+    Returns `page`: the page, beside the folders of the study; none where none was made.
     May raise NoStudy.
     """
     # nobody runs it: a lock of Snakemake is left by a run that was killed

@@ -32,10 +32,7 @@ def to_stderr(text: str) -> None:
 def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]]]:
     """A `map` whose calls share processes; with one worker in this process.
 
-    Parameters
-    ----------
-    caller : str
-        What has `workers`, for the message where processes cannot be started.
+    caller: what has `workers`, for the message where processes cannot be started.
     """
     if workers <= 1:
         yield map
@@ -73,10 +70,7 @@ _FEW = 4.0
 class TimeLeft:
     """Of work of several kinds, each at its own pace as far as it is known.
 
-    Parameters
-    ----------
-    ahead : mapping
-        Of each kind how many are expected, and the cost of one in any unit, assumed.
+    ahead: of each kind how many are expected, and the cost of one in any unit, assumed.
     """
 
     def __init__(self, ahead: Mapping[str, tuple[float, float]]) -> None:
@@ -125,12 +119,8 @@ def told_in_lines(
 ) -> Iterator[Any]:
     """Results, with a line every few seconds: number of `count` done, time left.
 
-    Parameters
-    ----------
-    what : str
-        `CALLER: {} of {} THINGS`, filled with what is done and all there is.
-    kind, left : str, TimeLeft, optional
-        Of which kind they are, where others come after them.
+    what: `CALLER: {} of {} THINGS`, filled with what is done and all there is.
+    kind, left: of which kind they are, where others come after them.
     """
     left = left or TimeLeft({kind: (count, 1.0)})
     left.expect(kind, count)

@@ -33,10 +33,7 @@ _WITHOUT_EVENT = (
 class JobLines(logging.Filter):
     """Handler of Snakemake's logger that prints a line for each finished job.
 
-    Parameters
-    ----------
-    handler : logging.Handler
-        The one that writes to the terminal. Errors pass through it as they are.
+    handler: the one that writes to the terminal. Errors pass through it as they are.
     """
 
     def __init__(self, handler: logging.Handler) -> None:

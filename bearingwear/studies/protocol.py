@@ -47,40 +47,21 @@ Given = Paths | Callable[[Any], Paths | None]
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """Data of a rule of the workflow.
+    """Data of a rule of the workflow."""
 
-    Attributes
-    ----------
-    name : str
-        What its rule is called, after the name of the study.
-    label : str
-        What a person reads while it runs; may contain wildcards.
-    about : str
-        What the list of rules says of it, where that is not its label.
-    work : float
-        Size of a job, in the unit of its seconds in the table of `seconds`: points, runs, or the
-        job itself; 0 if it is not worth a process on another node.
-    rule : str
-        Of the workflow: its name after that of its study.
-    priority : int
-        Jobs of a higher one start first.
-    alone : bool
-        Whether it takes every core: nothing is timed beside it, and `workers` of its function, if
-        it has them, are that many processes.
-    tells : bool
-        Whether what it says on its way is seen while it runs, besides in its log.
-    default, on_request : bool
-        Whether a plain `snakemake` runs it, too; whether it is run only for who asks for its files.
-    """
-
-    name: str
-    label: str = ""
-    about: str = ""
+    name: str  # what its rule is called, after the name of the study
+    label: str = ""  # what a person reads while it runs; may contain wildcards
+    about: str = ""  # what the list of rules says of it, where that is not its label
+    # size of a job, in the unit of its seconds in the table of `seconds`: points, runs, or the job
+    # itself; 0 if it is not worth a process on another node
     work: float = 0.0
-    rule: str = ""
-    priority: int = 0
+    rule: str = ""  # of the workflow: its name after that of its study
+    priority: int = 0  # jobs of a higher one start first
+    # whether it takes every core: nothing is timed beside it, and `workers` of its function, if it
+    # has them, are that many processes
     alone: bool = False
-    tells: bool = False
+    tells: bool = False  # whether what it says on its way is seen while it runs, besides in its log
+    # whether a plain `snakemake` runs it, too; whether it is run only for who asks for its files
     default: bool = False
     on_request: bool = False
 
@@ -92,48 +73,29 @@ class Task:
 
 @dataclass(frozen=True, kw_only=True)
 class Step(Task):
-    """One kind of job of a study, as `Task` and with:
+    """One kind of job of a study."""
 
-    Attributes
-    ----------
-    run : str
-        The function that does it, from the package on: `studies.grid.gather.study`. It takes
-        `inputs` and `settings` as keyword arguments and returns what is written: a Result, a
-        Dataset, a Figure, a text, or several of these, one for each output.
-    outputs : tuple of str
-        Paths, with wildcards in braces. A figure is written to each of them.
-    points : mapping
-        What the plan says of each job, by the values of the wildcards in their order.
-    inputs : mapping
-        Files by the names of their arguments.
-    settings : mapping, or function of a point
-        All else that decides the result, as plain data.
-    folder, before : str, mapping
-        Of its study: where its files lie, and the steps before it by their outputs.
-    caption, category, result : str
-        Where the outputs for a reader (figures as SVG, tables as Markdown) stand in the report of
-        the jobs; no caption: they do not.
-    shown : bool
-        Whether it has a caption, by default that of its study.
-    replaced : tuple of str
-        Keys of its scene that the settings replace: what the file has there does not count.
-    last : bool
-        Whether it comes after all figures and tables before it, since it may fail.
-    """
-
+    # The function that does it, from the package on: `studies.grid.gather.study`. It takes `inputs`
+    # and `settings` as keyword arguments and returns what is written: a Result, a Dataset, a
+    # Figure, a text, or several of these, one for each output.
     run: str
-    outputs: Names
+    outputs: Names  # Paths, with wildcards in braces. A figure is written to each of them.
+    # what the plan says of each job, by the values of the wildcards in their order
     points: Mapping[Names, Any] | None = None
+    # files by the names of their arguments
     inputs: Mapping[str, Given] = field(default_factory=dict)
+    # all else that decides the result, as plain data
     settings: Mapping[str, Any] | Callable[[Any], Mapping[str, Any]] = field(default_factory=dict)
-    folder: str = ""
+    folder: str = ""  # of its study: where its files lie, and the steps before it by their outputs
     before: Mapping[str, Step] = field(default_factory=dict)
+    # place of figures (SVG) and tables (Markdown) in the report of the jobs; none without a caption
     caption: str = ""
     category: str = ""
     result: str = ""
-    shown: bool = False
+    shown: bool = False  # whether it has a caption, by default that of its study
+    # keys of its scene that the settings replace: what the file has there does not count
     replaced: Names = ()
-    last: bool = False
+    last: bool = False  # whether it comes after all figures and tables before it, since it may fail
 
     @property
     def module(self) -> str:
@@ -265,17 +227,10 @@ class Step(Task):
 
 @dataclass(frozen=True, kw_only=True)
 class Bundle(Task):
-    """Steps without wildcards that one process does: a start of Python takes longer than a figure.
-
-    Attributes
-    ----------
-    steps : tuple of Step
-    folder, category : str
-        Where their files lie; where they stand in the report of the jobs.
-    """
+    """Steps without wildcards in one process: Python starts more slowly than a figure is drawn."""
 
     steps: tuple[Step, ...]
-    folder: str
+    folder: str  # where their files lie; where they stand in the report of the jobs
     category: str
 
     matches: Mapping[str, str] = field(default_factory=dict, init=False)
@@ -315,15 +270,10 @@ def step(
 ) -> Step:
     """A step of a study.
 
-    Parameters
-    ----------
-    run : str
-        `MODULE.FUNCTION` of the study's folder, or `studies.…` from the package on.
-    each : mapping or iterable, optional
-        Points by the value of their wildcard, or by a tuple of several; points that are their own
+    run: `MODULE.FUNCTION` of the study's folder, or `studies.…` from the package on.
+    each: points by the value of their wildcard, or by a tuple of several; points that are their own
         names.
-    **rest
-        Fields of `Step`; every other one is an input.
+    **rest: fields of `Step`; every other one is an input.
     """
     known = {key: rest.pop(key) for key in [*rest] if key in Step.__dataclass_fields__}
     points = each if isinstance(each, Mapping) or each is None else {key: key for key in each}
@@ -363,15 +313,9 @@ def bundle(name: str, folder: str, category: str, label: str, *steps: Step, **re
 class Study:
     """A study, as `studies.NAME.study.study(config)` makes it from its configuration.
 
-    Attributes
-    ----------
-    name : str
-    plan : object
-        Says what is solved; `check_scenes` reads every scene as the study changes it.
-    jobs : list of Step or Bundle
-        Each is a rule of the workflow.
-    default : bool
-        Whether a plain `snakemake` runs all of them.
+    plan: says what is solved; `check_scenes` reads every scene as the study changes it.
+    jobs: each is a rule of the workflow.
+    default: whether a plain `snakemake` runs all of them.
     """
 
     def __init__(

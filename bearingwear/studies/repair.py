@@ -40,17 +40,10 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
     future: Snakemake refuses what is older than its input. Both are dated now; whether a result
     still fits its inputs is told by their contents (`made_from` in the rules).
 
-    Parameters
-    ----------
-    paths : iterable of str
-        Results and inputs of a study, of which any may be missing. Damage is looked for in those
+    paths: results and inputs of a study, of which any may be missing. Damage is looked for in those
         that end in `.nc`.
 
-    Yields
-    ------
-    str
-        One line for each damaged file, and one for all dates.
-
+    Yields: one line for each damaged file, and one for all dates.
     OSError: a file that cannot be renamed, dated or removed.
     """
     paths = list(paths)
@@ -84,10 +77,7 @@ def _remove_abandoned(paths: Iterable[str]) -> None:
 def off_grid(studies: Iterable[Study]) -> Iterator[str]:
     """Set aside files of points that a grid has no more, and take back those that it has again.
 
-    Yields
-    ------
-    str
-        One line for each folder.
+    Yields: one line for each folder.
     """
     several = list(studies)
     planned = {path for study in several for job in study.jobs for path in job.made()}

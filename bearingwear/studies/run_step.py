@@ -34,15 +34,9 @@ def run_step(
 ) -> None:
     """Call the function of a step and write its outputs, each whole or not at all.
 
-    Parameters
-    ----------
-    step : str
-        `Step.run`.
-    inputs, settings : mapping
-        Keyword arguments: files, and all else.
-    workers : int
-        Processes, for a function that takes `workers`; they decide nothing.
-
+    step: `Step.run`.
+    inputs, settings: keyword arguments: files, and all else.
+    workers: processes, for a function that takes `workers`; they decide nothing.
     May raise StepError, CaseFileError, SceneError, OutputError.
     NotSolved: where the step itself fails; nothing is written.
     """

@@ -49,16 +49,10 @@ def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
     balls alone, as a batch out of tolerance does: grooves and their centres keep their places
     (theory.md Eq. 54).
 
-    Parameters
-    ----------
-    values : mapping
-        In the units of the keys. A wear coefficient or a hardness is that of the races; those of
-        the balls and of films change in proportion.
+    values: in the units of the keys. A wear coefficient or a hardness is that of the races; those
+        of the balls and of films change in proportion.
 
-    Returns
-    -------
-    Scene or None
-        None where the balls have become too large to touch both grooves without load.
+    Returns: none where the balls have become too large to touch both grooves without load.
     """
     blocks: dict[str, dict[str, Any]] = {}
     for name, value in values.items():

@@ -21,12 +21,8 @@ from bearingwear.studies.run_step import NotSolved
 def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
     """Step: says that all was solved, or fails. A map alone keeps the status of each life.
 
-    Parameters
-    ----------
-    paths : sequence of path
-        Study files and files of wear life.
-    unsolved_is : {"error", "warning"}
-        Whether the step fails, or says so on standard error.
+    paths: study files and files of wear life.
+    unsolved_is {"error", "warning"}: whether the step fails, or says so on standard error.
     """
     if not paths:
         return "no cases and lives but those of maps, which keep their status\n"
@@ -45,12 +41,8 @@ def verdict(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
 
     A life that no criterion ends is an answer, not a failure.
 
-    Returns
-    -------
-    checked : int
-        Number of cases and lives.
-    unsolved : list of str
-        One line for each that was not solved: which, and why.
+    Returns `checked`: number of cases and lives.
+    Returns `unsolved`: one line for each that was not solved: which, and why.
     """
     checked, unsolved = 0, []
     for path in map(Path, paths):

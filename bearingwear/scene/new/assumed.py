@@ -69,14 +69,8 @@ def size_of(
 ) -> Designation:
     """The size of a bearing, of which either the designation or the diameters [mm] are given.
 
-    Parameters
-    ----------
-    designation : str, optional
-    bore, outside : float, optional
-    maker : str, optional
-        One of `MAKERS`, in whose catalogue the designation is looked up.
-    angle : float, optional
-        Contact angle [degree], which tells apart bearings of one designation there.
+    maker: one of `MAKERS`, in whose catalogue the designation is looked up.
+    angle: contact angle [degree], which tells apart bearings of one designation there.
 
     SceneError where both or neither are given, or the diameters leave no room.
     """
@@ -116,17 +110,10 @@ def numbers_of(
 ) -> dict[str, Origin]:
     """Every number of `OPTIONS`, given, of a catalogue, or made by its rule.
 
-    Parameters
-    ----------
-    size : Designation
-        Of a bearing with a contact angle, unless it or a contact angle of 0 says otherwise.
-    given : mapping
-        By key of the scene, in its units.
-    clearance : str or float, optional
-        Group of radial clearance, or the clearance itself [um], of a deep groove bearing.
-    preload_class : str, optional
-        One of `PRELOAD_CLASSES`, or of the maker.
-    preload_method : str
+    size: of a bearing with a contact angle, unless it or a contact angle of 0 says otherwise.
+    given: by key of the scene, in its units.
+    clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
+    preload_class: one of `PRELOAD_CLASSES`, or of the maker.
 
     SceneError where numbers leave no room, or contradict each other.
     """

@@ -116,13 +116,9 @@ def entry_of(
 ) -> tuple[CatalogueBearing, str]:
     """A bearing by its maker's designation, and the suffixes that are not used.
 
-    Parameters
-    ----------
-    maker : str
-    designation : str
-        7010C, 7010CTYNDBLP4, SEA 60.
-    angle : float, optional
-        Contact angle [degree], where bearings of several have the designation; else the smallest.
+    designation: 7010C, 7010CTYNDBLP4, SEA 60.
+    angle: contact angle [degree], where bearings of several have the designation; else the
+        smallest.
 
     SceneError: one line that lists those with a name alike.
     """

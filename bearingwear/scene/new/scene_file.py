@@ -77,34 +77,21 @@ def scene_text(
 ) -> tuple[str, list[str]]:
     """A commented scene file, and a line for each thing in it that was not given.
 
-    Parameters
-    ----------
-    name : str
-        Of the scene.
-    bore, outside : float, optional
-        Diameters [mm], unless a designation says them.
-    given : mapping
-        What else is known, by key of the scene (those of `OPTIONS`), in its units.
-    ball_material, preload_method : str, optional
-        As in a scene. Bearing steel is assumed, and a constant force; a fixed position where a
-        maker's class of preload is taken, which is that of a rigid pair.
-    designation : str, optional
-        As in `designation_of`: 7008C, 608; with a maker as in its catalogue: 7010C, SEA 60.
-    clearance : str or float, optional
-        Radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance [um].
-    preload_class : str, optional
-        One of `PRELOAD_CLASSES`, or of the maker's classes, in place of a preload.
-    maker : str, optional
-        One of `catalogue.MAKERS`.
-    pair, film : str, optional
-        What rubs, of `coefficients.RUBBING`: wear, friction and their spread come from its sources.
+    name: of the scene.
+    bore, outside: diameters [mm], unless a designation says them.
+    given: what else is known, by key of the scene (those of `OPTIONS`), in its units.
+    ball_material, preload_method: as in a scene. Bearing steel is assumed, and a constant force; a
+        fixed position where a maker's class of preload is taken, which is that of a rigid pair.
+    designation: as in `designation_of`: 7008C, 608; with a maker as in its catalogue: 7010C, SEA
+        60.
+    clearance: radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance
+        [um].
+    preload_class: one of `PRELOAD_CLASSES`, or of the maker's classes, in place of a preload.
+    maker: one of `catalogue.MAKERS`.
+    pair, film: what rubs, of `coefficients.RUBBING`: wear, friction and their spread come from its
+        sources.
 
-    Returns
-    -------
-    text : str
-        A scene that passes `bearingwear check`.
-    assumed : list of str
-
+    Returns `text`: a scene that passes `bearingwear check`.
     SceneError: one line that names the option, what was given and what is allowed.
     """
     angle = given.get("bearing.contact_angle_deg")
@@ -194,11 +181,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
 
     The scene has no name of its own, so a copy is named as its file.
 
-    Returns
-    -------
-    list of str
-        What was assumed, a line each.
-
+    Returns: what was assumed, a line each.
     SceneError: as `scene_text`.
     OutputError: the file's name is no name of a scene, it is there already, or cannot be
     written.

@@ -75,10 +75,7 @@ def cage_drawn(
 ) -> CageDraw:
     """The draw of a run of an ensemble.
 
-    Parameters
-    ----------
-    spread : mapping
-        Of the new cage, as `cage_spread` has it.
+    spread: of the new cage, as `cage_spread` has it.
     """
     random = np.random.default_rng([plan.seed, run])
     offset, angle, whirl, about = random.random(4)

@@ -166,17 +166,10 @@ def ensemble_of(
 ) -> xr.Dataset:
     """Runs of a scene's cage until the interval asked for is met, or all have been made.
 
-    Parameters
-    ----------
-    workers : int
-        Processes; they change nothing but the time.
-    tell : callable, optional
-        Given a line every few seconds.
-    before : Dataset, optional
-        An ensemble to go on from. That of another scene or plan is not used.
-    journal : path, optional
-        File that the ensemble will be written to, beside which runs are kept till then.
-
+    workers: processes; they change nothing but the time.
+    tell: given a line every few seconds.
+    before: an ensemble to go on from. That of another scene or plan is not used.
+    journal: file that the ensemble will be written to, beside which runs are kept till then.
     May raise SceneError.
     """
     solved = ensemble_scene(scene)
@@ -288,11 +281,7 @@ def cage_ensemble(
 ) -> xr.Dataset:
     """Step: the ensemble of a scene with other values.
 
-    Parameters
-    ----------
-    changes : mapping
-        Keys of the scene to set.
-    ensemble : mapping
-        `Ensemble` by its fields.
+    changes: keys of the scene to set.
+    ensemble: `Ensemble` by its fields.
     """
     return ensemble_of(variant(scene, changes), Ensemble(**ensemble), workers)

@@ -27,11 +27,8 @@ def cage_found(
 ) -> xr.Dataset:
     """The ensemble of a cage, and its life if that is asked for.
 
-    Parameters
-    ----------
-    path : path, optional
-        File to write. What is killed goes on from there. Ensembles along the life stand beside it,
-        NAME-1.nc and so on.
+    path: file to write. What is killed goes on from there. Ensembles along the life stand beside
+        it, NAME-1.nc and so on.
 
     May raise SceneError.
     """

@@ -44,14 +44,9 @@ CAGE_AXES = {
 def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]) -> xr.Dataset:
     """Step: the ensembles of all cages.
 
-    Parameters
-    ----------
-    scene : path
-        That has all that is not varied.
-    paths : sequence of path
-        In the order of `CagePlan.points`.
-    plan : mapping
-        `CagePlan` as plain data.
+    scene: that has all that is not varied.
+    paths: in the order of `CagePlan.points`.
+    plan: `CagePlan` as plain data.
     """
     checked = CagePlan(**plan)
     parts = [load(path) for path in paths]

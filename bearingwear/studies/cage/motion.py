@@ -34,16 +34,10 @@ class CagePath:
 def path_of(place: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
     """Motion of a cage over a stretch.
 
-    Parameters
-    ----------
-    place : ndarray of complex
-        Its centre from the axis of what guides it, Y + i Z, at even instants [m].
-    turns : float
-        Of the shaft from one instant to the next.
-    power : float
-        Normal force times slip in pockets and at the land, the mean [W].
-    ball_ratio : float
-        Orbit rate of the balls over the shaft's.
+    place: its centre from the axis of what guides it, Y + i Z, at even instants [m].
+    turns: of the shaft from one instant to the next.
+    power: normal force times slip in pockets and at the land, the mean [W].
+    ball_ratio: orbit rate of the balls over the shaft's.
     """
     distance = np.abs(place)
     # The angle from one instant to the next, by its area: noise about the axis counts little.

@@ -86,12 +86,8 @@ def placed(system: DynamicSystem, start: CageStart) -> None:
 def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
     """Values of `CAGE_RUN` of one start; a run whose energy account stays open is repeated.
 
-    Parameters
-    ----------
-    scene : Scene
-        Solved with its cage, at the temperatures that it has.
-    least_turns, most_turns : int
-        Shaft turns, multiples of `STRETCH`.
+    scene: solved with its cage, at the temperatures that it has.
+    least_turns, most_turns: shaft turns, multiples of `STRETCH`.
     """
     model = replace(
         scene.model,

@@ -35,10 +35,7 @@ def lives_beside(
 ) -> xr.Dataset:
     """Step: lives at the recommended preloads of a scene, with other assumptions.
 
-    Parameters
-    ----------
-    cases : mapping
-        Of each name `words`, and `set`, the keys of the scene that are changed.
+    cases: of each name `words`, and `set`, the keys of the scene that are changed.
     """
     found = recommended_for(life_scene(scene), load(recommendation))
     limits = limits_of(found)

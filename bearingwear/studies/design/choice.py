@@ -53,11 +53,7 @@ ACTIVE_LIMIT = Variable(
 def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset:
     """Step: all parts of a map as one dataset, with the best preload of every line of it.
 
-    Parameters
-    ----------
-    limits : mapping
-        `DesignLimits` by their names.
-
+    limits: `DesignLimits` by their names.
     CaseFileError: no part of a map, parts that do not belong together, or parts missing.
     """
     found = {path: load(path) for path in parts}
@@ -128,16 +124,10 @@ def best_within(
     neighbouring preload whose life is longer: the limit passed there by most, the end of the range,
     a neighbour that was not solved, or nothing (the life itself is longest there).
 
-    Parameters
-    ----------
-    basis : int
-        Index along the loss basis.
+    basis: index along the loss basis.
 
-    Returns
-    -------
-    index, active : DataArray
-        Over the dimensions of the map but `preload`; index -1 where no preload is within the
-        limits.
+    Returns `index, active`: over the dimensions of the map but `preload`; index -1 where no preload
+        is within the limits.
     """
     others = [str(dim) for dim in design["status"].dims if dim != "preload"]
     order = (*others, "preload")
@@ -166,12 +156,8 @@ def best_within(
 def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     """Which limits no preload of a line keeps to, and how near one comes.
 
-    Parameters
-    ----------
-    line : Dataset
-        Over `preload` alone, none of which is within the limits.
-    basis : int
-        Index along the loss basis.
+    line: over `preload` alone, none of which is within the limits.
+    basis: index along the loss basis.
     """
     solved = (line["status"] == OK).values
     alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)

@@ -44,10 +44,7 @@ def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene
 def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
     """Step: `check_scene` as a scene file.
 
-    Parameters
-    ----------
-    times : float
-        Factor of the recommended preload.
+    times: factor of the recommended preload.
     """
     base = life_scene(scene)
     plain = check_scene(base, load(recommendation), times).to_dict()

@@ -140,19 +140,13 @@ NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     """One life by the steady model, and the extremes along it.
 
-    Parameters
-    ----------
-    scene : Scene
-        With a steady state and an end of life.
-    slip_limit : float, optional
-        Gyroscopic slip share whose passing is timed.
+    scene: with a steady state and an end of life.
+    slip_limit: gyroscopic slip share whose passing is timed.
 
-    Returns
-    -------
-    dict
-        Values of `POINT` by their names, SI. Where the status is not ok: `status`, `end_criterion`,
-        `solves` and `failed_solves` alone. `life` and `time_to_slip_limit` are (2,) [s], by both
-        ways of counting wear; the latter is infinite where the share stays below its limit.
+    Returns: values of `POINT` by their names, SI. Where the status is not ok: `status`,
+        `end_criterion`, `solves` and `failed_solves` alone. `life` and `time_to_slip_limit` are
+        (2,) [s], by both ways of counting wear; the latter is infinite where the share stays below
+        its limit.
     """
     lives = HertzianLives(scene)
     one = lives(scene)
@@ -184,13 +178,9 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
 
     Where races do not count, they do not wear: that life is the same with both.
 
-    Parameters
-    ----------
-    scene, slip_limit
-        As of `life_point`.
-    quick : bool
-        Whether worn grooves have the cells and steps of a quick life, not those of `life`; the life
-        with the Hertzian ones is left out.
+    scene, slip_limit: as of `life_point`.
+    quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
+        life with the Hertzian ones is left out.
     """
     if scene.cases:
         each = scene.in_cases.values()
@@ -327,16 +317,10 @@ def map_part(
 ) -> xr.Dataset:
     """Step: lives over preload and speed, for one method and one friction coefficient.
 
-    Parameters
-    ----------
-    method : str
-        How the preload is applied.
-    friction : float
-        Coefficient of ball and race [1].
-    shaft_speed_rpm, preload_N : sequence of float
-        Axes of the map.
-    slip_limit : float, optional
-        Gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
+    method: how the preload is applied.
+    friction: coefficient of ball and race [1].
+    shaft_speed_rpm, preload_N: axes of the map.
+    slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
     axes = method, friction, shaft_speed_rpm, preload_N
     base = life_scene(scene)

@@ -35,24 +35,12 @@ _SAME = 1e-9
 
 @dataclass(frozen=True)
 class Tried:
-    """A preload whose life was solved.
+    """A preload whose life was solved."""
 
-    Attributes
-    ----------
-    preload : float
-        [N]
-    values : mapping
-        As of `followed_point`.
-    life : float
-        [s]; zero where it was not solved.
-    exact : bool
-        Whether it is the life that is printed, not a quick one.
-    """
-
-    preload: float
-    values: Mapping[str, Any]
-    life: float
-    exact: bool
+    preload: float  # [N]
+    values: Mapping[str, Any]  # as of `followed_point`
+    life: float  # [s]; zero where it was not solved
+    exact: bool  # whether it is the life that is printed, not a quick one
 
     @property
     def solved(self) -> bool:
@@ -67,27 +55,13 @@ class Tried:
 
 
 class Guess(NamedTuple):
-    """Known lives at preloads: those tried, and bounds between them from new bearings.
+    """Known lives at preloads: those tried, and bounds between them from new bearings."""
 
-    Attributes
-    ----------
-    x : ndarray (n,)
-        Logarithm of the preload [N].
-    life : ndarray (n,)
-        [s]; zero where it is not known.
-    room : ndarray (limits + 1, n)
-        How far the limits are, as `_room`.
-    spread : ndarray (limits + 1, n)
-        By how much that may be more between two preloads.
-    at : dict
-        Places by the preloads tried.
-    """
-
-    x: np.ndarray
-    life: np.ndarray
-    room: np.ndarray
-    spread: np.ndarray
-    at: Mapping[float, int]
+    x: np.ndarray  # (n,) logarithm of the preload [N]
+    life: np.ndarray  # (n,) [s]; zero where it is not known
+    room: np.ndarray  # (limits + 1, n) how far the limits are, as `_room`
+    spread: np.ndarray  # (limits + 1, n) by how much that may be more between two preloads
+    at: Mapping[float, int]  # places by the preloads tried
 
 
 class Neighbours(NamedTuple):
@@ -251,26 +225,15 @@ def denser(preloads: Sequence[float], margins: Sequence[np.ndarray]) -> list[flo
 
 @dataclass
 class PreloadLine:
-    """Lives of one method over preload.
-
-    Attributes
-    ----------
-    method : str
-    basis : int
-        Index along the loss basis.
-    new : mapping, optional
-        What `new_point` finds at many preloads, as arrays, and these as `preload` [N]: it shows
-        where limits are met between the preloads tried.
-    tried : dict
-        By preload [N].
-    ahead : sequence of float
-        Preloads of the map, whose lives are solved where limits need them [N].
-    """
+    """Lives of one method over preload."""
 
     method: str
-    basis: int
+    basis: int  # index along the loss basis
+    # what `new_point` finds at many preloads, as arrays, and these as `preload` [N]: it shows where
+    # limits are met between the preloads tried
     new: Mapping[str, np.ndarray] | None = None
-    tried: dict[float, Tried] = field(default_factory=dict)
+    tried: dict[float, Tried] = field(default_factory=dict)  # by preload [N]
+    # preloads of the map, whose lives are solved where limits need them [N]
     ahead: Sequence[float] = ()
     _guesses: dict[DesignLimits, Guess] = field(default_factory=dict)
 

@@ -115,12 +115,8 @@ def small_map(
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Step: a map and the preload to take of it.
 
-    Parameters
-    ----------
-    axes, limits : mapping
-        `MapAxes` and `DesignLimits` by their names.
-    workers : int
-        As of `mapped`.
+    axes, limits: `MapAxes` and `DesignLimits` by their names.
+    workers: as of `mapped`.
     """
 
     def tell(text: str) -> None:
@@ -139,14 +135,9 @@ def mapped(
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """A map and the preload to take of it.
 
-    Parameters
-    ----------
-    workers : int
-        Processes that share the lives, where these take long.
-    tell : callable, optional
-        Given a line of text now and then, where lives take long.
-    quick : bool
-        Whether the lives of the map are but a guide to the best preload within limits. They are
+    workers: processes that share the lives, where these take long.
+    tell: given a line of text now and then, where lives take long.
+    quick: whether the lives of the map are but a guide to the best preload within limits. They are
         solved where these need them, and none is in the map.
     """
     slip_limit = limits.gyroscopic_slip_share
@@ -184,15 +175,9 @@ def recommendation(
     The map shows where to look. What is recommended, and where the choice is reversed, comes from
     lives as `life` prints them, at the preloads that are named.
 
-    Parameters
-    ----------
-    design : Dataset
-        The map.
-    each : callable
-        `map`, or one whose calls share processes.
-    tell : callable, optional
-        Given a line of text now and then.
-
+    design: the map.
+    each: `map`, or one whose calls share processes.
+    tell: given a line of text now and then.
     CaseFileError: where the map is of another scene or does not hold its friction and speed.
     """
     if json.loads(design.attrs["scene"]) != scene.to_dict():
@@ -215,27 +200,18 @@ def recommendation(
 
 @dataclass(frozen=True)
 class Search:
-    """The best preloads of a scene within limits, and how far the choice of the method holds.
-
-    Attributes
-    ----------
-    each : callable
-        `map`, or one whose calls share processes.
-    """
+    """The best preloads of a scene within limits, and how far the choice of the method holds."""
 
     scene: Scene
     limits: DesignLimits
     basis: int
-    each: Callable[..., Iterator[Any]]
+    each: Callable[..., Iterator[Any]]  # `map`, or one whose calls share processes
     tell: Tell
 
     def answers(self, lines: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, str], xr.Dataset]:
         """Best point of each method, reasons for none, and robustness of the choice.
 
-        Parameters
-        ----------
-        lines : Dataset
-            Lives over `preload_method` and `preload`.
+        lines: lives over `preload_method` and `preload`.
         """
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)

@@ -46,17 +46,10 @@ _LARGEST_SHARE = 0.999
 
 @dataclass(frozen=True, kw_only=True)
 class Assumption:
-    """Range of an assumption.
+    """Range of an assumption."""
 
-    Attributes
-    ----------
-    name : str
-        Its key.
-    now, low, high : float
-        Its value, and the ends between which the same method lasts longer; NaN for none found.
-    """
-
-    name: str
+    name: str  # its key
+    # its value, and the ends between which the same method lasts longer; NaN for none found
     now: float
     low: float = math.nan
     high: float = math.nan
@@ -99,18 +92,11 @@ def reversal(
 ) -> float:
     """The factor at which a choice is reversed; NaN where it is not, or not known before.
 
-    Parameters
-    ----------
-    guide : callable
-        Close to `advantage`, and cheaper: it shows where to look.
-    advantage : callable
-        Solved on both sides of what is returned, closer together than `to`.
-    factors : sequence of float
-        Going away from 1, where the choice stands.
-    to : float
-        Relative: how well it is found.
-    now : float, optional
-        The advantage at 1, where it is known.
+    guide: close to `advantage`, and cheaper: it shows where to look.
+    advantage: solved on both sides of what is returned, closer together than `to`.
+    factors: going away from 1, where the choice stands.
+    to: relative: how well it is found.
+    now: the advantage at 1, where it is known.
     """
     known = {0.0: guide(1.0) if now is None else now}
     last = 0.0
@@ -246,16 +232,10 @@ def criteria_room(
 
     By quick lives, times what those of the scenes are over their own quick ones.
 
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        With the preloads to compare, which stay as they are.
-    lives : sequence of float
-        Of the scenes [s].
-    basis : int
-        Index along the loss basis.
-    first : int
-        Which of them lasts longer.
+    scenes: with the preloads to compare, which stay as they are.
+    lives: of the scenes [s].
+    basis: index along the loss basis.
+    first: which of them lasts longer.
     """
     end = scenes[0].wear.end_of_life or EndOfLife()
     most = {name: _largest(name, limit) for name, limit in end.criteria.items()}
@@ -298,10 +278,7 @@ def friction_room(
 ) -> list[Assumption]:
     """Range of friction, and of the wear coefficient, which scales all lives.
 
-    Parameters
-    ----------
-    scenes, lives, basis, first
-        As of `criteria_room`.
+    scenes, lives, basis, first: as of `criteria_room`.
     """
     mu = scenes[0].friction.coefficient
     part = key_of_scene(FRICTION_KEY)
@@ -357,10 +334,7 @@ def lives_by_track(
 ) -> np.ndarray:
     """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove.
 
-    Parameters
-    ----------
-    lives : sequence of float
-        By the tracks of the scenes [s].
+    lives: by the tracks of the scenes [s].
     """
     found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
     tracks = [

@@ -39,20 +39,13 @@ Asking = Generator[list[Request], None, Any]
 
 @dataclass(frozen=True)
 class Found:
-    """The best preload of a line within limits.
-
-    Attributes
-    ----------
-    best : Tried
-    cliff : Tried, optional
-        The nearest preload whose life is shorter by more than a tenth, if that is within `BESIDE`.
-    clear : Tried, optional
-        The preload within the limits that keeps so far away from it; the best itself where that
-        costs next to nothing.
-    """
+    """The best preload of a line within limits."""
 
     best: Tried
+    # the nearest preload whose life is shorter by more than a tenth, if that is within `BESIDE`
     cliff: Tried | None = None
+    # the preload within the limits that keeps so far away from it; the best itself where that costs
+    # next to nothing
     clear: Tried | None = None
 
 
@@ -172,10 +165,7 @@ def answered(
     They go on in turns, each with the lives it asked for, so that the result does not depend on
     how many processes solve them.
 
-    Parameters
-    ----------
-    solve : callable
-        Of requests, what `followed_point` finds for each.
+    solve: of requests, what `followed_point` finds for each.
     """
     found: dict[int, Any] = {}
     wanted: dict[int, list[Request]] = {}

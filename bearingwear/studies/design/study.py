@@ -50,15 +50,9 @@ def study(config: Mapping[str, Any]) -> DesignStudy:
 class DesignStudy(Study):
     """A map of lives, the preload to take, and a check of it by the dynamic model.
 
-    Parameters
-    ----------
-    plan : DesignPlan
-    sampled : sequence of str
-        Scenes whose lives the study of uncertainty samples.
-    studied : sequence of str
-        Scenes of the main study; their small maps are a part of it.
-    spread : mapping, optional
-        Of which of these `scenes` lives are sampled, from how many `samples`, by which `seed`.
+    sampled: scenes whose lives the study of uncertainty samples.
+    studied: scenes of the main study; their small maps are a part of it.
+    spread: of which of these `scenes` lives are sampled, from how many `samples`, by which `seed`.
     """
 
     def __init__(

@@ -51,12 +51,8 @@ def verdict_on(
 ) -> int:
     """Index into `VERDICTS`: whether one of two methods is preferred.
 
-    Parameters
-    ----------
-    lives, errors : sequence of float
-        Life and its relative numerical error of each method.
-    tracks : ndarray
-        As `lives_by_track`.
+    lives, errors: life and its relative numerical error of each method.
+    tracks: as `lives_by_track`.
     """
     better = longer(lives) if len(lives) == 2 else None
     if better is None:

@@ -112,10 +112,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
     Two methods whose lives differ by less than their estimated numerical errors together count as
     equal.
 
-    Parameters
-    ----------
-    scene : mapping
-        The first scene, as its file states it.
+    scene: the first scene, as its file states it.
     """
     name = lives[0].scene
     here = [life for life in lives if life.scene == name]

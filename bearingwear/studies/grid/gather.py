@@ -31,18 +31,12 @@ _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", 
 def study(paths: Iterable[str | Path]) -> xr.Dataset:
     """Gather the cases of one scene.
 
-    Parameters
-    ----------
-    paths : iterable of path
-        Case files, or chunks of many cases: every point of a grid once. The grid is what the files
-        say it is.
+    paths: case files, or chunks of many cases: every point of a grid once. The grid is what the
+        files say it is.
 
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions `preload_method` (flags, in the order of `scene.PRELOAD_METHODS`), `friction`,
-        `ball_diameter_loss` [um], then those of the case. Of a case whose status is not ok, the
-        status and the other flags stay and every number is NaN.
+    Returns: dimensions `preload_method` (flags, in the order of `scene.PRELOAD_METHODS`),
+        `friction`, `ball_diameter_loss` [um], then those of the case. Of a case whose status is not
+        ok, the status and the other flags stay and every number is NaN.
 
     CaseFileError: the file that is missing, truncated, foreign, of another scene, of
     another version of the solver, or there twice; or the case that is missing.
@@ -65,21 +59,13 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
 
 @dataclass
 class _Read:
-    """Contents of the files read so far.
+    """Contents of the files read so far."""
 
-    Attributes
-    ----------
-    files : dict
-        The file of each case, in the order read.
-    first : dict
-        Attributes of the first file; `scene` is what all cases share.
-    warnings : str
-        Those of all, each once.
-    """
-
+    # the file of each case, in the order read
     files: dict[Case, Path] = field(default_factory=dict)
+    # attributes of the first file; `scene` is what all cases share
     first: dict[str, Any] = field(default_factory=dict)
-    warnings: str = "[]"
+    warnings: str = "[]"  # those of all, each once
 
     def each(self, paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
         """Read file by file; refuse what does not belong to the others."""
@@ -121,10 +107,7 @@ def _on_grid(whole: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset
 def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     """Cases of one scene along the dimension `case`, with their places on the axes of the study.
 
-    Parameters
-    ----------
-    datasets : iterable of Dataset
-        What the case files would hold, in the same order.
+    datasets: what the case files would hold, in the same order.
     """
     attributes: dict[str, Any] = {}
     warnings = "[]"

@@ -19,21 +19,11 @@ Line = tuple[str, float]
 
 @dataclass(frozen=True)
 class Case:
-    """One point of the grid.
+    """One point of the grid."""
 
-    Attributes
-    ----------
-    preload_method : str
-        One of `scene.PRELOAD_METHODS`.
-    friction : float
-        Ball/race friction coefficient [1].
-    ball_diameter_loss_um : float
-        State of wear the case is solved at [um].
-    """
-
-    preload_method: str
-    friction: float
-    ball_diameter_loss_um: float
+    preload_method: str  # one of `scene.PRELOAD_METHODS`
+    friction: float  # ball/race friction coefficient [1]
+    ball_diameter_loss_um: float  # state of wear the case is solved at [um]
 
     @property
     def id(self) -> str:

@@ -63,21 +63,13 @@ def interpolated_life(
 ) -> xr.Dataset:
     """Wear life from the cases along one line of the grid.
 
-    Parameters
-    ----------
-    line : Dataset
-        One preload method and friction coefficient of a study: cases over `ball_diameter_loss`.
+    line: one preload method and friction coefficient of a study: cases over `ball_diameter_loss`.
         What lies behind the first case that was not solved is not used.
-    criteria : mapping
-        Limits by the names of `CRITERIA`; those that the cases do not hold (`known_of`) are not
-        looked at.
-    preload_N : float
-        Initial preload [N].
+    criteria: limits by the names of `CRITERIA`; those that the cases do not hold (`known_of`) are
+        not looked at.
+    preload_N: initial preload [N].
 
-    Returns
-    -------
-    Dataset
-        interpolated_life [h] over `counts`, NaN where no criterion is met on the line;
+    Returns: interpolated_life [h] over `counts`, NaN where no criterion is met on the line;
         interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over
         `interpolated_step` up to the end.
     """

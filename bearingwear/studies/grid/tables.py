@@ -34,12 +34,8 @@ AXES = {
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
     """Step: the numbers of a scene as CSV, and the few that matter as Markdown.
 
-    Parameters
-    ----------
-    study, lives : path
-        Of one scene.
-    uncertainty : sequence of path
-        How its lives spread, where that is known.
+    study, lives: of one scene.
+    uncertainty: how its lives spread, where that is known.
     """
     cases = loaded(study, ball_diameter_loss=())
     known = [load_quantiles(path) for path in uncertainty]

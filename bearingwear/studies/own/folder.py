@@ -30,15 +30,9 @@ def write_study(
 ) -> None:
     """Write the configuration of a study of a scene, and the scene, into a folder.
 
-    Parameters
-    ----------
-    file : path
-        The scene.
-    folder : path
-        New, empty, or of an earlier call for this scene.
-    instead : path, optional
-        Where to write in its place.
-
+    file: the scene.
+    folder: new, empty, or of an earlier call for this scene.
+    instead: where to write in its place.
     May raise SceneError, UsageError, OutputError.
     """
     from bearingwear.scene.checking.strict_yaml import text_of

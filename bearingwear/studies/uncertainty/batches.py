@@ -62,10 +62,8 @@ def sizes(samples: int) -> tuple[int, int]:
 class Batches:
     """The same bearings in each of several batches: a sample in two stages.
 
-    Attributes
-    ----------
-    rows : (batches * bearings, values) ndarray
-        Where lives are asked for; what is not known of wear scales them and is as in the scene.
+    rows (batches * bearings, values): where lives are asked for; what is not known of wear scales
+        them and is as in the scene.
     """
 
     def __init__(self, scene: Scene, plan: Sampling):
@@ -108,14 +106,9 @@ def quantiles_with_error(
     The error is that of a bootstrap, which draws batches and bearings anew, each with replacement.
     It takes them for independent; a Sobol sequence is spread more evenly, so it is rather large.
 
-    Parameters
-    ----------
-    hours : ndarray
-        NaN where a life was not solved.
-    factor : ndarray (draws,) or (batches, draws)
-        Of the lives of a batch, which has each of them.
-    known : Stated
-        Of the lives; the error includes theirs.
+    hours: NaN where a life was not solved.
+    factor (draws,) or (batches, draws): of the lives of a batch, which has each of them.
+    known: of the lives; the error includes theirs.
     """
     some = np.isfinite(hours).any(axis=(1, 2))
     solved = hours[some]

@@ -67,12 +67,8 @@ _NONE = -60.0  # logarithm of a life that is over when new
 class Calibration:
     """Results of tests on a scene.
 
-    Attributes
-    ----------
-    scene : Scene
-        With the friction, the wear coefficients and their distributions that the tests leave.
-    data : Dataset
-        Densities, lives and tests, before and after: what `bearingwear show` and `plot` take.
+    scene: with the friction, the wear coefficients and their distributions that the tests leave.
+    data: densities, lives and tests, before and after: what `bearingwear show` and `plot` take.
     """
 
     def __init__(self, scene: Scene, data: xr.Dataset):
@@ -95,20 +91,11 @@ def files_of(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class Curve:
-    """The logarithm of a life [h] or a torque [N m] of the median bearing, by ln mu.
-
-    Attributes
-    ----------
-    model : callable
-    error : float
-        Largest of the interpolation, where it was checked.
-    scatter : float
-        Standard deviation between the bearings of a batch.
-    """
+    """The logarithm of a life [h] or a torque [N m] of the median bearing, by ln mu."""
 
     model: LogModel
-    error: float
-    scatter: float
+    error: float  # largest of the interpolation, where it was checked
+    scatter: float  # standard deviation between the bearings of a batch
 
 
 def calibrated(
@@ -119,16 +106,10 @@ def calibrated(
 ) -> Calibration:
     """A scene calibrated by the tests of a CSV file.
 
-    Parameters
-    ----------
-    scene : Scene
-        With an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
+    scene: with an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
         then that of the table of coefficients is taken.
-    workers : int
-        Processes that share the lives.
-    tell : callable, optional
-        Given a line of progress before each condition.
-
+    workers: processes that share the lives.
+    tell: given a line of progress before each condition.
     SceneError, CaseFileError: the scene lacks a distribution, or a row is wrong.
     """
     scene, said = with_usual_spread(for_life(scene))

@@ -90,20 +90,12 @@ def calibration_dataset(
 ) -> xr.Dataset:
     """A calibration as a file.
 
-    Parameters
-    ----------
-    scene : Scene
-        As calibrated.
-    unit : float
-        K_s/H of the scene before [m2/N].
-    stages : pair of Posterior
-        Before and after.
-    life : callable
-        `LogModel` of the scene.
-    scatter, error : float
-        Of the log life of the scene.
-    tests, seen, probabilities : sequence
-        Of each test.
+    scene: as calibrated.
+    unit: K_s/H of the scene before [m2/N].
+    stages: before and after.
+    life: `LogModel` of the scene.
+    scatter, error: of the log life of the scene.
+    tests, seen, probabilities: of each test.
     """
     found = _of_stages(unit, stages, life, scatter)
     found |= {"interpolation_error": error} | _of_tests(tests, seen, probabilities, stages[0])

@@ -22,33 +22,15 @@ TEST_COLUMNS = (*SEEN, _AFTER, _COUNT, _ERROR)
 
 @dataclass(frozen=True, kw_only=True)
 class BearingTest:
-    """One row of the file.
+    """One row of the file."""
 
-    Attributes
-    ----------
-    row : int
-        Its line in the file.
-    scene : Scene
-        Under the conditions of the test.
-    seen : str
-        One of `SEEN`.
-    value : float
-        In the unit of its column.
-    after : float
-        When that was seen; of a life or a run-out, the value itself [h].
-    count : int
-        Bearings of this outcome.
-    error : float
-        Standard error of the measurement, relative.
-    """
-
-    row: int
-    scene: Scene
-    seen: str
-    value: float
-    after: float
-    count: int
-    error: float
+    row: int  # its line in the file
+    scene: Scene  # under the conditions of the test
+    seen: str  # one of `SEEN`
+    value: float  # in the unit of its column
+    after: float  # when that was seen; of a life or a run-out, the value itself [h]
+    count: int  # bearings of this outcome
+    error: float  # standard error of the measurement, relative
 
 
 def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:

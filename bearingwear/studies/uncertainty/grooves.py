@@ -52,29 +52,15 @@ LivesAsked = tuple[Scene, Sequence[str], np.ndarray]
 
 @dataclass(frozen=True, kw_only=True)
 class FoundLives:
-    """Lives at some places.
+    """Lives at some places."""
 
-    Attributes
-    ----------
-    life : (n, 2) ndarray
-        By both ways of counting wear [s]; NaN where it was not solved.
-    status, end_criterion : (n,) ndarray
-    solved : int
-        Lives that were solved with Hertzian grooves; others are interpolated.
-    known : Stated
-        Of those interpolated; zero where all were solved.
-    followed : int
-        Lives whose grooves were followed.
-    worn : Stated
-        Likewise, of lives with worn grooves; NaN where none was followed.
-    """
-
-    life: np.ndarray
-    status: np.ndarray
+    life: np.ndarray  # (n, 2) by both ways of counting wear [s]; NaN where it was not solved
+    status: np.ndarray  # (n,)
     end_criterion: np.ndarray
-    solved: int
-    known: Stated
-    followed: int = 0
+    solved: int  # lives that were solved with Hertzian grooves; others are interpolated
+    known: Stated  # of those interpolated; zero where all were solved
+    followed: int = 0  # lives whose grooves were followed
+    # likewise, of lives with worn grooves; NaN where none was followed
     worn: Stated = Stated(np.nan, np.nan)
 
 
@@ -87,10 +73,7 @@ def found_lives(
 ) -> FoundLives:
     """Lives of a scene at values (n, names), with the grooves that `life` would follow.
 
-    Parameters
-    ----------
-    workers : int
-        Processes that share the lives.
+    workers: processes that share the lives.
     """
     ahead = {"quantiles": (1.0, _QUANTILES_COST * len(places))}
     ahead[_QUICK] = LEAST_SOUGHT + fewest(len(places), *HERTZIAN), 1.0

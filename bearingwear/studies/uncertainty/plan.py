@@ -78,13 +78,8 @@ def uncertain_scene(
 ) -> Scene:
     """A scene whose lives can be sampled: `life_scene`, with distributions.
 
-    Parameters
-    ----------
-    path, settings
-        As of `life_scene`.
-    tell : callable, optional
-        Given what distributions are taken where the scene has none.
-
+    path, settings: as of `life_scene`.
+    tell: given what distributions are taken where the scene has none.
     May raise SceneError.
     """
     scene, source = life_scene(path, settings, films=True), os.fspath(path)

@@ -58,29 +58,14 @@ class Prior(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Observation:
-    """The logarithm of what was seen of one or several bearings.
-
-    Attributes
-    ----------
-    seen : float
-    model : callable
-        See `LogModel`.
-    scatter : float
-        Standard deviation between bearings, with that of the measurement.
-    of_wear : bool
-        A life, or a loss as the time it took; else a torque.
-    censored : bool
-        It had not ended by then.
-    count : int
-        How many bearings of the same outcome.
-    """
+    """The logarithm of what was seen of one or several bearings."""
 
     seen: float
-    model: LogModel
-    scatter: float
-    of_wear: bool = True
-    censored: bool = False
-    count: int = 1
+    model: LogModel  # see `LogModel`
+    scatter: float  # standard deviation between bearings, with that of the measurement
+    of_wear: bool = True  # a life, or a loss as the time it took; else a torque
+    censored: bool = False  # it had not ended by then
+    count: int = 1  # how many bearings of the same outcome
 
     def deviate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Measured less predicted value (x, y), in standard deviations."""
@@ -95,18 +80,11 @@ class Observation:
 
 @dataclass(frozen=True)
 class Posterior:
-    """Shares of probability on a grid of x and y.
+    """Shares of probability on a grid of x and y."""
 
-    Attributes
-    ----------
-    x : (n,) ndarray
-    y : (m,) ndarray
-    density : (n, m) ndarray
-        Of y, times the share of each x: its integral over y and sum over x is 1.
-    """
-
-    x: np.ndarray
-    y: np.ndarray
+    x: np.ndarray  # (n,)
+    y: np.ndarray  # (m,)
+    # (n, m) of y, times the share of each x: its integral over y and sum over x is 1
     density: np.ndarray
     _integral: CubicSpline = field(init=False, repr=False, compare=False)
 
@@ -152,10 +130,7 @@ class Posterior:
     def median_quantile(self, model: LogModel, probability: float, deviates: float = 0.0) -> float:
         """Quantile, over what is not known of the batch, of a quantile over its bearings.
 
-        Parameters
-        ----------
-        deviates : float
-            Logarithm of that quantile over the bearings, less that of their median.
+        deviates: logarithm of that quantile over the bearings, less that of their median.
         """
         m = model(self.x)
         ends = float(m.min() - self.y[-1]) - 1.0, float(m.max() - self.y[0]) + 1.0

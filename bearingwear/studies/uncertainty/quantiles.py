@@ -70,13 +70,8 @@ def quantiles_and_indices(
 ) -> xr.Dataset:
     """Step: quantiles of life and Sobol indices of its logarithm, from all parts of a sample.
 
-    Parameters
-    ----------
-    parts : sequence of path
-        Sampled lives.
-    sampling : mapping
-        `Sampling` by its fields.
-
+    parts: sampled lives.
+    sampling: `Sampling` by its fields.
     CaseFileError: a file that is no such part, of another scene or sampling, or parts missing.
     """
     problem_scene, plan = uncertain_scene(scene), Sampling(**sampling)
@@ -130,18 +125,11 @@ def life_quantiles(
 ) -> xr.Dataset:
     """Step: quantiles of the life at a scene's own preload.
 
-    Parameters
-    ----------
-    friction : float, optional
-        Coefficient of ball and race, if not the scene's own [1].
-    methods : sequence of str, optional
-        Preload methods, if not the scene's own alone.
-    samples : int
-        Half of the number of lives, a power of two.
-    workers : int
-        Processes that follow grooves.
-    tell : callable, optional
-        What takes lines of progress.
+    friction: coefficient of ball and race, if not the scene's own [1].
+    methods: preload methods, if not the scene's own alone.
+    samples: half of the number of lives, a power of two.
+    workers: processes that follow grooves.
+    tell: what takes lines of progress.
     """
     try:
         plan = record(Sampling, {"samples": samples, "seed": seed})
@@ -174,10 +162,7 @@ def recommended_life_quantiles(
 ) -> xr.Dataset:
     """Step: quantiles of the life at the recommended preload of each method that has one.
 
-    Parameters
-    ----------
-    samples, seed : int
-        As of `life_quantiles`.
+    samples, seed: as of `life_quantiles`.
     """
     base, found = uncertain_scene(scene), load(recommendation)
     preloads = {

@@ -153,18 +153,11 @@ def sampled_lives(
 ) -> xr.Dataset:
     """Step: one part of the sampled lives.
 
-    Parameters
-    ----------
-    method : str
-        How the preload is applied.
-    preload_choice : str
-        `own` or `recommended`.
-    chunk : int
-        Number of the part, from 0.
-    sampling : mapping
-        `Sampling` by its fields.
-    recommendation : path, optional
-        Of the design study, for the recommended preload.
+    method: how the preload is applied.
+    preload_choice: `own` or `recommended`.
+    chunk: number of the part, from 0.
+    sampling: `Sampling` by its fields.
+    recommendation: of the design study, for the recommended preload.
     """
     plan = Sampling(**sampling)
     if not 0 <= chunk < plan.chunks:

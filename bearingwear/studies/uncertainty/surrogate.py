@@ -66,10 +66,7 @@ def monomials(x: np.ndarray, degree: int) -> np.ndarray:
 class Spline:
     """Polyharmonic spline through values (n, m) at places (n, values).
 
-    Attributes
-    ----------
-    left_out : ndarray (n, m)
-        Value at each place by a fit to all others, less the value there.
+    left_out (n, m): value at each place by a fit to all others, less the value there.
     """
 
     def __init__(self, places: np.ndarray, values: np.ndarray, power: int, degree: int):
@@ -105,12 +102,8 @@ class Branches:
     the least value, if that is more accurate: of several ends the earliest one counts. Where values
     are not finite or too few, the value is that of the nearest place, too.
 
-    Attributes
-    ----------
-    left_out : ndarray (n,)
-        Relative error at each place, at most 1, where it is left out of the fit.
-    doubtful : ndarray (n,)
-        Whether its kind is doubtful, then.
+    left_out (n,): relative error at each place, at most 1, where it is left out of the fit.
+    doubtful (n,): whether its kind is doubtful, then.
     """
 
     def __init__(self, x: np.ndarray, logs: np.ndarray, labels: np.ndarray):
@@ -236,15 +229,10 @@ def interpolated(
     their error is small: of the last ones by the fit before they were solved, and of each by a fit
     to all others. Some of those whose kind is doubtful are solved, too.
 
-    Parameters
-    ----------
-    solve : callable
-        From numbers of places (k,) to logarithms (k, m), which need not be finite, and kinds
-        (k, kinds), whole numbers. The function is smooth within a kind.
-    first, most : int
-        Random places solved at least, and all that are solved at most.
-    known_to : float
-        Relative error of 95 in 100 for which no more are solved, but for kinks.
+    solve: from numbers of places (k,) to logarithms (k, m), which need not be finite, and kinds (k,
+        kinds), whole numbers. The function is smooth within a kind.
+    first, most: random places solved at least, and all that are solved at most.
+    known_to: relative error of 95 in 100 for which no more are solved, but for kinks.
     """
     count = len(places)
     varied = np.ptp(places, axis=0) > 0.0

@@ -34,20 +34,13 @@ WITH_CAGE = (
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """One number by both models.
+    """One number by both models."""
 
-    Attributes
-    ----------
-    preload : float
-        [N]
-    errors : float
-        Both estimates of the numerical error together, relative; NaN where there is none.
-    """
-
-    preload: float
+    preload: float  # [N]
     name: str
     steady: float
     dynamic: float
+    # both estimates of the numerical error together, relative; NaN where there is none
     errors: float = np.nan
 
     @property
@@ -63,34 +56,18 @@ class Compared:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedPreload:
-    """One preload by both models.
+    """One preload by both models."""
 
-    Attributes
-    ----------
-    preload : float
-        [N]
-    numbers : list of Compared
-        None where a model has no answer.
-    settled : str
-        How far the dynamic means are settled.
-    status : dict
-        By fidelity.
-    """
-
-    preload: float
-    numbers: list[Compared]
-    settled: str
-    status: dict[str, str]
+    preload: float  # [N]
+    numbers: list[Compared]  # none where a model has no answer
+    settled: str  # how far the dynamic means are settled
+    status: dict[str, str]  # by fidelity
 
 
 def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     """Step: steady and dynamic numbers of some preloads, and whether they agree, as Markdown.
 
-    Parameters
-    ----------
-    cases : sequence of path
-        Case files: each preload steady and dynamic.
-
+    cases: case files: each preload steady and dynamic.
     CaseFileError: files that are no such cases, of another scene, or without the case of the
     other fidelity.
     """

@@ -91,14 +91,9 @@ def design_answer(
 ) -> str:
     """Step: which preload to take, as the page reads it.
 
-    Parameters
-    ----------
-    design, recommendation, uncertainty : path
-        As of `design_files`.
-    beside : path, optional
-        Lives at the recommended preloads with other assumptions (`lives_beside`).
-    spread : path, optional
-        Quantiles of lives at the recommended preloads, in place of `uncertainty`.
+    design, recommendation, uncertainty: as of `design_files`.
+    beside: lives at the recommended preloads with other assumptions (`lives_beside`).
+    spread: quantiles of lives at the recommended preloads, in place of `uncertainty`.
     """
     files = design_files(design, recommendation, uncertainty)
     others = None if beside is None else load_beside(beside, files.recommendation)
@@ -130,14 +125,9 @@ def recommended_sheet(
 
     And whether any life was solved at all.
 
-    Parameters
-    ----------
-    scene : Scene
-        With a steady state and an end of life.
-    source : str
-        What error messages name.
-    workers, tell
-        As of `recommend.mapped`.
+    scene: with a steady state and an end of life.
+    source: what error messages name.
+    workers, tell: as of `recommend.mapped`.
     """
     limits.check(scene, source)
     axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
@@ -156,16 +146,10 @@ def preload_document(
 ) -> Document:
     """Which preload to take for a scene.
 
-    Parameters
-    ----------
-    found : Dataset
-        The recommendation.
-    design : Dataset, optional
-        The map that it was found on.
-    uncertainty : Dataset, optional
-        Quantiles of the lives at the recommended preloads.
-    beside : Dataset, optional
-        Lives there with other assumptions.
+    found: the recommendation.
+    design: the map that it was found on.
+    uncertainty: quantiles of the lives at the recommended preloads.
+    beside: lives there with other assumptions.
     """
     scene, given = scene_of(found), limits_of(found).given
     limits = [in_ascii(limit_text(name, value)) for name, value in given.items()]

@@ -53,12 +53,8 @@ RUNNING: dict[str, tuple[str, tuple[str, ...], dict]] = {  # part, histories to 
 def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
     """QV and wear rates against wear: steady as lines, solved dynamically as marks.
 
-    Parameters
-    ----------
-    study : Dataset
-        Steady cases of a scene; every case of `dynamic` is among them.
-    dynamic : Dataset
-        Cases of the same scene solved dynamically, gathered in the same way.
+    study: steady cases of a scene; every case of `dynamic` is among them.
+    dynamic: cases of the same scene solved dynamically, gathered in the same way.
     """
     frictions = dynamic["friction"].values.tolist()
     parts = {name: look for name, look in _CAGE.items() if name in dynamic}
@@ -121,12 +117,8 @@ def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
 def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
     """Wear rates of ball 1 and of the cage, averaged from the start (Fig. 6).
 
-    Parameters
-    ----------
-    case : Dataset
-        A case solved dynamically.
-    reference : path, optional
-        A table of `REFERENCE_COLUMNS` with values of others to draw over the averages.
+    case: a case solved dynamically.
+    reference: a table of `REFERENCE_COLUMNS` with values of others to draw over the averages.
     """
     solved = int(case["status"]) == OK
     means = {
