@@ -191,7 +191,7 @@ def cage(
         A ValueError of one line.
     """
     from bearingwear.scene.checking.check import record
-    from bearingwear.studies.cage.found import cage_found
+    from bearingwear.studies.cage.life import cage_found
     from bearingwear.studies.cage.plan import Ensemble
 
     plan = record(Ensemble, {"runs": runs, "within": within, "seed": seed}, "cage")
@@ -317,8 +317,7 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
     SceneError, CaseFileError
         Both are ValueErrors of one line.
     """
-    from bearingwear.document.scene import scene_sheet
-    from bearingwear.document.show import sheet
+    from bearingwear.document.show import scene_sheet, sheet
 
     if isinstance(data, str | os.PathLike) and Path(data).suffix in SCENE_SUFFIXES:
         data = load_scene(data)

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 from bearingwear import __version__
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
-from bearingwear.scene.calibrated import SEEN
+from bearingwear.scene.blocks import SEEN
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.coefficients import FILMS, RUBBING
 from bearingwear.scene.new.assumed import CLASSES

@@ -1,4 +1,4 @@
-"""Files that appear under their name only when they are complete."""
+"""Files that appear under their name only when they are complete, and which they may replace."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""What a netCDF-4 file starts with."""
 
 PROBE_BYTES = 1_000_000
 """Written to learn whether a disk is full."""
@@ -83,3 +86,33 @@ def reason(error: BaseException) -> str:
         return "netCDF takes names in UTF-8 only"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return " ".join(str(text).split())
+
+
+def check_output(path: Path, scene: str) -> None:
+    """Refuse, before anything is solved, an output that must not be replaced."""
+    try:
+        check_folder(path)
+        if path.exists():
+            if not path.is_file():
+                raise OutputError(f"{path}: got a folder or a device, expected a file name")
+            if path.samefile(scene):
+                raise OutputError(f"{path}: got the scene itself, expected another file name")
+            _check_replaced(path)
+    except OutputError:
+        raise
+    except OSError as error:  # a name that is too long
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def check_folder(path: Path) -> None:
+    """Refuse more than one new folder: it is likelier a slip of the pen."""
+    if not path.parent.parent.exists():
+        raise OutputError(f"{path}: got more than one new folder, expected at most one")
+
+
+def _check_replaced(path: Path) -> None:
+    """Refuse to write a result over anything else, above all over a scene."""
+    with path.open("rb") as file:
+        start = file.read(len(SIGNATURE))
+    if start and start != SIGNATURE:
+        raise OutputError(f"{path}: got a file that is not a result, expected another file name")

@@ -15,9 +15,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bearingwear.atomic import check_folder, check_output
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
-from bearingwear.results.replaced import check_folder, check_output
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
 
@@ -161,7 +161,7 @@ def uncertainty(args: argparse.Namespace) -> int:
 def cage(args: argparse.Namespace) -> int:
     scene = _scene(args)
     from bearingwear.scene.checking.check import record
-    from bearingwear.studies.cage.found import cage_found
+    from bearingwear.studies.cage.life import cage_found
     from bearingwear.studies.cage.plan import Ensemble
     from bearingwear.studies.sampling import usable_cores
 
@@ -268,7 +268,7 @@ def export(args: argparse.Namespace) -> int:
 
 def show(args: argparse.Namespace) -> int:
     if args.file.endswith(SCENE_SUFFIXES):
-        from bearingwear.document.scene import scene_sheet
+        from bearingwear.document.show import scene_sheet
         from bearingwear.scene.read import load_scene
 
         _print_sheet(scene_sheet(load_scene(args.file)), args)

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import variant
 from bearingwear.studies.cage.ensemble import half_interval, is_met, kept_in
 from bearingwear.studies.cage.plan import FEWEST, Ensemble
 from bearingwear.studies.cage.show import shares_in_words

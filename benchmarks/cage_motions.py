@@ -9,7 +9,7 @@ the pockets stays above 15 mW for four turns; a cage that hangs has 3 to 5 mW. T
 import numpy as np
 
 from bearingwear.kernels.status import OK
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import variant
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.run import CageStart, placed

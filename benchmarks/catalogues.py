@@ -26,8 +26,8 @@ from bearingwear.kernels.equilibrium.thrust_loaded import (
 )
 from bearingwear.kernels.params import Geometry
 from bearingwear.plotting.drawing import Figure, frame, key, lines_of_a_title, new_figure, save
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.variant import variant
 from bearingwear.solvers.bearing.mounted import groove_geometry
 from bearingwear.solvers.solve import solve
 

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.measures import LIMITED
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.variant import variant
 from bearingwear.studies.design.map import life_point
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"

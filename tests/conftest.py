@@ -92,7 +92,7 @@ def small_project(made_once):
 @pytest.fixture(scope="session")
 def scene():
     """Function (name, {key: value}) -> Scene, from config/scenes."""
-    from bearingwear.scene.variant import variant
+    from bearingwear.scene.read import variant
 
     def build(name="gyro_s1", changes=None):
         return variant(scene_file(name), changes or {})

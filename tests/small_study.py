@@ -47,7 +47,7 @@ PAGE = "page.page.page"
 def make_small_study(folder: Path) -> None:
     """Results of the study, as the workflow would make them below `folder`."""
     from bearingwear.results.netcdf import write_result
-    from bearingwear.scene.variant import variant
+    from bearingwear.scene.read import variant
     from bearingwear.solvers.solve import solve
 
     plain = yaml.safe_load(scene_file("gyro_s1").read_text(encoding="utf-8"))

@@ -14,7 +14,7 @@ import bearingwear
 from bearingwear.cli import main
 from bearingwear.results import netcdf
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import variant
 from bearingwear.studies import registry
 
 S1 = scene_file("gyro_s1")

@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.atomic import reason, whole_file
+from bearingwear.atomic import SIGNATURE, reason, whole_file
 from bearingwear.results.entries import SOURCE, Entry, entries_of
 from bearingwear.results.labels import named
 from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from bearingwear.solvers.result import Result
-
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""What a netCDF-4 file starts with."""
 
 LONG_COORDINATES, MOST_KNOWN = 1000, 16
 """Most values of coordinates whose indexes are kept, and how many sets of them are."""

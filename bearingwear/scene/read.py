@@ -207,3 +207,18 @@ def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
         block, _, name = path.partition(".")
         plain[block] = {name: value} | (plain.get(block) or {})
     return plain
+
+
+def variant(
+    source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Mapping[str, Any]
+) -> Scene:
+    """A scene with some of its values replaced, checked.
+
+    changes: `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out
+        what a scene can do without.
+
+    SceneError: one line that names the file, or the change (as `--set`, which makes such
+    changes).
+    """
+    data, name = as_data(source)
+    return changed_scene(data, changes, name)

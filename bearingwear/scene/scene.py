@@ -23,13 +23,13 @@ from bearingwear.scene.blocks import (
     PRELOAD_METHODS,
     Bearing,
     Cage,
+    Calibrated,
     EndOfLife,
     Lubricant,
     Material,
     Operation,
     Wear,
 )
-from bearingwear.scene.calibrated import Calibrated
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, setting, whole
@@ -252,7 +252,7 @@ class Scene:
 
         SceneError: one line that names the key.
         """
-        from bearingwear.scene.variant import variant
+        from bearingwear.scene.read import variant
 
         try:
             return variant(self, changes)

@@ -1,8 +1,9 @@
-"""Axes of studies in their YAML files: a list of numbers, or first, last and step."""
+"""Axes of studies in their YAML files, a list of numbers, or first, last and step; their errors."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from bearingwear.scene.checking.check import built, checked_data
@@ -85,3 +86,12 @@ def check_rising(values: Sequence[float]) -> None:
     if list(values) != sorted(set(values)):
         given = ", ".join(f"{value:g}" for value in values)
         raise ValueError(f"got {given}, expected increasing numbers > 0")
+
+
+@contextlib.contextmanager
+def place_of_errors(place: str) -> Iterator[None]:
+    """Name the place in a plan of whatever is wrong with a scene as the plan changes it."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{place}: {str(error).removeprefix('--set ')}") from None

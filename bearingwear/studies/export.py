@@ -17,9 +17,8 @@ import numpy as np
 
 from bearingwear.results.variables import DOFS
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.read import Source, as_scene
+from bearingwear.scene.read import Source, as_scene, variant
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.variant import variant
 from bearingwear.solvers.bearing.mounted import RPM
 
 TILTS = ("held", "released")

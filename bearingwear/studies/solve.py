@@ -8,8 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from bearingwear.scene.read import for_life
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import for_life, variant
 from bearingwear.solvers.result import Result
 
 NONE: Mapping[str, Any] = MappingProxyType({})

@@ -20,7 +20,7 @@ from bearingwear.kernels.contact.verification import friction_check
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import variant
 from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 

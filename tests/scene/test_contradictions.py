@@ -11,8 +11,7 @@ from support import scene_file
 from bearingwear.cli import main
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.friction import changes_as_it_wears, has_thickness
-from bearingwear.scene.read import scene_from_dict
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import scene_from_dict, variant
 
 STEEL = "materials.bearing_steel"
 LAW = "friction.film"

@@ -19,8 +19,8 @@ from bearingwear.scene.accuracy import STANDARD
 from bearingwear.scene.checking.errors import yaml_number
 from bearingwear.scene.checking.records import keys, whole
 from bearingwear.scene.checking.strict_yaml import data_of
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.scene.variant import variant
 from bearingwear.solvers.effects.choice import choice
 
 key_lists = benchmark("key_lists")

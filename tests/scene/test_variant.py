@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.read import load_scene, scene_files
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import load_scene, scene_files, variant
 
 SCENES = Path(__file__).parents[2] / "config" / "scenes"
 S1 = SCENES / "gyro_s1.yaml"

@@ -21,8 +21,8 @@ from bearingwear.results.warnings import (
     warning_lines,
     warnings_in,
 )
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import SceneError
-from bearingwear.scene.variant import variant
 from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.effects.table import EFFECTS, WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of

@@ -23,8 +23,8 @@ from bearingwear.provenance import result_hash
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import INTERVAL
 from bearingwear.results.variable import Variable, table
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.scene.variant import variant
 from bearingwear.solvers.warm import warm_scene
 from bearingwear.studies.cage.draws import CageDraw, cage_drawn, cage_spread
 from bearingwear.studies.cage.motion import MOTIONS

@@ -18,9 +18,9 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.units import digits, display
 from bearingwear.results.words import in_words
-from bearingwear.studies.cage.advice import DESIGN, MOSTLY, QUIET, in_design_words, recommended_cage
 from bearingwear.studies.cage.motion import MOTIONS
 from bearingwear.studies.cage.show import MOTION_COLOURS, name_of
+from bearingwear.studies.cage.tables import DESIGN, MOSTLY, QUIET, in_design_words, recommended_cage
 from bearingwear.studies.dataset import loaded
 
 _HIGH, _WIDE = 0.62, 0.9

@@ -12,7 +12,7 @@ import xarray as xr
 from bearingwear.results.netcdf import load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.blocks import GUIDES
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import variant
 from bearingwear.studies.cage.plan import CagePlan
 from bearingwear.studies.dataset import attrs, coordinate, stacked
 

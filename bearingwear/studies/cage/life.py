@@ -7,9 +7,11 @@ lose in the pockets is left out.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,8 +36,10 @@ from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.state import State
 from bearingwear.studies.cage.draws import WEAR, cage_spread
-from bearingwear.studies.cage.ensemble import END, OF_MOTION
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.cage.ensemble import END, OF_MOTION, ensemble_of, kept_in
+from bearingwear.studies.cage.plan import Ensemble
+from bearingwear.studies.dataset import filled, write_dataset
+from bearingwear.studies.pool import Tell
 
 WEARING = ("pockets", "land")
 LIFE_STEPS = 4
@@ -261,3 +265,44 @@ def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
         "other_hours_interval": time / np.quantile(faster, INTERVAL)[::-1],
         "other_end": life.criterion,
     }
+
+
+def cage_found(
+    scene: Scene,
+    plan: Ensemble,
+    life: bool = False,
+    workers: int = 1,
+    tell: Tell | None = None,
+    path: Path | None = None,
+) -> xr.Dataset:
+    """The ensemble of a cage, and its life if that is asked for.
+
+    path: file to write. What is killed goes on from there. Ensembles along the life stand beside
+        it, NAME-1.nc and so on.
+
+    May raise SceneError.
+    """
+    if life:
+        with_cage_end(scene)  # refused before anything is solved
+    with contextlib.ExitStack() as kept:
+        first: list[xr.Dataset] = []
+
+        def found(number: int, depth: np.ndarray) -> xr.Dataset:
+            pocket, land = (1e6 * depth).tolist()
+            worn = replace(plan, worn_um=(pocket, land))
+            if path is None:
+                made = ensemble_of(scene, worn, workers, tell)
+            else:
+                place = path.with_name(f"{path.stem}-{number}{path.suffix}") if number else path
+                made = kept.enter_context(kept_in(place, scene, worn, workers, tell))
+                write_dataset(made, place)
+            first.append(made)
+            return made
+
+        if not life:
+            return found(0, np.zeros(2))
+        of_life = cage_life(followed(scene, found, tell))
+        whole = xr.merge([first[0], of_life]).assign_attrs(of_life.attrs | first[0].attrs)
+        if path is not None:
+            write_dataset(whole, path)
+        return whole

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, keyed, setting
-from bearingwear.scene.variant import variant
-from bearingwear.studies.axis import RisingAxis, check_rising
+from bearingwear.scene.read import variant
+from bearingwear.studies.axis import RisingAxis, check_rising, place_of_errors
 
 CAGE_FILE = "config/cage.yaml"
 
@@ -152,8 +152,5 @@ class CagePlan:
     def check_scenes(self) -> None:
         """Read the scene as every cage of the map changes it. Raises ValueError."""
         for name, point in self.points.items():
-            try:
+            with place_of_errors(f"{CAGE_FILE}: {name}"):
                 variant(self.scene_file, self.settings_at(point)["changes"])
-            except ValueError as error:
-                what = str(error).removeprefix("--set ")
-                raise ValueError(f"{CAGE_FILE}: {name}: {what}") from None

@@ -16,8 +16,8 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.scene.variant import variant
 from bearingwear.studies.dataset import LOSS_BASIS
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.words import LIMIT_WORDS

@@ -14,10 +14,9 @@ from typing import Any
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import Key, keyed, optional_numbers, setting
-from bearingwear.scene.read import for_life
+from bearingwear.scene.read import for_life, variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
-from bearingwear.scene.variant import variant
-from bearingwear.studies.axis import MOST_DECIMALS, RisingAxis, in_name
+from bearingwear.studies.axis import MOST_DECIMALS, RisingAxis, in_name, place_of_errors
 from bearingwear.studies.life_scene import life_scene
 
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
@@ -194,9 +193,5 @@ class DesignPlan:
             path = Path(folder) / f"{name}.yaml"
             design.limits.check(life_scene(path), str(path))
             for other, one in design.beside.items():
-                try:
+                with place_of_errors(f"config/design.yaml: scenes.{name}.beside.{other}"):
                     for_life(variant(path, one.changes), str(path))
-                except ValueError as error:
-                    what = str(error).removeprefix("--set ")
-                    where = f"config/design.yaml: scenes.{name}.beside.{other}"
-                    raise ValueError(f"{where}: {what}") from None

@@ -16,8 +16,8 @@ from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.scene.variant import variant
 from bearingwear.sides import OF_ARRANGEMENT
 from bearingwear.studies.dataset import stacked
 from bearingwear.studies.grid.gather import axis_coordinates

@@ -14,7 +14,7 @@ from bearingwear.provenance import text_hash
 from bearingwear.scene.arrangement import one_bearing
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
-from bearingwear.studies.axis import in_name
+from bearingwear.studies.axis import in_name, place_of_errors
 from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
 from bearingwear.studies.grid.grid import Case, Grid, Line, grids
 
@@ -266,11 +266,8 @@ def _check_cases(scene: str, cases: Mapping[Case, Mapping[str, Any]]) -> None:
     """Check a scene, read once, as each of its cases changes it."""
     data, source = as_data(_scene_file(scene))
     for case, changes in cases.items():
-        try:
+        with place_of_errors(f"config: {scene}, {case.id}"):
             changed_scene(data, changes, source)
-        except ValueError as error:
-            what = str(error).removeprefix("--set ")
-            raise ValueError(f"config: {scene}, {case.id}: {what}") from None
 
 
 def _case_file(scene: str, case: Case) -> str:

@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.units import Rough, digits
 from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.lives.life_file import dynamic_life, ended_by
+from bearingwear.studies.lives.tables import dynamic_life, ended_by
 
 _BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
 _STEADY = {"color": "0.5", "linestyle": "--", "linewidth": 1.0}

@@ -9,8 +9,44 @@ from collections.abc import Mapping
 from typing import Any
 
 from bearingwear.scene.checking.check import read_record
-from bearingwear.studies.lives.plan import LIVES_FILE, DynamicLife, LivesPlan
+from bearingwear.scene.checking.records import NAME, keyed, setting
+from bearingwear.scene.read import for_life, variant
+from bearingwear.studies.axis import place_of_errors
 from bearingwear.studies.protocol import Study, figure_step, step, table_step
+
+LIVES_FILE = "config/lives.yaml"
+
+
+@keyed
+class DynamicLife:
+    """A scene, and what is changed in it."""
+
+    scene: str = setting("Name of a file in config/scenes", pattern=NAME)
+    changes: Mapping[str, Any] = setting(
+        "Keys of the scene to set", name="set", default_factory=dict
+    )
+
+    def scene_file(self) -> str:
+        return f"config/scenes/{self.scene}.yaml"
+
+    def settings(self) -> dict[str, Any]:
+        """Settings besides the scene."""
+        return {"changes": dict(self.changes), "fidelity": "dynamic"}
+
+
+@keyed
+class LivesPlan:
+    """Everything in config/lives.yaml."""
+
+    lives: Mapping[str, DynamicLife] = setting(
+        "Lives, by the names of their files", default_factory=dict
+    )
+
+    def check_scenes(self) -> None:
+        """Read every scene as its life changes it. Raises ValueError."""
+        for name, life in self.lives.items():
+            with place_of_errors(f"{LIVES_FILE}: lives.{name}"):
+                for_life(variant(life.scene_file(), life.changes), life.scene_file())
 
 
 def study(config: Mapping[str, Any]) -> Study:

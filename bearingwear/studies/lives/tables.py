@@ -9,8 +9,11 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row, quantity_row
 from bearingwear.document.markdown import as_markdown
-from bearingwear.studies.dataset import counted
-from bearingwear.studies.lives.life_file import criterion, dynamic_life, ended_by
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.units import key_in_words
+from bearingwear.results.words import in_words
+from bearingwear.studies.dataset import counted, loaded
 
 COLUMN_WORDS = (
     "Error bound: from the steps and the scatter of the runs. Balls' wear: lost by each since the "
@@ -73,3 +76,23 @@ def _worn(life: xr.Dataset, part: str) -> float:
     """Volume that all pockets, or the land, have lost."""
     name = f"history_{part}_worn_volume"
     return float(np.sum(life[name].values[-1])) if name in life else math.nan
+
+
+def dynamic_life(path: Path) -> xr.Dataset:
+    """A life file of fidelity dynamic. Raises CaseFileError."""
+    life = loaded(path)
+    if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
+        raise CaseFileError(f"{path}: not a dynamic life")
+    return life
+
+
+def ended_by(life: xr.Dataset) -> str:
+    """Criterion that ended a life, in words; otherwise the status."""
+    status = int(life["status"])
+    return criterion(life, "end_criterion") if status == OK else in_words(STATUS_NAMES[status])
+
+
+def criterion(life: xr.Dataset, name: str) -> str:
+    """A criterion of a life in words, without its unit."""
+    met = life[name].attrs["flag_meanings"].split()[int(life[name])]
+    return key_in_words(met)[0]

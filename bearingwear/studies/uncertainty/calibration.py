@@ -23,7 +23,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.calibrated import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
+from bearingwear.scene.blocks import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of

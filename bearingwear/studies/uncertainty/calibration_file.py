@@ -11,7 +11,7 @@ import xarray as xr
 from scipy.stats import norm
 
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.calibrated import SEEN, SEEN_TORQUE
+from bearingwear.scene.blocks import SEEN, SEEN_TORQUE
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest

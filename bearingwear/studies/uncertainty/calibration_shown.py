@@ -18,7 +18,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import Interval, digits
-from bearingwear.scene.calibrated import (
+from bearingwear.scene.blocks import (
     SEEN,
     SEEN_AS,
     SEEN_LIFE,

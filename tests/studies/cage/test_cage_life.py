@@ -9,8 +9,8 @@ from support import ROOT
 
 from bearingwear.lives.worn_parts import cage_surfaces
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import SceneError
-from bearingwear.scene.variant import variant
 from bearingwear.studies.cage.life import cage_life, followed, with_cage_end
 from bearingwear.studies.cage.motion import MOTIONS, WHIRLS, WITH_BALLS
 

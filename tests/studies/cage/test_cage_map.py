@@ -10,9 +10,8 @@ from support import ROOT
 from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
 from bearingwear.scene.checking.check import read_record
-from bearingwear.scene.variant import variant
+from bearingwear.scene.read import variant
 from bearingwear.studies.cage import ensemble
-from bearingwear.studies.cage.advice import designs, quiet_region, recommended_cage
 from bearingwear.studies.cage.figures import cage_figure
 from bearingwear.studies.cage.gather import gathered_ensembles
 from bearingwear.studies.cage.motion import (
@@ -26,7 +25,13 @@ from bearingwear.studies.cage.motion import (
 )
 from bearingwear.studies.cage.plan import CagePlan
 from bearingwear.studies.cage.study import study_of_cages
-from bearingwear.studies.cage.tables import cage_answer, cage_table
+from bearingwear.studies.cage.tables import (
+    cage_answer,
+    cage_table,
+    designs,
+    quiet_region,
+    recommended_cage,
+)
 from bearingwear.studies.dataset import write_dataset
 
 PLAN_FILE = ROOT / "config" / "cage.yaml"

@@ -15,8 +15,8 @@ from support import ROOT
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels.status import BEYOND_GROOVE, CAGE_JAMMED
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import SceneError
-from bearingwear.scene.variant import variant
 from bearingwear.studies.cage import ensemble
 from bearingwear.studies.cage.draws import CLOSE, cage_drawn, cage_spread
 from bearingwear.studies.cage.ensemble import Journal, ensemble_of, kept_in, share_interval
@@ -196,7 +196,7 @@ def test_a_killed_ensemble_goes_on_to_the_same_bytes(tmp_path):
         write_dataset(found, whole)
     code = (
         "from pathlib import Path\n"
-        "from bearingwear.scene.variant import variant\n"
+        "from bearingwear.scene.read import variant\n"
         "from bearingwear.studies.cage.ensemble import kept_in\n"
         "from bearingwear.studies.cage.plan import Ensemble\n"
         "if __name__ == '__main__':\n"

@@ -41,7 +41,7 @@ def flag(name, dims, values):
 
 def made_up_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
     """A case file's dataset with plausible numbers; its histories settle on its means."""
-    from bearingwear.scene.variant import variant
+    from bearingwear.scene.read import variant
 
     in_time = fidelity == "dynamic"
     plain = variant(scene_file(scene), case.changes).to_dict()

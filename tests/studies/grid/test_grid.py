@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import ROOT, scene_file
 
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.scene.variant import variant
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.grid.plan import Plan
 from bearingwear.studies.grid.study import GridStudy

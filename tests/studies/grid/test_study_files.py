@@ -34,7 +34,7 @@ TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.unsolved.verdict_
 def folder(tmp_path_factory):
     """Cases of a small study with a friction of zero, where nothing can be solved."""
     from bearingwear.results.netcdf import write_result
-    from bearingwear.scene.variant import variant
+    from bearingwear.scene.read import variant
     from bearingwear.solvers.solve import solve
 
     folder = tmp_path_factory.mktemp("study")

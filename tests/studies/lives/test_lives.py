@@ -6,8 +6,7 @@ import pytest
 from support import ROOT
 
 from bearingwear.scene.checking.check import read_record
-from bearingwear.studies.lives.plan import LIVES_FILE, LivesPlan
-from bearingwear.studies.lives.study import study_of_lives
+from bearingwear.studies.lives.study import LIVES_FILE, LivesPlan, study_of_lives
 
 CHANGED = {"operation.preload_method": "fixed_position"}
 
