@@ -59,52 +59,30 @@ COORDINATES = (
         Variable("time", ("time",), "s", "simulated time"),
         Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
         Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
-        Variable(
-            "part",
-            ("part",),
-            "",
-            "part of the bearing or its surroundings",
-            "i1",
-            flags=BEARING_PARTS,
-        ),
+        Variable("part", ("part",), "", "part of the bearing or its surroundings", "i1",
+            flags=BEARING_PARTS),
         Variable("state", ("state",), "1", "number in the state of motion", "i4"),
         Variable("groove_state", ("groove_state",), "1", "number of the stored profile", "i4"),
         Variable("arc", ("arc",), "1", "number of the place along a groove", "i4"),
         Variable("band_place", ("band_place",), "1", "number of the latitude on a ball", "i4"),
         Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),
-        Variable(
-            "dof_column",
-            ("dof_column",),
-            "",
-            "displacement or tilt of the inner race",
-            "i1",
-            flags=DOFS,
-        ),
+        Variable("dof_column", ("dof_column",), "", "displacement or tilt of the inner race", "i1",
+            flags=DOFS),
     )
     | PAIR_COORDINATES
-)
+)  # fmt: skip
 
 STUDY_COORDINATES = table(
-    Variable(
-        "preload_method",
-        ("preload_method",),
-        "",
-        "method of preload",
-        "i1",
-        flags=PRELOAD_METHODS,
-    ),
+    Variable("preload_method", ("preload_method",), "", "method of preload", "i1",
+        flags=PRELOAD_METHODS),
     Variable("friction", ("friction",), "1", "ball/race friction coefficient"),
     Variable("ball_diameter_loss", ("ball_diameter_loss",), "um", "loss of ball diameter by wear"),
-)
+)  # fmt: skip
 """Axes along which the studies repeat solves."""
 
-STRIP_POSITION = Variable(
-    "strip_position",
-    ("strip",),
-    "1",
+STRIP_POSITION = Variable("strip_position", ("strip",), "1",
     "position of the strip's middle over the semi-major axis",
-    comment="+1 is the end towards the bearing axis' positive direction",
-)
+    comment="+1 is the end towards the bearing axis' positive direction")  # fmt: skip
 
 INTERVAL_MEANS = {
     "history_contact_qv",
@@ -190,9 +168,8 @@ STATE = ALWAYS | table(
         "rate of the interference loss, mean over the balls", averaged=True,
         label="interference loss", shown="um/1000 h"),
     Variable("quasistatic_axial_stiffness", (), "N m-1", "quasi-static axial stiffness",
-        comment="slope of the axial force over displacement in steady state; motion and "
-            "friction adapt, temperatures and wear are constant",
-        label="quasi-static axial stiffness"),
+        comment="slope of the axial force over displacement in steady state; motion and friction "
+        "adapt, temperatures and wear are constant", label="quasi-static axial stiffness"),
     Variable("stiffness_transition_frequency", (), "Hz",
         "transition frequency of quasi-static and dynamic stiffness",
         comment="1/(2 pi slow_time_scale): slower changes let the spin axis settle",
@@ -263,11 +240,9 @@ STATE = ALWAYS | table(
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
     Variable("equilibrium_rounding", (), "1",
         "effect of rounding of positions on equilibrium_residual"),
-    Variable("friction_rounding", (), "1",
-        "effect of rounding of speeds on friction_residual"),
-    Variable("power_rounding", (), "1",
-        "effect of rounding of speeds on power_balance_error"),
-)
+    Variable("friction_rounding", (), "1", "effect of rounding of speeds on friction_residual"),
+    Variable("power_rounding", (), "1", "effect of rounding of speeds on power_balance_error"),
+)  # fmt: skip
 
 DYNAMIC = table(
     Variable("simulated_turns", (), "1", "shaft turns simulated", label="turns simulated"),

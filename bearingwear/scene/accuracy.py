@@ -150,139 +150,67 @@ class Model:
     """
 
     fidelity: str = setting("The model to solve", choices=FIDELITIES, default="auto")
-    contact: str = setting(
-        "Contact model: paper has slip on the centre line of the ellipse and no traction in the "
-        "normal force balance, hertz has slip over the whole ellipse and traction in the "
-        "balance, worn also follows the grooves along a life, auto is hertz, or worn for lives "
-        "with deep wear",
-        choices=CONTACTS,
-        default="auto",
-    )
-    slip_over: str | None = setting(
-        "Region over which slip is evaluated, overrides model.contact",
-        choices=SLIP_OVER,
-        default=None,
-    )
+    # fmt: off
+    contact: str = setting("Contact model: paper has slip on the centre line of the ellipse and no "
+        "traction in the normal force balance, hertz has slip over the whole ellipse and traction "
+        "in the balance, worn also follows the grooves along a life, auto is hertz, or worn for "
+        "lives with deep wear", choices=CONTACTS, default="auto")
+    slip_over: str | None = setting("Region over which slip is evaluated, overrides model.contact",
+        choices=SLIP_OVER, default=None)
     normal_balance: str | None = setting(
         "Whether traction is included in the balance of normal forces (overrides model.contact)",
-        choices=NORMAL_BALANCES,
-        default=None,
-    )
+        choices=NORMAL_BALANCES, default=None)
     cage_results: bool = setting(
-        "Solve motion and wear of the cage, which requires the dynamic model", default=False
-    )
+        "Solve motion and wear of the cage, which requires the dynamic model", default=False)
     accuracy: str | float = setting(
         'Sets all keys of accuracy together (those with the default "by model.accuracy"), '
         "as a preset or as a target error of total QV. With cage_results or a limit of a "
-        f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}",
-        within="[0.0001, 0.1]",
-        choices=tuple(NAMED_PRESETS),
-        default="standard",
-    )
-    strips: int = setting(
-        "Points or strips along each contact ellipse (split: the most points, a quarter of "
-        "them on each side of a pure-rolling point, and never fewer than 20)",
-        "1",
-        "[2, 2000]",
-        default_by=ACCURACY,
-        default=STANDARD.over_ellipse[0],
-    )
+        f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}", within="[0.0001, 0.1]",
+        choices=tuple(NAMED_PRESETS), default="standard")
+    strips: int = setting("Points or strips along each contact ellipse (split: the most points, a "
+        "quarter of them on each side of a pure-rolling point, and never fewer than 20)", "1",
+        "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
-        "Points across each strip, where slip is evaluated over the ellipse",
-        "1",
-        "[1, 200]",
-        default_by=ACCURACY,
-        default=STANDARD.over_ellipse[1],
-    )
-    quadrature: str = setting(
-        "Rule over the contact ellipse, Gauss-Legendre on each half of the major axis, Gauss-"
-        "Legendre split at the pure-rolling points and gathered there, or equal strips",
-        choices=("gauss", "split", "strips"),
-        default_by=ACCURACY,
-        default="split",
-    )
-    steady_starts: int = setting(
-        "Most starts of the search for other steady states, where the force along the orbit"
-        " allows one (0 searches none), steady only",
-        "1",
-        "[0, 10000]",
-        default_by=ACCURACY,
-        default=STANDARD.steady_starts,
-    )
-    simulated_turns: float = setting(
-        "Shaft turns simulated, dynamic only",
-        "1",
-        "(0, 1e6]",
-        default_by=ACCURACY,
-        default=STANDARD.simulated_turns,
-    )
-    evaluated_turns: float | None = setting(
-        "Shaft turns at the end of the simulated ones over which averages are taken, their "
-        "second half if omitted (at most model.simulated_turns)",
-        "1",
-        "(0, 1e6]",
-        default=None,
-    )
-    history_points_per_turn: int = setting(
-        "Points of the histories per shaft turn, 0 for no histories (at most a million in "
-        "total), dynamic only",
-        "1",
-        "[0, 10000]",
-        default=20,
-    )
+        "Points across each strip, where slip is evaluated over the ellipse", "1", "[1, 200]",
+        default_by=ACCURACY, default=STANDARD.over_ellipse[1])
+    quadrature: str = setting("Rule over the contact ellipse, Gauss-Legendre on each half of the "
+        "major axis, Gauss-Legendre split at the pure-rolling points and gathered there, or equal "
+        "strips", choices=("gauss", "split", "strips"), default_by=ACCURACY, default="split")
+    steady_starts: int = setting("Most starts of the search for other steady states, where the "
+        "force along the orbit allows one (0 searches none), steady only", "1", "[0, 10000]",
+        default_by=ACCURACY, default=STANDARD.steady_starts)
+    simulated_turns: float = setting("Shaft turns simulated, dynamic only", "1", "(0, 1e6]",
+        default_by=ACCURACY, default=STANDARD.simulated_turns)
+    evaluated_turns: float | None = setting("Shaft turns at the end of the simulated ones over "
+        "which averages are taken, their second half if omitted (at most model.simulated_turns)",
+        "1", "(0, 1e6]", default=None)
+    history_points_per_turn: int = setting("Points of the histories per shaft turn, 0 for no "
+        "histories (at most a million in total), dynamic only", "1", "[0, 10000]", default=20)
     integrator: str = setting(
         "Method of time integration, linearly implicit, or explicit as in the source",
-        choices=("rosenbrock", "runge_kutta"),
-        default="rosenbrock",
-    )
-    dynamic_solution: str = setting(
-        "Solution of the dynamic model: march steps in time until the motion settles, periodic "
-        "solves for it (identical balls, no cage, one stationary or rotating load), auto uses "
-        "periodic if it applies and no history is requested",
-        choices=("auto", "periodic", "march"),
-        default="auto",
-    )
+        choices=("rosenbrock", "runge_kutta"), default="rosenbrock")
+    dynamic_solution: str = setting("Solution of the dynamic model: march steps in time until the "
+        "motion settles, periodic solves for it (identical balls, no cage, one stationary or "
+        "rotating load), auto uses periodic if it applies and no history is requested",
+        choices=("auto", "periodic", "march"), default="auto")
     dynamic_tolerance: float = setting(
-        "Allowed error of slip velocities in one time step, over the mean slip, dynamic only",
-        "1",
-        "[1e-9, 1]",
-        default_by=ACCURACY,
-        default=STANDARD.dynamic_tolerance,
-    )
-    settled_drift: float = setting(
-        "Largest relative change of QV and wear still to come at which a run counts as "
-        "settled and ends, dynamic only",
-        "1",
-        "(0, 1]",
-        default_by=ACCURACY,
-        default=STANDARD.settled_drift,
-    )
+        "Allowed error of slip velocities in one time step, over the mean slip, dynamic only", "1",
+        "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
+    settled_drift: float = setting("Largest relative change of QV and wear still to come at which "
+        "a run counts as settled and ends, dynamic only", "1", "(0, 1]", default_by=ACCURACY,
+        default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(
-        "Factor on the assumed stiffness of the guiding land, to show its influence",
-        "1",
-        "(0, 1000]",
-        default=1.0,
-    )
+        "Factor on the assumed stiffness of the guiding land, to show its influence", "1",
+        "(0, 1000]", default=1.0)
     life_steps: int = setting(
-        "Approximate number of wear steps of a dynamic life, each with a short run",
-        "1",
-        "[2, 10000]",
-        default=12,
-    )
-    life_run_in_turns: float = setting(
-        "Shaft turns before the first rates of a dynamic life, until the influence of the cage's "
-        "start has decayed, none without a cage",
-        "1",
-        "[0, 1e6]",
-        default=200.0,
-    )
-    tolerance: float = setting(
-        "Relative error tolerance of the life",
-        "1",
-        "[1e-12, 0.1]",
-        default_by=ACCURACY,
-        default=STANDARD.tolerance,
-    )
+        "Approximate number of wear steps of a dynamic life, each with a short run", "1",
+        "[2, 10000]", default=12)
+    life_run_in_turns: float = setting("Shaft turns before the first rates of a dynamic life, "
+        "until the influence of the cage's start has decayed, none without a cage", "1", "[0, 1e6]",
+        default=200.0)
+    tolerance: float = setting("Relative error tolerance of the life", "1", "[1e-12, 0.1]",
+        default_by=ACCURACY, default=STANDARD.tolerance)
+    # fmt: on
 
     @property
     def slip_is_over(self) -> str:

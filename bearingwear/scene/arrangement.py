@@ -45,71 +45,38 @@ OWN_BLOCKS = (
 class Arrangement:
     """Bearings of the rotor and their arrangement."""
 
-    kind: str = setting(
-        "A single bearing, a pair at a fixed distance (fixed_position), or a pair with a spring "
-        "on the second bearing (constant_force)",
-        choices=ARRANGEMENTS,
-        default="single",
-    )
-    orientation: str = setting(
-        "Orientation of a pair: its contact lines meet the axis outside it (back to back) or "
-        "inside",
-        choices=("back_to_back", "face_to_face"),
-        default="back_to_back",
-    )
-    external_axial_N: float = setting(
-        "Axial force on the rotor of a pair towards +X, which loads the first bearing and "
-        "unloads the second",
-        "N",
-        "[-1e7, 1e7]",
-        default=0.0,
-    )
-    spring_stiffness_N_um: float = setting(
-        "Stiffness of the spring of a spring pair", "N/um", "[0, 1e6]", default=0.0
-    )
-    rotor_mass_kg: float | None = setting(
-        "Mass of the rotor of a pair, for its frequencies", "kg", "(0, 1e6]", default=None
-    )
+    # fmt: off
+    kind: str = setting("A single bearing, a pair at a fixed distance (fixed_position), or a pair "
+        "with a spring on the second bearing (constant_force)", choices=ARRANGEMENTS,
+        default="single")
+    orientation: str = setting("Orientation of a pair: its contact lines meet the axis outside it "
+        "(back to back) or inside", choices=("back_to_back", "face_to_face"),
+        default="back_to_back")
+    external_axial_N: float = setting("Axial force on the rotor of a pair towards +X, which loads "
+        "the first bearing and unloads the second", "N", "[-1e7, 1e7]", default=0.0)
+    spring_stiffness_N_um: float = setting("Stiffness of the spring of a spring pair", "N/um",
+        "[0, 1e6]", default=0.0)
+    rotor_mass_kg: float | None = setting("Mass of the rotor of a pair, for its frequencies", "kg",
+        "(0, 1e6]", default=None)
     span_mm: float | None = setting(
-        "Distance of the two bearings' centres, for the rotor's frequencies",
-        "mm",
-        "(0, 1e5]",
-        default=None,
-    )
-    rotor_transverse_inertia_kg_mm2: float | None = setting(
-        "Moment of inertia of the rotor about a transverse axis through its centre of mass (that "
-        "of a slender rod of that mass and span, assumed if omitted)",
-        "kg mm2",
-        "(0, 1e12]",
-        default=None,
-    )
+        "Distance of the two bearings' centres, for the rotor's frequencies", "mm", "(0, 1e5]",
+        default=None)
+    rotor_transverse_inertia_kg_mm2: float | None = setting("Moment of inertia of the rotor about "
+        "a transverse axis through its centre of mass (that of a slender rod of that mass and "
+        "span, assumed if omitted)", "kg mm2", "(0, 1e12]", default=None)
     rotor_offset_mm: float = setting(
         "Distance of the rotor's centre of mass from the middle between the bearings, towards +X",
-        "mm",
-        "[-1e5, 1e5]",
-        default=0.0,
-    )
-    stop_um: float | None = setting(
-        "Travel of the preload spring at launch, to its stop or to a snubber (unlimited if "
-        "omitted)",
-        "um",
-        "[0, 1e5]",
-        default=None,
-    )
-    tandem: tuple[int, ...] = setting(
-        "Number of identical bearings in tandem on the first and on the second side of a pair, "
-        "which share the axial force of that side",
-        each=f"Whole number in [1, {MOST_IN_TANDEM}]",
-        least=2,
-        most=2,
-        within=f"[1, {MOST_IN_TANDEM}]",
-        default=(1, 1),
-    )
+        "mm", "[-1e5, 1e5]", default=0.0)
+    stop_um: float | None = setting("Travel of the preload spring at launch, to its stop or to a "
+        "snubber (unlimited if omitted)", "um", "[0, 1e5]", default=None)
+    tandem: tuple[int, ...] = setting("Number of identical bearings in tandem on the first and on "
+        "the second side of a pair, which share the axial force of that side",
+        each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
+        within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
         "Keys and values of the second bearing of a pair that differ from this scene",
-        allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25",
-        default_factory=dict,
-    )
+        allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
+    # fmt: on
 
     def __post_init__(self) -> None:
         flat = dict(flat_keys(self.second))

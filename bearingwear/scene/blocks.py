@@ -34,64 +34,37 @@ _RING = "(0, 20000]"
 class Bearing:
     """Nominal, unworn geometry."""
 
-    maker: str | None = setting(
-        "Maker of the catalogue, for its speed limits",
-        choices=tuple(MAKERS),
-        default=None,
-    )
+    # fmt: off
+    maker: str | None = setting("Maker of the catalogue, for its speed limits",
+        choices=tuple(MAKERS), default=None)
     designation: str | None = setting(
-        "Designation in the maker's catalogue (`bearingwear new --list`)",
-        longest=40,
-        default=None,
-    )
-    ball_count: int = setting(
-        "Number of balls, which must fit side by side on the pitch circle",
-        "1",
-        "[3, 1000]",
-        example="15",
-    )
-    ball_diameter_mm: float = setting(
-        "Nominal (unworn) ball diameter", "mm", "[0.1, 500]", example="8.4"
-    )
-    pitch_diameter_mm: float = setting(
-        "Pitch diameter, larger than the ball diameter", "mm", "[0.2, 10000]", example="54"
-    )
-    contact_angle_deg: float = setting(
-        "Free contact angle (unloaded, unworn)", "degree", "[0, 80]", example="15"
-    )
-    inner_groove_factor: float = setting(
-        "Groove radius of the inner race over ball diameter", "1", "(0.5, 1]", example="0.52"
-    )
-    outer_groove_factor: float = setting(
-        "Groove radius of the outer race over ball diameter", "1", "(0.5, 1]", example="0.53"
-    )
+        "Designation in the maker's catalogue (`bearingwear new --list`)", longest=40, default=None)
+    ball_count: int = setting("Number of balls, which must fit side by side on the pitch circle",
+        "1", "[3, 1000]", example="15")
+    ball_diameter_mm: float = setting("Nominal (unworn) ball diameter", "mm", "[0.1, 500]",
+        example="8.4")
+    pitch_diameter_mm: float = setting("Pitch diameter, larger than the ball diameter", "mm",
+        "[0.2, 10000]", example="54")
+    contact_angle_deg: float = setting("Free contact angle (unloaded, unworn)", "degree", "[0, 80]",
+        example="15")
+    inner_groove_factor: float = setting("Groove radius of the inner race over ball diameter", "1",
+        "(0.5, 1]", example="0.52")
+    outer_groove_factor: float = setting("Groove radius of the outer race over ball diameter", "1",
+        "(0.5, 1]", example="0.53")
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
     bore_mm: float | None = setting(
-        "Bore of the inner ring, for its growth at speed and the warning of hoop stress",
-        "mm",
-        _RING,
-        default=None,
-    )
+        "Bore of the inner ring, for its growth at speed and the warning of hoop stress", "mm",
+        _RING, default=None)
     outside_diameter_mm: float | None = setting(
-        "Outside diameter of the outer ring, for its growth if it rotates",
-        "mm",
-        _RING,
-        default=None,
-    )
-    inner_shoulder_mm: float | None = setting(
-        "Diameter of the inner ring's shoulder on the loaded side, for the warning of an "
-        "ellipse beyond it",
-        "mm",
-        _RING,
-        default=None,
-    )
+        "Outside diameter of the outer ring, for its growth if it rotates", "mm", _RING,
+        default=None)
+    inner_shoulder_mm: float | None = setting("Diameter of the inner ring's shoulder on the loaded "
+        "side, for the warning of an ellipse beyond it", "mm", _RING, default=None)
     outer_shoulder_mm: float | None = setting(
-        "Diameter of the outer ring's shoulder on the loaded side, for the same warning",
-        "mm",
-        _RING,
-        default=None,
-    )
+        "Diameter of the outer ring's shoulder on the loaded side, for the same warning", "mm",
+        _RING, default=None)
+    # fmt: on
 
 
 @keyed
@@ -101,35 +74,23 @@ class Material:
     youngs_modulus_GPa: float = setting("Young's modulus", "GPa", "[0.001, 2000]", example="208")
     poisson_ratio: float = setting("Poisson's ratio", "1", "[0, 0.5)", example="0.3")
     density_kg_m3: float = setting("Density", "kg/m3", "[10, 30000]", example="7800")
-    brinell_hardness_GPa: float = setting(
-        "Brinell hardness as a pressure, the H of Archard's law",
-        "GPa",
-        "[0.001, 100]",
-        example="6.6",
-    )
-    wear_coefficient: float = setting(
-        "Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]", example="5.0e-6"
-    )
-    yield_pressure_GPa: float | None = setting(
-        "Largest contact pressure without a dent, for a warning (4.2 if omitted, from ISO 76 for "
-        "steel, assumed for other materials)",
-        "GPa",
-        "(0, 100]",
-        default=None,
-    )
+    # fmt: off
+    brinell_hardness_GPa: float = setting("Brinell hardness as a pressure, the H of Archard's law",
+        "GPa", "[0.001, 100]", example="6.6")
+    wear_coefficient: float = setting("Dimensionless wear coefficient, the K_s of Archard's law",
+        "1", "(0, 1]", example="5.0e-6")
+    yield_pressure_GPa: float | None = setting("Largest contact pressure without a dent, for a "
+        "warning (4.2 if omitted, from ISO 76 for steel, assumed for other materials)", "GPa",
+        "(0, 100]", default=None)
     thermal_expansion_1_K: float | None = setting(
         f"Linear thermal expansion ({STEEL_EXPANSION:g}, that of bearing steel, assumed if "
-        f"omitted, required for different materials with temperatures)",
-        "1/K",
-        "[0, 1e-4]",
-        default=None,
-    )
+        f"omitted, required for different materials with temperatures)", "1/K", "[0, 1e-4]",
+        default=None)
     film: Film | None = setting(
-        "A solid film on the balls or races of this material, none if omitted", default=None
-    )
-    running_in: RunningIn | None = setting(
-        "Running-in of its wear coefficient, none if omitted", default=None
-    )
+        "A solid film on the balls or races of this material, none if omitted", default=None)
+    running_in: RunningIn | None = setting("Running-in of its wear coefficient, none if omitted",
+        default=None)
+    # fmt: on
 
 
 GUIDES = ("outer", "inner", "ball")
@@ -141,83 +102,51 @@ class Cage:
     """A cage with cylindrical radial pockets."""
 
     material: str = setting("Material of the cage", pattern=NAME, allowed=MATERIAL)
-    guiding_race: str = setting(
-        "Guidance of the cage: the land of a race, or the balls",
-        choices=GUIDES,
-        default="outer",
-    )
-    restitution: float = setting(
-        "Coefficient of restitution of ball/pocket and cage/land impacts",
-        "1",
-        "[0, 1]",
-        default=0.5,
-    )
+    # fmt: off
+    guiding_race: str = setting("Guidance of the cage: the land of a race, or the balls",
+        choices=GUIDES, default="outer")
+    restitution: float = setting("Coefficient of restitution of ball/pocket and cage/land impacts",
+        "1", "[0, 1]", default=0.5)
     inner_diameter_mm: float = setting("Inner diameter of the cage ring", "mm", "(0, 10000]")
-    outer_diameter_mm: float = setting(
-        "Outer diameter of the cage ring, larger than the inner one", "mm", "(0, 10000]"
-    )
+    outer_diameter_mm: float = setting("Outer diameter of the cage ring, larger than the inner one",
+        "mm", "(0, 10000]")
     width_mm: float = setting("Axial width of the cage", "mm", "(0, 1000]")
     pocket_clearance_mm: float = setting("Diametral clearance of ball and pocket", "mm", "[0, 50]")
-    guide_clearance_mm: float = setting(
-        "Diametral clearance of cage and guiding land", "mm", "[0, 50]"
-    )
+    guide_clearance_mm: float = setting("Diametral clearance of cage and guiding land", "mm",
+        "[0, 50]")
     imbalance_um: float = setting(
-        "Distance of the centre of mass from the cage's centre, towards its first pocket",
-        "um",
-        "[0, 1000]",
-        default=0.0,
-    )
-    worn_share: float = setting(
-        "Share of pocket walls and guiding surface over which wear is spread, assumed, for lives "
-        "of cages only",
-        "1",
-        "[0.001, 1]",
-        default=1.0,
-    )
-    film: Film | None = setting(
-        "A solid film on pocket walls and guiding surface, used only by lives of cages, none if "
-        "omitted",
-        default=None,
-    )
+        "Distance of the centre of mass from the cage's centre, towards its first pocket", "um",
+        "[0, 1000]", default=0.0)
+    worn_share: float = setting("Share of pocket walls and guiding surface over which wear is "
+        "spread, assumed, for lives of cages only", "1", "[0.001, 1]", default=1.0)
+    film: Film | None = setting("A solid film on pocket walls and guiding surface, used only by "
+        "lives of cages, none if omitted", default=None)
+    # fmt: on
 
 
 @keyed
 class Operation:
     """Speeds, preload and loads."""
 
-    shaft_speed_rpm: float = setting(
-        "Speed of the shaft and the inner race", "r/min", "[0, 1e7]", example="18000"
-    )
-    outer_speed_rpm: float = setting(
-        "Speed of the outer race, in either direction", "r/min", "[-1e7, 1e7]", default=0.0
-    )
-    preload_method: str = setting(
-        "Application of the preload: by a spring, or at a fixed position", choices=PRELOAD_METHODS
-    )
-    preload_N: float = setting(
-        "Initial (static, unworn) axial preload", "N", "[0, 1e7]", example="140"
-    )
-    radial_load_N: tuple[float, float] = setting(
-        "Radial load along Y and Z, fixed in space",
-        "N",
-        "[-1e7, 1e7]",
-        each="One component of the radial load",
-        default=(0.0, 0.0),
-    )
+    # fmt: off
+    shaft_speed_rpm: float = setting("Speed of the shaft and the inner race", "r/min", "[0, 1e7]",
+        example="18000")
+    outer_speed_rpm: float = setting("Speed of the outer race, in either direction", "r/min",
+        "[-1e7, 1e7]", default=0.0)
+    preload_method: str = setting("Application of the preload: by a spring, or at a fixed position",
+        choices=PRELOAD_METHODS)
+    preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]",
+        example="140")
+    radial_load_N: tuple[float, float] = setting("Radial load along Y and Z, fixed in space", "N",
+        "[-1e7, 1e7]", each="One component of the radial load", default=(0.0, 0.0))
     rotating_load_N: float = setting(
-        "Radial load that rotates with the shaft, along +Z at the start",
-        "N",
-        "[-1e7, 1e7]",
-        default=0.0,
-    )
+        "Radial load that rotates with the shaft, along +Z at the start", "N", "[-1e7, 1e7]",
+        default=0.0)
     tilt_mrad: float = setting("Tilt of the inner race about Y", "mrad", "[-20, 20]", default=0.0)
     gravity_m_s2: tuple[float, float, float] = setting(
-        "Gravity along X, Y and Z, on the cage alone (Z is up if the shaft is horizontal)",
-        "m/s2",
-        "[-1000, 1000]",
-        each="One component of gravity",
-        default=(0.0, 0.0, 0.0),
-    )
+        "Gravity along X, Y and Z, on the cage alone (Z is up if the shaft is horizontal)", "m/s2",
+        "[-1000, 1000]", each="One component of gravity", default=(0.0, 0.0, 0.0))
+    # fmt: on
 
     @property
     def fastest_rpm(self) -> float:
@@ -229,12 +158,11 @@ class Operation:
 class Lubricant:
     """Drag on the orbiting balls."""
 
+    # fmt: off
     drag_density_kg_m3: float = setting(
         "Effective density of the oil-gas mixture times drag coefficient of an orbiting ball",
-        "kg/m3",
-        "[0, 10000]",
-        default=0.0,
-    )
+        "kg/m3", "[0, 10000]", default=0.0)
+    # fmt: on
 
 
 OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm", "cage_film_worn_share")
@@ -276,39 +204,24 @@ class Wear:
     `ball_diameter_loss_um` has one value for all balls, or one for each ball (where they differ).
     """
 
+    # fmt: off
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "Loss of ball diameter of a case, below a tenth of the ball diameter",
-        "um",
-        "[0, 50000]",
-        single=True,
-        least=1,
-        most=1000,
-        each="Loss of diameter of one ball",
+        "Loss of ball diameter of a case, below a tenth of the ball diameter", "um", "[0, 50000]",
+        single=True, least=1, most=1000, each="Loss of diameter of one ball",
         allowed="a number from 0 to 50000, or a list of one such number for each ball",
-        default=(0.0,),
-    )
+        default=(0.0,))
     counts: str = setting(
         "Wear included in the interference loss of the reported life (files contain both)",
-        choices=COUNTS,
-        default=COUNTS[1],
-    )
-    ball_track: str = setting(
-        "Wear of balls in a life with worn grooves: evenly, because their axes wander (spread), "
-        "or in bands about fixed axes",
-        choices=BALL_TRACKS,
-        default=BALL_TRACKS[0],
-    )
-    track_wander: float = setting(
-        "rms wander of a ball's track in a worn groove, in semi-major axes of the new "
-        "contact (assumed)",
-        "1",
-        "[0, 1]",
-        default=0.1,
-    )
+        choices=COUNTS, default=COUNTS[1])
+    ball_track: str = setting("Wear of balls in a life with worn grooves: evenly, because their "
+        "axes wander (spread), or in bands about fixed axes", choices=BALL_TRACKS,
+        default=BALL_TRACKS[0])
+    track_wander: float = setting("rms wander of a ball's track in a worn groove, in semi-major "
+        "axes of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(
         "End-of-life criteria, the first one reached ends the life (a life requires at least one)",
-        default=None,
-    )
+        default=None)
+    # fmt: on
 
 
 SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (

@@ -19,30 +19,24 @@ class Film:
     """A solid film on balls or races."""
 
     thickness_um: float = setting("Thickness of the film when new", "um", _THICKNESS)
+    # fmt: off
     wear_coefficient: float | None = setting(
-        "Wear coefficient of the film, that of friction.film if omitted (of a cage, its own)",
-        "1",
-        _SHARE,
-        default=None,
-    )
-    brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film (if omitted, that of friction.film or of the material below, for a "
-        "cage its own)",
-        "GPa",
-        "[0.001, 100]",
-        default=None,
-    )
+        "Wear coefficient of the film, that of friction.film if omitted (of a cage, its own)", "1",
+        _SHARE, default=None)
+    brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, that of "
+        "friction.film or of the material below, for a cage its own)", "GPa", "[0.001, 100]",
+        default=None)
+    # fmt: on
 
 
 @keyed
 class RunningIn:
     """A wear coefficient that falls, or rises, as the surface wears."""
 
+    # fmt: off
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface, which approaches that of the material",
-        "1",
-        _SHARE,
-    )
+        "Wear coefficient of the new surface, which approaches that of the material", "1", _SHARE)
+    # fmt: on
     depth_um: float = setting("Wear depth at which 1/e of the difference is left", "um", _THICKNESS)
 
 
@@ -50,75 +44,48 @@ class RunningIn:
 class FilmFriction:
     """Friction of a solid film, S_0/p_m + alpha_S under the mean pressure p_m of a contact."""
 
-    shear_strength_MPa: float = setting(
-        "Shear strength S_0 of the film without pressure", "MPa", "[0, 10000]"
-    )
-    pressure_coefficient: float = setting(
-        "Rise alpha_S of its shear strength with pressure", "1", "[0, 2]", default=0.0
-    )
-    thickness_um: float | None = setting(
-        "Thickness of the film on each race when new (materials.NAME.film for balls), never "
-        "worn through if omitted",
-        "um",
-        _THICKNESS,
-        default=None,
-    )
+    # fmt: off
+    shear_strength_MPa: float = setting("Shear strength S_0 of the film without pressure", "MPa",
+        "[0, 10000]")
+    pressure_coefficient: float = setting("Rise alpha_S of its shear strength with pressure", "1",
+        "[0, 2]", default=0.0)
+    thickness_um: float | None = setting("Thickness of the film on each race when new "
+        "(materials.NAME.film for balls), never worn through if omitted", "um", _THICKNESS,
+        default=None)
     wear_coefficient: float | None = setting(
         "Wear coefficient of both surfaces while a film remains, that of the materials if omitted",
-        "1",
-        _SHARE,
-        default=None,
-    )
+        "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film (if omitted, that of the material below)",
-        "GPa",
-        "[0.001, 100]",
-        default=None,
-    )
+        "Hardness of the film (if omitted, that of the material below)", "GPa", "[0.001, 100]",
+        default=None)
     bare_ball_race: float | None = setting(
-        "Coulomb coefficient where the film is worn through, that of the film if omitted",
-        "1",
-        "[0, 2]",
-        default=None,
-    )
-    pressure_exponent: float | None = setting(
-        "Exponent of the film's wear over mean contact pressure, relative to "
-        "reference_pressure_GPa (none if omitted)",
-        "1",
-        "[0, 10]",
-        default=None,
-    )
+        "Coulomb coefficient where the film is worn through, that of the film if omitted", "1",
+        "[0, 2]", default=None)
+    pressure_exponent: float | None = setting("Exponent of the film's wear over mean contact "
+        "pressure, relative to reference_pressure_GPa (none if omitted)", "1", "[0, 10]",
+        default=None)
     reference_pressure_GPa: float | None = setting(
-        "Mean pressure at which the wear_coefficient of the film applies",
-        "GPa",
-        "(0, 20]",
-        default=None,
-    )
+        "Mean pressure at which the wear_coefficient of the film applies", "GPa", "(0, 20]",
+        default=None)
+    # fmt: on
 
 
 @keyed
 class Friction:
     """Coulomb friction, regularised at small slip, or that of a film."""
 
+    # fmt: off
     ball_race: float | None = setting(
-        "Coulomb coefficient of ball and race, required without friction.film",
-        "1",
-        "[0, 2]",
-        default=None,
-    )
+        "Coulomb coefficient of ball and race, required without friction.film", "1", "[0, 2]",
+        default=None)
     film: FilmFriction | None = setting(
-        "A solid film between balls and races, in place of one coefficient", default=None
-    )
-    cage: float = setting(
-        "Coulomb coefficient of ball and cage, and of cage and land", "1", "[0, 2]", default=0.05
-    )
+        "A solid film between balls and races, in place of one coefficient", default=None)
+    cage: float = setting("Coulomb coefficient of ball and cage, and of cage and land", "1",
+        "[0, 2]", default=0.05)
     slip_regularisation_m_s: float = setting(
-        "Slip speed below which friction is smoothed, an accuracy setting",
-        "m/s",
-        "[1e-9, 1]",
-        default_by=ACCURACY,
-        default=STANDARD.slip_regularisation_m_s,
-    )
+        "Slip speed below which friction is smoothed, an accuracy setting", "m/s", "[1e-9, 1]",
+        default_by=ACCURACY, default=STANDARD.slip_regularisation_m_s)
+    # fmt: on
 
     @property
     def coefficient(self) -> float:

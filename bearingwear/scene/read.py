@@ -115,15 +115,12 @@ class BasedOn:
 
     name: str = setting("Name of the scene", pattern=NAME)
     description: str = setting("Replaces that of the other scene", default="")
-    based_on: str = setting(
-        "The other scene, a file beside this one, without its .yaml", pattern=NAME
-    )
-    changes: Mapping[str, Any] = setting(
-        "Keys of the other scene and their values here",
-        name="set",
-        allowed="KEY: VALUE",
-        default_factory=dict,
-    )
+    # fmt: off
+    based_on: str = setting("The other scene, a file beside this one, without its .yaml",
+        pattern=NAME)
+    changes: Mapping[str, Any] = setting("Keys of the other scene and their values here",
+        name="set", allowed="KEY: VALUE", default_factory=dict)
+    # fmt: on
 
     def __post_init__(self) -> None:
         for key in self.changes:

@@ -17,29 +17,20 @@ _G, _DENSITY = "[0, 1e5]", "(0, 1e4]"
 class Launch:
     """Accelerations of the rotor's mass while nothing turns."""
 
-    axial_g: float = setting(
-        "Quasi-static axial acceleration, in both directions (standard g)", "1", _G, default=0.0
-    )
+    # fmt: off
+    axial_g: float = setting("Quasi-static axial acceleration, in both directions (standard g)",
+        "1", _G, default=0.0)
     radial_g: float = setting("Quasi-static radial acceleration (standard g)", "1", _G, default=0.0)
-    axial_density_g2_Hz: float | None = setting(
-        "Spectral density of random axial acceleration at the rotor's axial frequency, replaces "
-        "axial_g by Miles' equation (three sigma)",
-        "1/Hz",
-        _DENSITY,
-        default=None,
-    )
+    axial_density_g2_Hz: float | None = setting("Spectral density of random axial acceleration at "
+        "the rotor's axial frequency, replaces axial_g by Miles' equation (three sigma)", "1/Hz",
+        _DENSITY, default=None)
     radial_density_g2_Hz: float | None = setting(
-        "Spectral density of random radial acceleration at the rotor's radial frequency",
-        "1/Hz",
-        _DENSITY,
-        default=None,
-    )
+        "Spectral density of random radial acceleration at the rotor's radial frequency", "1/Hz",
+        _DENSITY, default=None)
     amplification: float = setting(
-        "Amplification Q = 1/(2 damping ratio) at these frequencies (10 is assumed)",
-        "1",
-        "[0.5, 1000]",
-        default=10.0,
-    )
+        "Amplification Q = 1/(2 damping ratio) at these frequencies (10 is assumed)", "1",
+        "[0.5, 1000]", default=10.0)
+    # fmt: on
 
     def __post_init__(self) -> None:
         for way in ("axial", "radial"):
@@ -82,31 +73,20 @@ class Drive:
 
     torque_Nm: float = setting("Least torque of the drive", "N m", _TORQUE)
     standard: str = setting("Rule of the torque margin", choices=tuple(STANDARDS), default="ecss")
-    data: str = setting(
-        "Source of the torques: analysis, test, or tests at the extremes of the environment "
-        "(ecss: analysis or extremes)",
-        choices=("analysis", "test", "extremes"),
-        default="analysis",
-    )
+    # fmt: off
+    data: str = setting("Source of the torques: analysis, test, or tests at the extremes of the "
+        "environment (ecss: analysis or extremes)", choices=("analysis", "test", "extremes"),
+        default="analysis")
     bearings_as: str | None = setting(
         "Class of resistance of the bearing torque (if omitted friction for ecss, fixed for nasa)",
-        longest=40,
-        default=None,
-    )
+        longest=40, default=None)
     resistances_Nm: Mapping[str, float] = setting(
-        "Other resisting torques, under the names of the rule",
-        each="A torque",
-        unit="N m",
-        within="[0, 1e6]",
-        default_factory=dict,
-    )
+        "Other resisting torques, under the names of the rule", each="A torque", unit="N m",
+        within="[0, 1e6]", default_factory=dict)
     factors: Mapping[str, float] = setting(
-        "Factors of a user-defined rule, under names of your choice",
-        each="A factor",
-        unit="1",
-        within="(0, 1000]",
-        default_factory=dict,
-    )
+        "Factors of a user-defined rule, under names of your choice", each="A factor", unit="1",
+        within="(0, 1000]", default_factory=dict)
+    # fmt: on
 
     def __post_init__(self) -> None:
         for name in ("resistances_Nm", "factors"):

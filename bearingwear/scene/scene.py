@@ -85,78 +85,52 @@ class Scene:
     material that is not there, ...
     """
 
-    name: str = setting(
-        "Name of the scene, that of its file if omitted", pattern=NAME, default="bearing"
-    )
-    description: str = setting(
-        "Description of the scene and sources of its numbers",
-        pattern=NO_CONTROL,
-        longest=4000,
-        allowed="text of at most 4000 characters, none of them a control character",
-        default="",
-    )
+    # fmt: off
+    name: str = setting("Name of the scene, that of its file if omitted", pattern=NAME,
+        default="bearing")
+    description: str = setting("Description of the scene and sources of its numbers",
+        pattern=NO_CONTROL, longest=4000,
+        allowed="text of at most 4000 characters, none of them a control character", default="")
     bearing: Bearing = setting("Nominal, unworn geometry and materials of the bearing")
-    materials: Mapping[str, Material] = setting(
-        "The materials, each a block under its name",
-        least=1,
-        each="One material, under a name of your choice (letters, digits, _ and -)",
-    )
+    materials: Mapping[str, Material] = setting("The materials, each a block under its name",
+        least=1, each="One material, under a name of your choice (letters, digits, _ and -)")
     cage: Cage | None = setting(
-        "The cage, none if omitted (a cage alone does not require the dynamic model)", default=None
-    )
+        "The cage, none if omitted (a cage alone does not require the dynamic model)", default=None)
     operation: Operation = setting("Speeds, preload and loads")
-    arrangement: Arrangement | None = setting(
-        "Bearings of the rotor, a single one if omitted", default=None
-    )
+    arrangement: Arrangement | None = setting("Bearings of the rotor, a single one if omitted",
+        default=None)
     launch: Launch | None = setting(
-        "Accelerations of the stationary rotor at launch, none if omitted", default=None
-    )
-    drive: Drive | None = setting(
-        "Drive of the shaft, for its torque margin, none if omitted", default=None
-    )
-    temperature: Temperature | None = setting(
-        "Temperatures of the parts, as mounted if omitted", default=None
-    )
+        "Accelerations of the stationary rotor at launch, none if omitted", default=None)
+    drive: Drive | None = setting("Drive of the shaft, for its torque margin, none if omitted",
+        default=None)
+    temperature: Temperature | None = setting("Temperatures of the parts, as mounted if omitted",
+        default=None)
     thermal: Thermal | None = setting(
         "Network that computes the temperatures of rings and balls from the friction heat",
-        default=None,
-    )
-    fits: Fits | None = setting(
-        "Fits of the rings on their seats, rings grow freely if omitted", default=None
-    )
+        default=None)
+    fits: Fits | None = setting("Fits of the rings on their seats, rings grow freely if omitted",
+        default=None)
     friction: Friction = setting("Friction")
     lubricant: Lubricant = setting("Lubricant, no drag if omitted", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
         "Distributions of uncertain values of the scene, each a block under the name of its key",
-        least=1,
-        names=tuple(UNCERTAIN),
-        each="Distribution of one value of the scene",
-        default=None,
-    )
-    cage_uncertainty: Mapping[str, Distribution] | None = setting(
-        "Distributions of uncertain values of the cage for `bearingwear cage`, assumed if "
-        "omitted (none if {})",
-        names=tuple(UNCERTAIN_CAGE),
-        each="Distribution of one value of the cage",
-        default=None,
-    )
+        least=1, names=tuple(UNCERTAIN), each="Distribution of one value of the scene",
+        default=None)
+    cage_uncertainty: Mapping[str, Distribution] | None = setting("Distributions of uncertain "
+        "values of the cage for `bearingwear cage`, assumed if omitted (none if {})",
+        names=tuple(UNCERTAIN_CAGE), each="Distribution of one value of the cage", default=None)
     calibrated: Calibrated | None = setting(
         "Tests from which `bearingwear calibrate` derived friction and wear coefficients",
-        default=None,
-    )
-    cases: Mapping[str, Mapping[str, Any]] | None = setting(
-        "Other conditions under which the bearing has to do its work, each a few keys of the scene "
-        "with their values there, under the name of the case",
-        least=1,
+        default=None)
+    cases: Mapping[str, Mapping[str, Any]] | None = setting("Other conditions under which the "
+        "bearing has to do its work, each a few keys of the scene with their values there, under "
+        "the name of the case", least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
-        allowed="NAME: {KEY: VALUE}",
-        default=None,
-    )
-    model: Model = setting(
-        "Choice of model and accuracy, overrides what the program would choose",
-        default_factory=Model,
-    )
+        allowed="NAME: {KEY: VALUE}", default=None)
+    model: Model = setting("Choice of model and accuracy, overrides what the program would choose",
+        default_factory=Model)
+    # fmt: on
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))

@@ -25,25 +25,19 @@ LARGEST_STRAIN = 0.01
 class Temperature:
     """Given temperatures of the parts; None where a part is as warm as what it is compared with."""
 
-    inner_ring_C: float | None = setting(
-        f"Temperature of the inner ring, {_AS_REFERENCE}", "degC", _DEGREES, default=None
-    )
-    outer_ring_C: float | None = setting(
-        f"Temperature of the outer ring, {_AS_REFERENCE}", "degC", _DEGREES, default=None
-    )
-    balls_C: float | None = setting(
-        f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES, default=None
-    )
-    shaft_C: float | None = setting(
-        "Temperature of the shaft (if omitted, axial positions are as mounted and the "
-        "shaft is as warm as the inner ring for the fit)",
-        "degC",
-        _DEGREES,
-        default=None,
-    )
-    housing_C: float | None = setting(
-        "Temperature of the housing (if omitted, as for the shaft)", "degC", _DEGREES, default=None
-    )
+    # fmt: off
+    inner_ring_C: float | None = setting(f"Temperature of the inner ring, {_AS_REFERENCE}", "degC",
+        _DEGREES, default=None)
+    outer_ring_C: float | None = setting(f"Temperature of the outer ring, {_AS_REFERENCE}", "degC",
+        _DEGREES, default=None)
+    balls_C: float | None = setting(f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES,
+        default=None)
+    shaft_C: float | None = setting("Temperature of the shaft (if omitted, axial positions are as "
+        "mounted and the shaft is as warm as the inner ring for the fit)", "degC", _DEGREES,
+        default=None)
+    housing_C: float | None = setting("Temperature of the housing (if omitted, as for the shaft)",
+        "degC", _DEGREES, default=None)
+    # fmt: on
     reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
 
 
@@ -51,15 +45,14 @@ class Temperature:
 class Conductance:
     """Conductances that carry the heat away."""
 
-    inner_ring_shaft: float = setting(
-        "Conductance from the inner ring to the shaft", "W/K", _CONDUCTANCE
-    )
-    outer_ring_housing: float = setting(
-        "Conductance from the outer ring to the housing", "W/K", _CONDUCTANCE
-    )
-    ball_race: float = setting(
-        "Conductance from all balls together to each of the rings", "W/K", _CONDUCTANCE
-    )
+    # fmt: off
+    inner_ring_shaft: float = setting("Conductance from the inner ring to the shaft", "W/K",
+        _CONDUCTANCE)
+    outer_ring_housing: float = setting("Conductance from the outer ring to the housing", "W/K",
+        _CONDUCTANCE)
+    ball_race: float = setting("Conductance from all balls together to each of the rings", "W/K",
+        _CONDUCTANCE)
+    # fmt: on
 
 
 @keyed
@@ -89,29 +82,20 @@ class Thermal:
 class Fits:
     """Seats of the rings; a ring without a seat is free to grow."""
 
+    # fmt: off
     shaft_interference_um: float = setting(
-        "Shaft diameter less bore, at rest and at mounting temperature",
-        "um",
-        "[-5000, 5000]",
-        default=0.0,
-    )
+        "Shaft diameter less bore, at rest and at mounting temperature", "um", "[-5000, 5000]",
+        default=0.0)
     housing_interference_um: float = setting(
-        "Outside diameter less that of the housing, at rest and at mounting temperature",
-        "um",
-        "[-5000, 5000]",
-        default=0.0,
-    )
-    shaft_bore_mm: float = setting(
-        "Bore diameter of the shaft, 0 if solid", "mm", "[0, 20000]", default=0.0
-    )
-    shaft_material: str | None = setting(
-        "Material of the shaft, that of the races if omitted", pattern=NAME, default=None
-    )
+        "Outside diameter less that of the housing, at rest and at mounting temperature", "um",
+        "[-5000, 5000]", default=0.0)
+    shaft_bore_mm: float = setting("Bore diameter of the shaft, 0 if solid", "mm", "[0, 20000]",
+        default=0.0)
+    shaft_material: str | None = setting("Material of the shaft, that of the races if omitted",
+        pattern=NAME, default=None)
     housing_material: str | None = setting(
-        "Material of the (thick) housing, that of the races if omitted",
-        pattern=NAME,
-        default=None,
-    )
+        "Material of the (thick) housing, that of the races if omitted", pattern=NAME, default=None)
+    # fmt: on
 
 
 def expansion(scene: Scene, material: str) -> float:

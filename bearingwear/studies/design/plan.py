@@ -124,16 +124,14 @@ class Design:
     """The maps of a scene, and the limits to choose by."""
 
     map: MapAxes | None = setting("Axes of the map of lives", default=None)
-    small_map: MapAxes | None = setting(
-        "Axes of a map of at most a few hundred lives, a part of the main study if that has "
-        "the scene",
-        default=None,
-    )
+    # fmt: off
+    small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives, a part of "
+        "the main study if that has the scene", default=None)
     limits: DesignLimits = setting("Hold from new to the end of life", default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(
         "Assumptions under which lives at the recommended preloads are computed again",
-        default_factory=dict,
-    )
+        default_factory=dict)
+    # fmt: on
 
     def __post_init__(self) -> None:
         if self.map and any(mu != round(mu, MOST_DECIMALS) for mu in self.map.friction):

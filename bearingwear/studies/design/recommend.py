@@ -71,28 +71,20 @@ from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
 
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
-RECOMMENDED_PRELOAD = Variable(
-    "preload",
-    (),
-    "N",
-    "recommended initial axial preload",
-    comment="in three digits, or as many more as keep to the limits and to the life",
-)
+RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
+    comment="in three digits, or as many more as keep to the limits and to the life")  # fmt: skip
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
 
 CLIFF = table(
-    Variable(
-        "cliff_preload",
-        (),
-        "N",
-        "nearest preload, within 5 % of the recommended one, whose life is a tenth shorter or more",
-    ),
+    Variable("cliff_preload", (), "N",
+        "nearest preload, within 5 % of the recommended one, whose life is a tenth shorter or "
+        "more"),
     Variable("cliff_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
     Variable("clear_preload", (), "N", "preload within the limits, 5 % or more away from it"),
     Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
-)
+)  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
 

@@ -25,24 +25,14 @@ HELD = table(
     Variable("assumed", ("assumption",), "", "value of an assumption, in the unit of its key"),
     Variable("holds_from", ("assumption",), "", "least value with the same method as the better"),
     Variable("holds_to", ("assumption",), "", "largest value with the same method as the better"),
-    Variable(
-        "life_by_ball_track",
-        ("preload_method", "ball_track"),
-        "h",
+    Variable("life_by_ball_track", ("preload_method", "ball_track"), "h",
         "wear life at the recommended preload, by what is assumed of the track of a ball",
-        scale=HOURS_PER_SECOND,
-    ),
-    Variable(
-        "verdict",
-        (),
-        "",
-        "whether one method is preferred to the other",
-        dtype="i1",
+        scale=HOURS_PER_SECOND),
+    Variable("verdict", (), "", "whether one method is preferred to the other", dtype="i1",
         flags=VERDICTS,
         comment="neither: a change of 5 % in one assumption, or the other ball track, reverses the "
-        "order, or the lives differ by less than their numerical errors",
-    ),
-)
+        "order, or the lives differ by less than their numerical errors"),
+)  # fmt: skip
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it holds over all searched."""
 
 

@@ -42,14 +42,13 @@ class DynamicBlock(GridBlock):
 class UncertainLives:
     """Scenes whose lives are quoted with the spread that their block `uncertainty` gives them."""
 
-    scenes: tuple[str, ...] = setting(
-        _SCENES, pattern=NAME, least=1, allowed="scene names", default=()
-    )
+    # fmt: off
+    scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names",
+        default=())
     samples: int = setting(
         "Half of the lives that are sampled for each method and friction, a power of two",
-        within="[16, 4096]",
-        default=256,
-    )
+        within="[16, 4096]", default=256)
+    # fmt: on
     seed: int = setting("Of the sample", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
@@ -88,58 +87,40 @@ class RunningAverage:
 class Figures:
     """Comparisons in the figures."""
 
-    worn_loss_um: float | None = setting(
-        "The worn state in the figures against friction and of slip; null: the most worn of the "
-        "first grid",
-        unit="um",
-        default=None,
-    )
-    friction: tuple[float, ...] = setting(
-        "Coefficients compared in the figures of slip, wear and life, if in the grid; none: all "
-        "of a grid",
-        within="[0, inf)",
-        default=(),
-    )
+    # fmt: off
+    worn_loss_um: float | None = setting("The worn state in the figures against friction and of "
+        "slip; null: the most worn of the first grid", unit="um", default=None)
+    friction: tuple[float, ...] = setting("Coefficients compared in the figures of slip, wear and "
+        "life, if in the grid; none: all of a grid", within="[0, inf)", default=())
     wear_columns: tuple[Column, ...] = setting(
         "One more figure of QV, preload, angles and wear rate, columns of different scenes",
-        default=(),
-    )
-    spreads: Mapping[str, Overlay] = setting(
-        "Figures with several scenes overlaid", default_factory=dict
-    )
-    lives: Mapping[str, Overlay] = setting(
-        "Figures with the lives of several scenes overlaid", default_factory=dict
-    )
+        default=())
+    spreads: Mapping[str, Overlay] = setting("Figures with several scenes overlaid",
+        default_factory=dict)
+    lives: Mapping[str, Overlay] = setting("Figures with the lives of several scenes overlaid",
+        default_factory=dict)
     running_averages: Mapping[str, RunningAverage | None] = setting(
         "Scenes of `dynamic` with figures of the mean wear rates since the start",
-        default_factory=dict,
-    )
+        default_factory=dict)
+    # fmt: on
 
 
 @keyed
 class Config:
     """config/config.yaml."""
 
+    # fmt: off
     studies: tuple[GridBlock, ...] = setting(
-        "Groups of scenes that share a grid; none: the small maps of config/design.yaml alone"
-    )
+        "Groups of scenes that share a grid; none: the small maps of config/design.yaml alone")
     dynamic: tuple[DynamicBlock, ...] = setting(
-        "Groups of scenes that are solved dynamically as well", default=()
-    )
-    points_per_job: int | None = setting(
-        "Points of the grid that one job solves, each in its own file; above the points "
-        "of a line (all losses of a scene, method and friction) it solves whole lines into one "
-        "file. Null: a line, of at most 200",
-        within="[1, inf)",
-        default=None,
-    )
-    unsolved: str = setting(
-        "Effect of an unsolved case or life on the study: its page reports it and shows the "
-        "rest, and the study ends with an error, or with a line on standard error",
-        choices=UNSOLVED,
-        default=UNSOLVED[0],
-    )
-    uncertain_lives: UncertainLives = setting(
-        "Scenes whose lives are quoted with their spread", default=UncertainLives()
-    )
+        "Groups of scenes that are solved dynamically as well", default=())
+    points_per_job: int | None = setting("Points of the grid that one job solves, each in its own "
+        "file; above the points of a line (all losses of a scene, method and friction) it solves "
+        "whole lines into one file. Null: a line, of at most 200", within="[1, inf)", default=None)
+    unsolved: str = setting("Effect of an unsolved case or life on the study: its page reports it "
+        "and shows the rest, and the study ends with an error, or with a line on standard error",
+        choices=UNSOLVED, default=UNSOLVED[0])
+    uncertain_lives: UncertainLives = setting("Scenes whose lives are quoted with their spread",
+        default=UncertainLives())
+    # fmt: on
     figures: Figures = setting("What the figures compare", default=Figures())

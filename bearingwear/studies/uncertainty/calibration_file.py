@@ -42,15 +42,11 @@ _BATCH = Variable(
 _WEAR = "wear_over_hardness"
 CALIBRATION_VARIABLES = table(
     Variable("friction_interval", ("stage", "end"), "1", "friction of a batch, between 5 and 95 %"),
-    Variable(
-        "wear_over_hardness_interval", ("stage", "end"), "m2 N-1",
-        "K_s/H of a batch, between 5 and 95 %",
-    ),
+    Variable("wear_over_hardness_interval", ("stage", "end"), "m2 N-1",
+        "K_s/H of a batch, between 5 and 95 %"),
     Variable("life_quantile", ("stage", "probability"), "h", "quantile of the life of a bearing"),
-    Variable(
-        "batch_life_quantile", ("stage", "batch_probability"), "h",
-        "life that 10 % of the bearings of a batch do not reach",
-    ),
+    Variable("batch_life_quantile", ("stage", "batch_probability"), "h",
+        "life that 10 % of the bearings of a batch do not reach"),
     Variable("scatter", (), "1", "standard deviation of log life between bearings of a batch"),
     Variable("interpolation_error", (), "1", "largest error of log lives between solved friction"),
     Variable("friction", ("friction",), "1", "friction coefficient, or shear strength in MPa"),
@@ -63,14 +59,11 @@ CALIBRATION_VARIABLES = table(
     Variable("row", ("test",), "1", "line of the file of tests", "i8"),
     Variable("value", ("test",), "1", "what was seen, in the unit that its name says"),
     Variable("after", ("test",), "h", "when that was seen; not of a torque"),
-    Variable(
-        "expected", ("test", "end"), "1",
-        "between 5 and 95 %, before the tests: time [h] after which that is seen, or torque [N mm]",
-    ),
-    Variable(
-        "probability_of_test", ("test",), "1",
-        "probability of a result as far from the model or farther, the other tests known",
-    ),
+    Variable("expected", ("test", "end"), "1",
+        "between 5 and 95 %, before the tests: time [h] after which that is seen, or torque [N "
+        "mm]"),
+    Variable("probability_of_test", ("test",), "1",
+        "probability of a result as far from the model or farther, the other tests known"),
 )  # fmt: skip
 """Axes and results; `end` is the lower and the upper one of an interval."""
 

@@ -8,26 +8,16 @@ from bearingwear.studies.uncertainty.plan import PRELOAD_CHOICES
 
 UNCERTAINTY_AXES = table(
     STUDY_COORDINATES["preload_method"],
-    Variable(
-        PRELOAD_CHOICE, (PRELOAD_CHOICE,), "", "which preload", dtype="i1", flags=PRELOAD_CHOICES
-    ),
+    Variable(PRELOAD_CHOICE, (PRELOAD_CHOICE,), "", "which preload", dtype="i1",
+        flags=PRELOAD_CHOICES),
     LOSS_BASIS,
-    Variable(
-        UNCERTAIN_INPUTS,
-        (UNCERTAIN_INPUTS,),
-        "",
+    Variable(UNCERTAIN_INPUTS, (UNCERTAIN_INPUTS,), "",
         "which uncertain inputs vary: all, or all but the wear coefficient and the hardness",
-        dtype="i1",
-        flags=("all", "all_but_wear"),
-    ),
+        dtype="i1", flags=("all", "all_but_wear")),
     Variable("probability", ("probability",), "1", "share of bearings that have failed"),
-    Variable(
-        "batch_probability",
-        ("batch_probability",),
-        "1",
-        "share of batches, by what is not known of them, with a lower value",
-    ),
-)
+    Variable("batch_probability", ("batch_probability",), "1",
+        "share of batches, by what is not known of them, with a lower value"),
+)  # fmt: skip
 METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
 
 QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
@@ -37,74 +27,40 @@ ANALYSED = table(
     Variable("solved_share", (), "1", "share of the lives that were solved"),
     Variable("index_share", (), "1", "share of the base samples that the indices are taken from"),
     Variable("solved_lives", (), "1", "lives that were solved, with Hertzian grooves"),
-    Variable(
-        "interpolation_error",
-        (),
-        "1",
+    Variable("interpolation_error", (), "1",
         "largest relative error of the other lives, which are interpolated, but for a share",
-        comment="95 % confidence, by solved lives that the fit had not seen; 0: all were solved",
-    ),
+        comment="95 % confidence, by solved lives that the fit had not seen; 0: all were solved"),
     Variable("interpolation_share", (), "1", "that share: lives that may be worse"),
     Variable("followed_lives", (), "1", "lives solved with worn grooves"),
-    Variable(
-        "groove_error",
-        (),
-        "1",
+    Variable("groove_error", (), "1",
         "largest relative error of other lives with worn grooves, but for a share",
-        comment="as interpolation_error; 0: all were followed, NaN: none",
-    ),
+        comment="as interpolation_error; 0: all were followed, NaN: none"),
     Variable("groove_share", (), "1", "that share: lives that may be worse"),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
-    Variable(
-        "batch_life_quantile",
-        (BATCH, PROBABILITY, BASIS),
-        "h",
+    Variable("batch_life_quantile", (BATCH, PROBABILITY, BASIS), "h",
         "quantile of the life over the bearings of a batch, by what is not known of the batch",
         comment="L10 at probability 0.1; scatter at the middle of batch_probability, what is not "
-        "known of a batch between its ends",
-    ),
-    Variable(
-        "batch_life_quantile_error",
-        (BATCH, PROBABILITY, BASIS),
-        "h",
+        "known of a batch between its ends"),
+    Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
         "half the confidence interval of that quantile, by the sample",
         comment="by resampling of batches and bearings; widened by the error of interpolated "
-        "lives, with as many unknown ones in each batch",
-    ),
-    Variable(
-        "life_quantile",
-        QUANTILE,
-        "h",
+        "lives, with as many unknown ones in each batch"),
+    Variable("life_quantile", QUANTILE, "h",
         "quantile of the life over scatter and over what is not known of a batch",
-        comment="90 % of bearings lie between probabilities 0.05 and 0.95",
-    ),
+        comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
-    Variable(
-        "life_quantile_high", QUANTILE, "h", "upper end of the quantile's confidence interval"
-    ),
-    Variable(
-        "life_one_at_a_time",
-        ("quantity", "end", BASIS),
-        "h",
-        "life with one value at its 10 % and 90 % quantile, the others at their medians",
-    ),
+    Variable("life_quantile_high", QUANTILE, "h",
+        "upper end of the quantile's confidence interval"),
+    Variable("life_one_at_a_time", ("quantity", "end", BASIS), "h",
+        "life with one value at its 10 % and 90 % quantile, the others at their medians"),
     Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
     Variable("first_index_error", INDEX, "1", "half its confidence interval"),
-    Variable(
-        "class_index",
-        ("quantity", BASIS),
-        "1",
+    Variable("class_index", ("quantity", BASIS), "1",
         "total Sobol index of log life within the class of the value",
-        comment="what is the same for a batch, or what scatters; the other class as in the scene",
-    ),
+        comment="what is the same for a batch, or what scatters; the other class as in the scene"),
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half its confidence interval"),
-    Variable(
-        "life_sample",
-        (INPUTS, "member", BASIS),
-        "h",
-        "sampled lives, independent ones, sorted",
-        comment="of very many evenly spaced ones",
-    ),
-)
+    Variable("life_sample", (INPUTS, "member", BASIS), "h",
+        "sampled lives, independent ones, sorted", comment="of very many evenly spaced ones"),
+)  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

@@ -45,14 +45,8 @@ FIT_RESULTS = (
 FITS, NO_ROOM, NO_ANGLE, STATE_NOT_SOLVED, SPINS_INSIDE, NO_SLIP, NO_DRAG = range(len(FIT_RESULTS))
 
 CANDIDATE = table(
-    Variable(
-        "fit_result",
-        (),
-        "",
-        "whether the bearing fits what is stated",
-        dtype="i1",
-        flags=FIT_RESULTS,
-    ),
+    Variable("fit_result", (), "", "whether the bearing fits what is stated", dtype="i1",
+        flags=FIT_RESULTS),
     Variable("pitch_diameter", (), "mm", "pitch diameter"),
     Variable("ball_count", (), "1", "number of balls", dtype="i8"),
     Variable("inner_groove_factor", (), "1", "inner groove radius over ball diameter"),
@@ -60,14 +54,9 @@ CANDIDATE = table(
     Variable("drag_low", (), "kg m-3", "least drag density with the stated course of QV"),
     Variable("drag_high", (), "kg m-3", "largest drag density with the stated course of QV"),
     Variable("skid_ratio", (), "1", "largest skid ratio at the drags that fit, low friction"),
-    Variable(
-        "life",
-        ("preload_method", *LOSS_BASIS.dims),
-        "h",
-        "wear life at the high friction",
-        scale=HOURS_PER_SECOND,
-    ),
-)
+    Variable("life", ("preload_method", *LOSS_BASIS.dims), "h", "wear life at the high friction",
+        scale=HOURS_PER_SECOND),
+)  # fmt: skip
 """Results for a candidate; NaN for those after the first failure."""
 
 MARK = "mark_"
