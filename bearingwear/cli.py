@@ -148,8 +148,8 @@ def _run(args: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
     from bearingwear.atomic import OutputError
     from bearingwear.results.netcdf import CaseFileError
+    from bearingwear.scene.checking.errors import NotAvailable
     from bearingwear.scene.scene import SceneError
-    from bearingwear.solvers.effects.choice import NotAvailable
 
     try:
         return getattr(importlib.import_module("bearingwear.commands"), args.run)(args)

@@ -23,9 +23,9 @@ from bearingwear.kernels import status as code
 from bearingwear.lives import life as life_model
 from bearingwear.results.netcdf import load
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import SceneError, load_scene
 from bearingwear.solvers import solve as solve_model
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.result import Result
 
 SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"

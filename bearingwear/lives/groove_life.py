@@ -13,10 +13,10 @@ from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.compose import solver_of
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.bearing import WornBearing, loaded_ends
 from bearingwear.solvers.worn.depths import WornPoint

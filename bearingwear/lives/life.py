@@ -1,7 +1,4 @@
-"""Wear life: from a `Scene` with an end of life to a `Result`.
-
-Contact state, slip and preload are solved anew wherever the integral needs them.
-"""
+"""Wear life: from a `Scene` with an end of life to a `Result`."""
 
 import time
 from collections.abc import Callable
@@ -27,27 +24,9 @@ def life(
 ) -> Result:
     """Wear life of a scene from its present loss of ball diameter on.
 
-    Parameters
-    ----------
-    scene : Scene
-        With `wear.end_of_life`.
-    fidelity : str, optional
-        Overrides `model.fidelity` of the scene.
-    progress : callable, optional
-        Given one line of text at each step of a dynamic life; others are done by then.
-
-    Returns
-    -------
-    Result
-        Life, its error bound and the history; where no criterion was met, `status` says so and the
-        life is a lower bound.
-
-    Raises
-    ------
-    SceneError
-        Where the scene has no end-of-life criterion, or a preload fraction without a preload.
-    NotAvailable
-        Where the fidelity asked for cannot solve this scene.
+    Where no criterion was met, `status` says so and the life is a lower bound. `progress` is given
+    one line of text at each step of a dynamic life. Raises SceneError where the scene has no
+    criterion, or a preload fraction without a preload; NotAvailable as `choice_for_life`.
     """
     check_end(scene)
     chosen = choice_for_life(scene, fidelity)

@@ -32,19 +32,11 @@ class HertzianLives:
 
     def __init__(self, scene: Scene):
         self._between = QUARTERS if len(scene.one_of_alike.sides) == 1 else (0.5,)
-        self._states = solver_of(scene, tolerance=WELL_BALANCED)
-
-    @property
-    def solves(self) -> int:
-        return self._states.solves
-
-    @property
-    def failed(self) -> int:
-        return self._states.failed
+        self.states = solver_of(scene, tolerance=WELL_BALANCED)
 
     def __call__(self, scene: Scene) -> Life:
         """The life of the scene, which may have another end."""
-        return surface_life(scene, self._states, bounded=False, between=self._between)
+        return surface_life(scene, self.states, bounded=False, between=self._between)
 
 
 def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Life | None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
 from bearingwear.scene.distributions import possible, quantile
 from bearingwear.scene.scene import Distribution, Scene
@@ -18,7 +19,6 @@ from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
 from bearingwear.solvers.bearing.mounted import RPM
 from bearingwear.solvers.compose import solver_of
-from bearingwear.solvers.effects.choice import NotAvailable
 
 Losses = tuple[float, ...]
 """Of ball diameter, of each bearing [m]."""

@@ -82,33 +82,23 @@ class Solver(Protocol):
     """One bearing by one model."""
 
     scene: Scene
-    mounted: float
-    """Axial displacement when mounted: at rest, unworn, under the preload [m]."""
-    start: Condition
-    """As the scene has it."""
-    unsteady: int
-    """Status where a rotor finds no place in which it stays."""
+    mounted: float  # axial displacement at rest, unworn, under the preload [m]
+    start: Condition  # as the scene has it
+    unsteady: int  # status where a rotor finds no place in which it stays
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         """Solve, from a usable solution nearby where there is one."""
 
-    def at(self, scene: Scene) -> "Solver":
-        """The bearing at other temperatures, those of a scene."""
-
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         """The bearing without friction, its balls orbiting as they roll or at `Omega` [rad/s]."""
 
-    def heat(self, solution: SolvedBearing) -> HeatFlow:
-        """Friction heat and drag."""
-
-    def state(self, solution: SolvedBearing) -> State:
-        """State for a life."""
-
-    def case(self, solution: SolvedBearing) -> CaseValues:
-        """All that a case has."""
-
     def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
         """The solution with the motion that a case took in its place; None where it kept it."""
+
+    def at(self, scene: Scene) -> "Solver": ...  # at other temperatures, those of the scene
+    def heat(self, solution: SolvedBearing) -> HeatFlow: ...  # of friction and drag
+    def state(self, solution: SolvedBearing) -> State: ...  # for a life
+    def case(self, solution: SolvedBearing) -> CaseValues: ...  # all that a case has
 
 
 class Wrapper:

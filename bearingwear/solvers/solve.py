@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bearingwear.kernels import status as code
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import growth_values
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy, CaseValues
-from bearingwear.solvers.effects.choice import Choice, NotAvailable, choice
+from bearingwear.solvers.effects.choice import Choice, choice
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.result import Result
@@ -25,27 +26,11 @@ def solve(
     restart: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Solve a scene with the model it needs.
+    """Solve a scene with the model it needs, or with that of `fidelity`.
 
-    Parameters
-    ----------
-    scene : Scene
-    fidelity : str, optional
-        Overrides `model.fidelity` of the scene.
-    restart : mapping, optional
-        `state` and `time` [s] at the end of another run to go on from; dynamic only.
-    progress : callable, optional
-        Given one line of text every few seconds; dynamic only, others are done by then.
-
-    Returns
-    -------
-    Result
-        `values["status"]` says whether the numbers may be used.
-
-    Raises
-    ------
-    NotAvailable
-        Where the fidelity asked for cannot solve this scene, or cannot continue from a state.
+    A dynamic solve may go on from the `state` and `time` [s] at the end of another run, and gives
+    `progress` one line of text every few seconds. Raises NotAvailable as `choice`, or where the
+    model cannot continue from a state.
     """
     chosen = choice(scene, fidelity)
     if restart is not None:

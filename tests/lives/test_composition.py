@@ -12,8 +12,8 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.history import life_values
 from bearingwear.lives.life import life
 from bearingwear.lives.many import worn_life
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
-from bearingwear.solvers.errors import NotAvailable
 
 END = "wear.end_of_life={ball_diameter_loss_um: 0.2}"
 FILM = (

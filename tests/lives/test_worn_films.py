@@ -12,8 +12,8 @@ from bearingwear.kernels.worn.verification import friction_of_cells
 from bearingwear.lives.grooves import STEP, Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.solvers.bearing.films import Films
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.worn.films import FILM_EDGE, WornFilms, cover
 

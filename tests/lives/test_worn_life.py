@@ -17,8 +17,8 @@ from bearingwear.lives.grooves import STEP, Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.worn.depths import WornDepths
 
 HOUR = 3600.0

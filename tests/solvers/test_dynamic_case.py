@@ -23,10 +23,11 @@ from bearingwear.kernels import status as code
 from bearingwear.results import variables
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.restart import restart_from
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.dynamic import run as dynamic_run
 from bearingwear.solvers.dynamic import windows as time_run
-from bearingwear.solvers.effects.choice import NotAvailable, choice, choice_for_life
+from bearingwear.solvers.effects.choice import choice, choice_for_life
 
 S1 = scene_file("gyro_s1")
 BALLS, TURN = 9, 0.002

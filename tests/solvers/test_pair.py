@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.scene.arrangement import Arrangement
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.sides import SHARED, of_bearing
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.arrangement import (
@@ -20,7 +21,7 @@ from bearingwear.solvers.bearing.arrangement import (
 from bearingwear.solvers.bearing.at_rest import AxialRotor, Mechanics
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy
-from bearingwear.solvers.effects.choice import NotAvailable, choice
+from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.solve import solve
 
 POSITION = {"operation.preload_method": "fixed_position"}

@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.lives.life import life
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.solvers.dynamic import periodic
 from bearingwear.solvers.dynamic.system import DynamicSystem
-from bearingwear.solvers.errors import NotAvailable
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of
 

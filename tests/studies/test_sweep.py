@@ -14,7 +14,7 @@ from support import ROOT
 
 import bearingwear
 from bearingwear import SceneError
-from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.studies import pool
 from bearingwear.studies import sweep as module
 

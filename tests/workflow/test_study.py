@@ -15,8 +15,9 @@ from support import scene_file
 
 from bearingwear import studies
 from bearingwear.document.document import Block, Document
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
-from bearingwear.solvers.effects.choice import NotAvailable, choice
+from bearingwear.solvers.effects.choice import choice
 
 WORN = "fixed_position-mu0.080-loss0.50"
 FIGURES_OF_THE_SMALL_STUDY = {

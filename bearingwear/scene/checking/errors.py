@@ -13,6 +13,10 @@ LONGEST = 60
 """Longest text that a message repeats."""
 
 
+class NotAvailable(ValueError):
+    """The model asked for does not apply to the scene; one line."""
+
+
 class SceneError(ValueError):
     """Input that cannot be used; its text is one line."""
 

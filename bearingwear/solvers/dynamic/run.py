@@ -9,6 +9,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, found_periodic
@@ -17,7 +18,6 @@ from bearingwear.solvers.dynamic.periodic import PeriodicMotion
 from bearingwear.solvers.dynamic.stability import LEAST_GROWTH, is_found_periodic
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
 from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, RunGrid, TimeRun
-from bearingwear.solvers.errors import NotAvailable
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import Start, start_of
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.errors import NotAvailable
 
 LIKE = 1e-9  # of the diameter: balls that differ by less are alike
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from bearingwear.kernels.build.folder import compile_time, is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.stability import check_solution, is_found_periodic
-from bearingwear.solvers.errors import NotAvailable as NotAvailable
 
 ASKED_FOR = "requested by the scene or the command"
 

@@ -28,12 +28,12 @@ from bearingwear.measures import ENDS
 from bearingwear.results.quantiles import INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import quantile, values_at
 from bearingwear.scene.scene import COUNTS, WORN, EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.dynamic.windows import wear_per_joule
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.state import State
 from bearingwear.studies.cage.draws import WEAR, cage_spread
 from bearingwear.studies.cage.ensemble import END, OF_MOTION, ensemble_of, kept_in

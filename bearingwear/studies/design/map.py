@@ -136,7 +136,7 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
                 # the same way, ended by the share
                 limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
                 found["time_to_slip_limit"] = lives(limited).last.time
-    found["solves"], found["failed_solves"] = lives.solves, lives.failed
+    found["solves"], found["failed_solves"] = lives.states.solves, lives.states.failed
     return found
 
 

@@ -24,7 +24,7 @@ from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.blocks import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
-from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import with_usual_spread
@@ -33,7 +33,6 @@ from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import perturbed, with_wear
