@@ -182,15 +182,17 @@ class Motion:
         return bool(run_at(node).rates.any())
 
     def events(self, node: Node) -> np.ndarray:
-        left = self.films.film_left(self.depths(node.worn))
-        return np.append(left, self.parts.film_left(node.worn))
+        left = self.films.coating.left(self.films.depths(self.depths(node.worn)))
+        return np.append(left, self.parts.coating.left(self.parts.cage_depths(node.worn)))
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
         if event < BEARING_FILMS:
-            self.films.wear_through(event, self.depths(node.worn))
+            depths = self.films.depths(self.depths(node.worn))
+            self.films.coating.wear_through(event, depths)
         else:
-            self.parts.wear_through(event - BEARING_FILMS, node.worn)
+            depths = self.parts.cage_depths(node.worn)
+            self.parts.coating.wear_through(event - BEARING_FILMS, depths)
         self.gone.append(event)
         self._since = node.x, node.worn
         return True
@@ -227,9 +229,10 @@ class Motion:
         limits = [largest_loss(self.scene) if um is None else um * parameters.UM]
         given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
         limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
-        limits += [*np.where(self.films.cover, self.films.thickness, math.nan)]
+        films, cage = self.films.coating, self.parts.coating
+        limits += [*np.where(films.cover, films.whole, math.nan)]
         share = self.end.cage_film_worn_share or 1.0
-        limits += [*np.where(self.parts.covered, share * self.parts.film, math.nan)]
+        limits += [*np.where(cage.cover, share * cage.whole, math.nan)]
         then, now = self._limited(worn), self._limited(worn + more)
         with np.errstate(divide="ignore", invalid="ignore"):
             times = begun + time * (np.array(limits) - then) / (now - then)

@@ -17,7 +17,6 @@ from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing.films import (
     Bare,
-    Cover,
     Factors,
     Films,
     follows_depths,
@@ -36,8 +35,31 @@ _UNLIKE = 3.7  # times its first step: the same steps would hide an error far be
 _LOOSEST = 1e-2
 
 
+class Coating:
+    """Films of some parts of a bearing, of a thickness each (n,), 0 without one [m]."""
+
+    def __init__(self, thickness: np.ndarray):
+        self.whole = thickness
+        self.cover = thickness > 0.0  # where a film is left
+
+    @property
+    def thickness(self) -> np.ndarray:
+        """Of what is left, as if unworn; 0 where nothing is [m]."""
+        return np.where(self.cover, self.whole, 0.0)
+
+    def left(self, depths: np.ndarray) -> np.ndarray:
+        """Share of each film that is left, worn so deep [m]; infinite where there is none."""
+        return np.where(self.cover, 1.0 - depths / np.where(self.cover, self.whole, 1.0), np.inf)
+
+    def wear_through(self, part: int, depths: np.ndarray) -> None:
+        """The film of a part is gone, if it is one of these, and any other with nothing left."""
+        self.cover &= (self.left(depths) > 0.0) & (np.arange(self.cover.size) != part)
+
+
 class EvenWear:
     """A bearing whose wear rate depends on its counted loss alone: worn is that loss (1,) [m]."""
+
+    coating = Coating(np.empty(0))
 
     def __init__(self, scene: Scene):
         self.present = scene.wear.ball_diameter_loss_um[0] * UM
@@ -60,12 +82,9 @@ class EvenWear:
         """Wear rates [m/s]."""
         return state.rate[counts : counts + 1]
 
-    def film_left(self, worn: np.ndarray) -> np.ndarray:
-        """Share of each film that is left; infinite where there is none."""
+    def depths(self, worn: np.ndarray) -> np.ndarray:
+        """Depths of what may have a film [m]."""
         return np.empty(0)
-
-    def wear_through(self, film: int, worn: np.ndarray) -> None:
-        """A film is gone, of inner race, outer race or balls, and any other with nothing left."""
 
 
 class FilmWear(EvenWear):
@@ -80,26 +99,25 @@ class FilmWear(EvenWear):
         self.scene = scene
         self.films = Films.of(scene)
         self.changes = self.films.changes
-        self.cover = self.films.cover
+        self.coating = Coating(self.films.thickness)
         self.start = np.zeros(5 if limits_depth(scene) else 3)
 
     @property
     def bare(self) -> Bare:
-        return self.films.bare(self.cover)
+        return self.films.bare(self.coating.cover)
 
     def condition(self, worn: np.ndarray, counts: int) -> Condition:
         counted = worn[0] + (worn[1] + worn[2] if counts else 0.0)
         return Condition(self.present + float(counted), self.bare)
 
-    @staticmethod
-    def depths(worn: np.ndarray) -> np.ndarray:
+    def depths(self, worn: np.ndarray) -> np.ndarray:
         """Worn off the inner and the outer groove and the surface of a ball (3,) [m]."""
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
 
     def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
         """Time in which the coefficients of surfaces that run in change by a part [s]."""
         parts = (self.films.race, self.films.race, self.films.ball)
-        each = zip(parts, self.cover, self.depths(worn), self.depths(rates), strict=True)
+        each = zip(parts, self.coating.cover, self.depths(worn), self.depths(rates), strict=True)
         times = [
             RUNNING_IN_STEP * (part.running_in + max(deep - part.thickness, 0.0)) / rate
             for part, is_covered, deep, rate in each
@@ -107,21 +125,15 @@ class FilmWear(EvenWear):
         ]
         return min(times, default=np.inf)
 
-    @property
-    def thickness(self) -> np.ndarray:
-        """Thickness left of the films on them, 0 where there is none (3,) [m]."""
-        race, ball = self.films.race.thickness, self.films.ball.thickness
-        return np.where(self.cover, [race, race, ball], 0.0)
-
     def wearing(self, major: np.ndarray, worn: np.ndarray) -> Factors:
         """K_s/H of balls and races, in contacts of these semi-major axes (..., 2) [m]."""
         pressed = self.films.pressed(mean_pressure(self.scene, major))
-        return self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
+        return self.films.wearing(self.coating.cover, 0.5 * worn[0], worn[1:3], pressed)
 
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
         """What a state has of its films."""
         return {
-            "film_left": np.maximum(self.thickness - self.depths(worn), 0.0),
+            "film_left": np.maximum(self.coating.thickness - self.depths(worn), 0.0),
             "film_worn_share": np.array(self.bare, dtype=float),
         }
 
@@ -145,15 +157,6 @@ class FilmWear(EvenWear):
         grooves = state["groove_depth_rate"]
         deepest = state["depth_peak"] * grooves if self.start.size > 3 else ()
         return np.array([state.rate[0], *grooves, *deepest])
-
-    def film_left(self, worn: np.ndarray) -> np.ndarray:
-        covered = self.thickness > 0.0
-        shares = self.depths(worn) / np.where(covered, self.thickness, 1.0)
-        return np.where(covered, 1.0 - shares, np.inf)
-
-    def wear_through(self, film: int, worn: np.ndarray) -> None:
-        left = self.film_left(worn) > 0.0
-        self.cover = Cover(*(left & (np.arange(3) != film) & self.cover).tolist())
 
 
 class Surfaces:
@@ -190,15 +193,16 @@ class Surfaces:
     def events(self, node: Node) -> np.ndarray:
         parts = [*self.parts(node.worn)]
         room = (1.0 - one.condition(part, self.counts).loss / one.largest for one, part in parts)
-        return np.concatenate([[min(room)], *(one.film_left(part) for one, part in parts)])
+        films = [one.coating.left(one.depths(part)) for one, part in parts]
+        return np.concatenate([[min(room)], *films])
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
         if event < 1:
             return False
         for wear, part in self.parts(node.worn):
-            wear.wear_through(event - 1, part)
-            event -= wear.film_left(part).size
+            wear.coating.wear_through(event - 1, wear.depths(part))
+            event -= wear.coating.cover.size
         return True
 
 

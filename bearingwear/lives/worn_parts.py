@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.lives.surfaces import Coating
 from bearingwear.measures import ENDS
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing import parameters
@@ -53,7 +54,7 @@ CAGE_PARTS = ("pocket", "land")
 class WornParts:
     """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved.
 
-    `covered` says on which of `CAGE_PARTS` the film of the cage is left.
+    `coating` is the film of the `CAGE_PARTS`.
     """
 
     def __init__(self, scene: Scene):
@@ -66,8 +67,8 @@ class WornParts:
         # Per-run histories are not needed.
         self.model = replace(scene.model, history_points_per_turn=0)
         film = None if scene.cage is None else scene.cage.film
-        self.film = math.inf if film is None else film.thickness_um * parameters.UM
-        self.covered = np.full(len(CAGE_PARTS), film is not None)
+        thickness = 0.0 if film is None else film.thickness_um * parameters.UM
+        self.coating = Coating(np.full(len(CAGE_PARTS), thickness))
 
     @property
     def nothing(self) -> np.ndarray:
@@ -102,8 +103,8 @@ class WornParts:
         """Result variables of the cage at that wear."""
         pocket, guide = self.clearances(worn)
         found = {"pocket_clearance": pocket, "guide_clearance": guide}
-        if math.isfinite(self.film):
-            shares = self.cage_depths(worn) / self.film
+        if self.coating.whole.all():
+            shares = self.cage_depths(worn) / self.coating.whole
             found |= dict(zip(ENDS["cage_film_worn_share"].variables, shares, strict=True))
         return found
 
@@ -113,23 +114,13 @@ class WornParts:
         then, now = self.of_cage(self.nothing), self.of_cage(rates)
         return max(now[name] - then[name] for name in ENDS[criterion].variables)
 
-    def film_left(self, worn: np.ndarray) -> np.ndarray:
-        """Share of the cage's film that is left (2,); infinite where there is none."""
-        left = 1.0 - self.cage_depths(worn) / self.film
-        return np.where(self.covered, left, math.inf)
-
-    def wear_through(self, part: int, worn: np.ndarray) -> None:
-        """The film of a part of the cage is gone, and that of the other with nothing left."""
-        self.covered[part] = False
-        self.covered &= self.film_left(worn) > 0.0
-
     def cage_rates(self, values: Mapping[str, Any]) -> np.ndarray:
         """What wears off the cage alone per second, of a run's or an ensemble's values.
 
         Those are of the material of the cage; while its film is left, that wears instead.
         """
         p, rates = self.layout, np.zeros(self.layout.size)
-        pocket, land = np.where(self.covered, film_wear_ratio(self.scene), 1.0)
+        pocket, land = np.where(self.coating.cover, film_wear_ratio(self.scene), 1.0)
         rates[p.pocket] = values.get("pocket_wear_rate", 0.0) * pocket
         rates[p.land] = values.get("cage_land_wear_rate", 0.0) * land
         return rates

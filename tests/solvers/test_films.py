@@ -24,7 +24,7 @@ from bearingwear.lives.surfaces import surface_life
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.solvers.bearing.films import Cover, Films
+from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.effects.choice import choice
@@ -292,15 +292,16 @@ def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(sce
     films = Films.of(scene("gyro_s1", FILM | on_balls))
     films = replace(films, race=replace(films.race, film=films.race.film._replace(K_s=2e-6)))
     for cover, balls, races in (
-        (Cover(True, True, True), [3e-7, 3e-7], [2e-6, 2e-6]),
-        (Cover(False, True, True), [3e-7, 3e-7], [3e-7, 2e-6]),
-        (Cover(False, True, False), [5e-6, 2e-6], [5e-6, 2e-6]),
-        (Cover(False, False, False), [5e-6, 5e-6], [5e-6, 5e-6]),
+        ((True, True, True), [3e-7, 3e-7], [2e-6, 2e-6]),
+        ((False, True, True), [3e-7, 3e-7], [3e-7, 2e-6]),
+        ((False, True, False), [5e-6, 2e-6], [5e-6, 2e-6]),
+        ((False, False, False), [5e-6, 5e-6], [5e-6, 5e-6]),
     ):
-        ball, race = films.wearing(cover)
+        ball, race = films.wearing(np.array(cover))
         for factor, K_s in ((ball, balls), (race, races)):
             assert_allclose(np.broadcast_to(factor * films.ball.below.H, 2), K_s, rtol=1e-14)
-        bare = not cover.ball and not cover.inner, not cover.ball and not cover.outer
+        inner, outer, on_ball = cover
+        bare = not on_ball and not inner, not on_ball and not outer
         assert films.bare(cover) == bare
 
 

@@ -5,6 +5,7 @@ Depths are radial, of the surface: half of what a ball loses of its diameter (th
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -71,12 +72,6 @@ def surface_factor(part: Surface, partner: Surface, depth, covered, partner_cove
     return found
 
 
-class Cover(NamedTuple):
-    inner: bool
-    outer: bool
-    ball: bool
-
-
 @dataclass(frozen=True)
 class Films:
     """Balls and races of a scene, as their surfaces wear."""
@@ -117,16 +112,17 @@ class Films:
         return self.wear_through or bool(self.ball.running_in or self.race.running_in)
 
     @property
-    def cover(self) -> Cover:
-        """When new."""
-        race = self.race.thickness > 0.0
-        return Cover(race, race, self.ball.thickness > 0.0)
+    def thickness(self) -> np.ndarray:
+        """Of the films of inner and outer race and balls (3,), 0 without one [m]."""
+        race = self.race.thickness
+        return np.array([race, race, self.ball.thickness])
 
-    def bare(self, cover: Cover) -> Bare:
-        """The contacts without any film."""
+    def bare(self, cover: Sequence[bool] | np.ndarray) -> Bare:
+        """The contacts without any film, by whether inner and outer race and balls have theirs."""
         if not self.wear_through:
             return COVERED
-        return not (cover.inner or cover.ball), not (cover.outer or cover.ball)
+        inner, outer, ball = cover
+        return not (inner or ball), not (outer or ball)
 
     def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, pressed=1.0):
         """K_s/H of a ball and of a race [1/Pa]: what covers them, depths [m]."""
@@ -135,10 +131,9 @@ class Films:
             surface_factor(self.race, self.ball, race_depths, on_race, on_ball, pressed),
         )
 
-    def wearing(self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0) -> Factors:
+    def wearing(self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, pressed=1.0) -> Factors:
         """K_s/H of a ball in both contacts and of both races, worn so deep [m] (..., 2) [1/Pa]."""
-        races = np.array([cover.inner, cover.outer])
-        return self.factors(cover.ball, races, ball_depth, race_depths, pressed)
+        return self.factors(cover[2], cover[:2], ball_depth, race_depths, pressed)
 
 
 def limits_depth(scene: Scene) -> bool:

@@ -154,7 +154,7 @@ def wear_rates(
     if parts is None:
         films = Films.of(scene)
         pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves time
-        parts = films.wearing(films.cover, pressed=pressed)
+        parts = films.wearing(films.thickness > 0.0, pressed=pressed)
     ball, race = parts
     return ball * qv, race * qv
 

@@ -163,5 +163,5 @@ def search_rule(scene: Scene) -> Rule:
 def wear_factors(scene: Scene) -> tuple[float, float]:
     """K_s/H of ball and race as they are when new [1/Pa]."""
     films = Films.of(scene)
-    ball, race = (float(np.max(part)) for part in films.wearing(films.cover))
+    ball, race = (float(np.max(part)) for part in films.wearing(films.thickness > 0.0))
     return ball, race

@@ -71,15 +71,9 @@ class WornFilms:
         on_ball, pressed = cover(self.films.ball, ball_depth), self.films.pressed(pressure)
         return self.films.factors(on_ball, on_race, ball_depth, race_depth, pressed)
 
-    @property
-    def thickness(self) -> np.ndarray:
-        """Film thickness of inner and outer race and balls (3,) [m]."""
-        race = self.films.race.thickness
-        return np.array([race, race, self.films.ball.thickness])
-
     def left(self, race_depths: np.ndarray, ball_depth: float) -> np.ndarray:
         """Thickness less the deepest wear, of inner and outer race and balls (3,) [m]."""
-        return self.thickness - [*race_depths, ball_depth]
+        return self.films.thickness - [*race_depths, ball_depth]
 
     def time_through(
         self, race_depths: np.ndarray, ball_depth: float, race_rates: np.ndarray, ball_rate: float
@@ -89,4 +83,4 @@ class WornFilms:
             return np.inf
         rates = np.array([*race_rates, ball_rate])
         covers = (self.left(race_depths, ball_depth) > 0.0) & (rates > 0.0)
-        return float(np.min(self.thickness[covers] / rates[covers], initial=np.inf))
+        return float(np.min(self.films.thickness[covers] / rates[covers], initial=np.inf))

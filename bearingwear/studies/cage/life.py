@@ -205,7 +205,7 @@ def cage_life(life: Life, other: bool = True) -> xr.Dataset:
             "cage_hours": life.last.x,
         }
     values |= {
-        "film_gone": [_gone(parts.film, depth, turns) for depth in depths.T],
+        "film_gone": [_gone(parts.coating.whole[0], depth, turns) for depth in depths.T],
         "motion_changes": _change(share, turns),
         "node_turns": turns,
         "node_depth": depths,
@@ -219,7 +219,7 @@ def cage_life(life: Life, other: bool = True) -> xr.Dataset:
 
 def _gone(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
     """When a film is worn through; infinite if it is not, NaN without one."""
-    if math.isinf(film):
+    if not film:
         return math.nan
     is_gone = depth[-1] >= (1.0 - _ENDS_WITHIN) * film
     return float(np.interp(film, depth, turns)) if is_gone else math.inf
