@@ -57,7 +57,7 @@ def launch_verdict(found: Launched) -> list[str]:
         for load in found.loads
         if load.rotor is not None
         for k, bearing in enumerate(load.rotor.bearings)
-        if bearing.is_open
+        if not bearing.load.any()
     ]
     if opened:
         gap, k, name = max(opened)

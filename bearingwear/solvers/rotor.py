@@ -20,12 +20,11 @@ from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.arrangement import (
     N_UM,
     joined_attributes,
-    lift_off,
     natural_frequencies,
     rotor_balance,
     stacked_sides,
 )
-from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.bearing.at_rest import AxialRotor, Mechanics, PreloadSpring
 from bearingwear.solvers.bearing.growth import growth_values, is_held
 from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED, Nearby, RotorTrial, balanced
 from bearingwear.solvers.condition import (
@@ -344,14 +343,17 @@ def pair_case(
     a, each = scene.pair, [values for values, _ in cases]
     assert a is not None
     alike = state.sides * (2 if len(state.sides) == 1 else 1)
-    resting = [
+    resting = tuple(
         in_tandem(side.at(solution.scene).mechanics(side.start.loss, 0.0), n)
         for side, solution, n in zip(sides, alike, a.tandem, strict=True)
-    ]
-    mounted = [side.mounted for side in sides]
+    )
+    mounted = sides[0].mounted, sides[1].mounted
+    spring = None
+    if a.kind != "rigid_pair":
+        spring = PreloadSpring(float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM)
     values = stacked_sides(each) | state.values
     values |= {
-        "lift_off_force": lift_off(scene, resting, mounted),
+        "lift_off_force": AxialRotor((resting[0], resting[1]), mounted, spring).opening_force,
         "rotor_balance_residual": rotor_balance(scene, mounted, each),
     }
     if "stiffness_matrix" in each[0]:

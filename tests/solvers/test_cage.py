@@ -13,7 +13,7 @@ from bearingwear.kernels.dynamic.equilibrium import linearise_cage_forces
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
 from bearingwear.kernels.dynamic.quasistatic import K_11
 from bearingwear.kernels.status import OK
-from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
+from bearingwear.solvers.dynamic.parts import land_damping, pocket_damping
 from bearingwear.solvers.dynamic.run import solve_dynamic
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.solve import solve

@@ -8,7 +8,6 @@ import numpy as np
 from scipy.linalg import eigh
 
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.solvers.bearing.at_rest import AxialRotor, Mechanics, PreloadSpring
 from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
 from bearingwear.solvers.bearing.outputs import stiffness_of_loads
 from bearingwear.solvers.state import State
@@ -89,18 +88,6 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
         each.append(n * state["axial_stiffness"] / K[0, 0] * K)
     found = natural_frequencies(a, np.array(each), states[0]["system_axial_stiffness"])
     return math.nan if found is None else float(found.min())
-
-
-def lift_off(scene: Scene, resting: Sequence[Mechanics], mounted: Sequence[float]) -> float:
-    """Least axial force on the rotor that lifts off a bearing at rest [N].
-
-    From both sides with all their bearings, and their axial displacements when mounted [m].
-    """
-    a, (first, second), (one, two) = scene.pair, resting, mounted
-    assert a is not None
-    by_spring, k_s = a.kind != "rigid_pair", a.spring_stiffness_N_um * N_UM
-    spring = PreloadSpring(float(scene.operation.preload_N), k_s) if by_spring else None
-    return AxialRotor((first, second), (one, two), spring).opening_force
 
 
 def rotor_balance(

@@ -90,16 +90,13 @@ class Balls(NamedTuple):
         """Slope (n, 4) of the length by the place."""
         return self.s[:, None] * self.slopes[0] + self.c[:, None] * self.slopes[1]
 
-    @property
-    def across(self) -> np.ndarray:
-        """Derivative by the tilt, times the length."""
-        return self.c[:, None] * self.slopes[0] - self.s[:, None] * self.slopes[1]
-
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
         """Stiffness of the bearing by position (4, 4)."""
-        axial, across = self.along, self.across
+        # slopes of the length, and of the direction times the length
+        s, c, (axial, radial) = self.s[:, None], self.c[:, None], self.slopes
+        along, across = s * axial + c * radial, c * axial - s * radial
         k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
-        return (axial.T * k) @ axial + (across.T * turn) @ across
+        return (along.T * k) @ along + (across.T * turn) @ across
 
 
 def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,11 +139,6 @@ class RestingBearing:
     angle: np.ndarray  # (n,) contact angle; NaN where it is loose [rad]
     pressure: np.ndarray  # (n, 2) peak, inner and outer race [Pa]
     gap: float  # axial distance to its first contact, where none is left [m]
-
-    @property
-    def is_open(self) -> bool:
-        """Whether no ball bears any load."""
-        return not self.load.any()
 
 
 @dataclass(frozen=True)
@@ -194,24 +186,19 @@ class RotorAtRest:
             g, own = geometry(one), 1.0 - 2.0 * k
             # place on the rotor of the inner groove centres, at which the balls' forces act
             position = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + groove_arm(g))
-            motion = np.zeros((3, 4))
-            motion[0, _X], motion[1, _Z], motion[1, _TILT], motion[2, _TILT] = (
-                own,
-                1.0,
-                -position,
-                own,
+            motion = np.array(
+                [[own, 0.0, 0.0, k], [0.0, 1.0, -position, 0.0], [0.0, 0.0, own, 0.0]]
             )
-            motion[0, _SLIDE] = k
             D, preload = worn_diameters(one, g), float(one.operation.preload_N)
             mounted = place_as_mounted(mounted_geometry(one), preload)
             contact = series_contact(g, D)
             seats.append(RestingSide(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
         stop = math.inf if a.stop_um is None else a.stop_um * UM
-        by_spring = scene.operation.preload_method == "constant_force"
-        spring = PreloadSpring(
-            float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop
-        )
-        return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, spring if by_spring else None)
+        spring = None
+        if scene.operation.preload_method == "constant_force":
+            force, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
+            spring = PreloadSpring(force, k_s, stop)
+        return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, spring)
 
     def under(self, axial: float, radial: float = 0.0) -> RestingRotor | None:
         """The rotor under a force at its centre of mass, towards +X and across [N].

@@ -1,10 +1,13 @@
 """From a scene to what stays the same while its bearing moves."""
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
 from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND, OUTER_LAND, CageModel
@@ -15,11 +18,11 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import COVERED, Bare
-from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
 
 HERTZ_INTERVALS = 64
 LIGHT_IMPACT = 1e-3  # of the cage's surface speed
 RAMP = 0.2  # of the depth of a light impact
+LARGEST_LAND, LARGEST_POCKET = 0.99, 3.0  # damping at which an impact returns hardly anything
 
 
 def cage_of(scene: Scene) -> CageModel:
@@ -81,6 +84,57 @@ def cage_of(scene: Scene) -> CageModel:
         ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
         turning=(0.0, 0.0),  # see DynamicSystem.of
     )
+
+
+def land_restitution(ratio: float) -> float:
+    """Restitution of a spring and a dashpot of that critical-damping ratio below 1.
+
+    delta'' + 2 ratio delta' + delta = 0 from delta = 0, delta' = 1 to where the force ends.
+    """
+    w = math.sqrt(1.0 - ratio**2)
+    end = (math.pi - math.atan2(2.0 * ratio * w, 1.0 - 2.0 * ratio**2)) / w
+    speed = math.cos(w * end) - ratio / w * math.sin(w * end)
+    return -math.exp(-ratio * end) * speed
+
+
+def pocket_restitution(damping: float) -> float:
+    """Restitution of a Hertz contact: delta'' + damping delta^(1/4) delta' + delta^(3/2) = 0.
+
+    From delta = 0, delta' = 1 to where the force ends.
+    """
+
+    def rates(_, y):
+        d = max(y[0], 0.0)
+        return y[1], -damping * d**0.25 * y[1] - d**1.5
+
+    def pull(_, y):
+        d = max(y[0], 0.0)
+        return damping * y[1] + d**1.25  # the force over delta^(1/4)
+
+    setattr(pull, "terminal", True)  # noqa: B010
+    setattr(pull, "direction", -1.0)  # noqa: B010
+    path = solve_ivp(rates, (0.0, 50.0), (0.0, 1.0), events=pull, rtol=1e-9, atol=1e-12)
+    return -path.y[1, -1]
+
+
+@lru_cache
+def land_damping(restitution: float) -> float:
+    """Critical-damping ratio of a land for a coefficient of restitution."""
+    return _damping(land_restitution, restitution, LARGEST_LAND)
+
+
+@lru_cache
+def pocket_damping(restitution: float) -> float:
+    """Damping of `pocket_restitution` for a coefficient of restitution."""
+    return _damping(pocket_restitution, restitution, LARGEST_POCKET)
+
+
+def _damping(law, restitution: float, largest: float) -> float:
+    if restitution >= 1.0:
+        return 0.0
+    if restitution <= law(largest):
+        return largest
+    return brentq(lambda damping: law(damping) - restitution, 0.0, largest, xtol=1e-9)
 
 
 def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:

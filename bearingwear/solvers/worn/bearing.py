@@ -117,9 +117,8 @@ class WornBearing:
             without=AS_WITH_FILM,
         )
 
-    def unworn(self, ball: float = 0.0) -> WornDepths:
-        """No wear but an even loss of ball diameter."""
-        return WornDepths(ball, np.zeros_like(self.arc), np.zeros_like(self.latitude))
+    def unworn(self) -> WornDepths:
+        return WornDepths(0.0, np.zeros_like(self.arc), np.zeros_like(self.latitude))
 
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
