@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -90,11 +91,14 @@ class Grooves:
         return self._last
 
     def with_stiffness(self) -> States:
+        """The states found last, with both stiffnesses."""
         each = zip(self.sides, self._found.sides, strict=True)
         sides = tuple(side.with_stiffness(one) for side, one in each)
-        found = self.bearings.arranged(sides, self._found)
-        conditions = tuple(one.condition for one in sides)
-        return states_of(self.bearings.sides, conditions, found)
+        of_rotor = self.bearings.arranged(sides, self._found).values
+        return tuple(
+            replace(state.with_values(one.stiffnesses | of_rotor), answer=one)
+            for state, one in zip(self._last, sides, strict=True)
+        )
 
     def completed(self, node: Node) -> Node:
         """A node that a life keeps, which has its stiffnesses; not if only times count."""
@@ -130,14 +134,8 @@ class Grooves:
             gap = side.bearing.gap_at_edge(point_of(state))
             lengths.append(self.depth / (deepest / gap).max())
             if (films := side.bearing.films) is not None:
-                wear = point_of(state).wear
-                wear_through_times = films.time_through(
-                    wear.grooves.max(axis=1),
-                    0.5 * wear.ball,
-                    rate.grooves.max(axis=1),
-                    0.5 * rate.ball,
-                )
-                lengths.append(FILM_STEP * self.depth / STEP * wear_through_times)
+                through = films.time_through(point_of(state).wear.deepest, rate.deepest)
+                lengths.append(FILM_STEP * self.depth / STEP * through)
         return float(min(lengths))
 
     def is_too_deep(self, now: Node, new: Node) -> bool:

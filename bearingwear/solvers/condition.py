@@ -67,6 +67,15 @@ class SolvedBearing(NamedTuple):
         return self.status in USABLE
 
     @property
+    def stiffnesses(self) -> dict[str, float]:
+        """Result variables of the axial stiffness, without one that is not known."""
+        both = {
+            "axial_stiffness": self.stiffness,
+            "quasistatic_axial_stiffness": self.quasistatic,
+        }
+        return {name: value for name, value in both.items() if not math.isnan(value)}
+
+    @property
     def steepness(self) -> float:
         """Of the force over the place, about; NaN and falling ones are no use [N/m]."""
         if not math.isnan(self.slope):

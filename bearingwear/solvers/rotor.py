@@ -61,12 +61,12 @@ class RotorState(NamedTuple):
     @property
     def values(self) -> dict[str, float]:
         """Result variables of the arrangement; without a stiffness that is not known."""
-        found = {"rotor_axial_shift": self.shift}
-        if not math.isnan(self.stiffness):
-            found["system_axial_stiffness"] = self.stiffness
-        if not math.isnan(self.quasistatic):
-            found["system_quasistatic_axial_stiffness"] = self.quasistatic
-        return found
+        found = {
+            "rotor_axial_shift": self.shift,
+            "system_axial_stiffness": self.stiffness,
+            "system_quasistatic_axial_stiffness": self.quasistatic,
+        }
+        return {name: value for name, value in found.items() if not math.isnan(value)}
 
 
 def states_of(sides: Sequence[Solver], conditions: Conditions, found: RotorState) -> States:

@@ -31,6 +31,11 @@ class WornDepths:
     grooves: np.ndarray  # (2, arcs) depth [m]
     band: np.ndarray  # (latitudes,) of the balls, empty where they wear evenly [m]
 
+    @property
+    def deepest(self) -> np.ndarray:
+        """Depth in inner and outer groove where it is largest, and even depth of the balls (3,)."""
+        return np.array([*self.grooves.max(axis=1), 0.5 * self.ball])
+
     def plus(self, dt: float, rate: "WornDepths") -> "WornDepths":
         """Wear after the time dt at a rate, itself a wear per second."""
         return WornDepths(

@@ -71,16 +71,13 @@ class WornFilms:
         on_ball, pressed = cover(self.films.ball, ball_depth), self.films.pressed(pressure)
         return self.films.factors(on_ball, on_race, ball_depth, race_depth, pressed)
 
-    def left(self, race_depths: np.ndarray, ball_depth: float) -> np.ndarray:
-        """Thickness less the deepest wear, of inner and outer race and balls (3,) [m]."""
-        return self.films.thickness - [*race_depths, ball_depth]
+    def time_through(self, depths: np.ndarray, rates: np.ndarray) -> float:
+        """Time in which the first film that still covers would wear by its whole thickness [s].
 
-    def time_through(
-        self, race_depths: np.ndarray, ball_depth: float, race_rates: np.ndarray, ball_rate: float
-    ) -> float:
-        """Time in which the first film that still covers would wear by its whole thickness [s]."""
+        From `WornDepths.deepest`, and that of a rate.
+        """
         if not self.films.wear_through:
             return np.inf
-        rates = np.array([*race_rates, ball_rate])
-        covers = (self.left(race_depths, ball_depth) > 0.0) & (rates > 0.0)
-        return float(np.min(self.films.thickness[covers] / rates[covers], initial=np.inf))
+        thickness = self.films.thickness
+        covers = (thickness - depths > 0.0) & (rates > 0.0)
+        return float(np.min(thickness[covers] / rates[covers], initial=np.inf))

@@ -3,7 +3,7 @@
 import copy
 import functools
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,8 +37,6 @@ class _Memory:
     slope: float  # stiffness last found [N/m]
     offset: float | None = None  # of the even loss, at the start [m]
     ahead: float = 0.0  # of the last even loss to that of the approaches, over the approaches
-    # points with their values
-    states: dict[int, tuple[WornPoint, dict[str, Any]]] = field(default_factory=dict)
 
 
 class Worn(Steady):
@@ -147,21 +145,9 @@ class Worn(Steady):
         return root - self.memory.offset
 
     def state(self, solution: SolvedBearing) -> State:
-        """A point as the other lives have it; the rate of loss is not known from it alone.
-
-        A stiffness is there if it was looked for.
-        """
+        """State of a point; its rate of loss, and stiffnesses, are not known from it alone."""
         point = solution.answer
-        known = self.memory.states.get(id(point))
-        if known is None or known[0] is not point:
-            known = point, self._values(point) | self._of_films(point)
-            self.memory.states[id(point)] = known
-        found = {
-            "axial_stiffness": solution.stiffness,
-            "quasistatic_axial_stiffness": solution.quasistatic,
-        }
-        found = {name: value for name, value in found.items() if not np.isnan(value)}
-        return State(point.status, known[1] | found, solution)
+        return State(point.status, self._values(point) | self._of_films(point), solution)
 
     def _of_films(self, point: WornPoint) -> dict[str, Any]:
         """What of a state films and running in decide; nothing without any."""
@@ -180,7 +166,7 @@ class Worn(Steady):
         return {
             "ball_wear_rate": 0.5 * np.pi * D * D * rate.ball + bands,
             "race_wear_rate": 2.0 * np.pi * point.track * area,
-            "film_left": films.left(point.wear.grooves.max(axis=1), 0.5 * point.wear.ball),
+            "film_left": films.films.thickness - point.wear.deepest,
             "film_worn_share": np.array(shares),
         }
 
