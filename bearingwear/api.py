@@ -7,7 +7,6 @@ import os
 import tempfile
 import warnings
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -386,7 +385,7 @@ def new(
         raise error.in_source(_argument(error.source)) from None
     made = scene_from_dict(data_of(written, name), name)
     more = f"Not given: {'; '.join(assumed)}."
-    return replace(made, description=f"{made.description} {more}")
+    return made.with_({"description": f"{made.description} {more}"})
 
 
 def _argument(option: str) -> str:

@@ -48,7 +48,7 @@ class Entry(NamedTuple):
     dims: tuple[str, ...]
     data: np.ndarray
     attrs: dict[str, Any]
-    fill: float | None
+    fill: np.generic | None
 
 
 def common_attributes() -> dict[str, Any]:
@@ -153,17 +153,16 @@ def _coordinates(
 
 
 def _entry(variable: Variable, data: np.ndarray | None, sizes: Mapping[str, int]) -> Entry:
-    shape = tuple(map(sizes.__getitem__, variable.dims))
+    dims = variable.dims
+    shape = tuple(map(sizes.__getitem__, dims))
     if data is None:
-        missing = len(variable.flags) - 1 if variable.flags else np.nan  # a last flag says "none"
-        data = np.full(shape, missing, dtype=variable.dtype)
-    if data.shape != shape:
+        data = np.full(shape, variable.missing)
+    elif data.shape != shape:
         raise ValueError(f"{variable.name} has shape {data.shape}, not {shape}")
     attrs = variable.attributes
-    if "strip" in variable.dims and len(variable.dims) > 1:
+    if len(dims) > 1 and "strip" in dims:
         attrs["coordinates"] = STRIP_POSITION.name
-    fill = None if data.dtype.kind == "i" else data.dtype.type(np.nan)
-    return Entry(variable.dims, data, attrs, fill)
+    return Entry(dims, data, attrs, None if variable.dtype[0] == "i" else variable.missing)
 
 
 def stored_data(variable: Variable, value: Any) -> np.ndarray:

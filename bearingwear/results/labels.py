@@ -6,7 +6,8 @@ Files keep whole numbers with `flag_meanings`, as CF asks; a person selects by n
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,9 +31,13 @@ def named(variable: xr.Variable) -> xr.Variable:
     """A variable with names for its codes, if it has codes."""
     if "flag_meanings" not in variable.attrs or variable.dtype.kind not in "iu":
         return variable
-    names = _names(variable.attrs["flag_meanings"])
-    attrs = {key: value for key, value in variable.attrs.items() if key != "flag_values"}
-    return type(variable)(variable.dims, names[variable.values], attrs)
+    return type(variable)(variable.dims, *named_data(variable.values, variable.attrs))
+
+
+def named_data(codes: np.ndarray, attrs: Mapping[Any, Any]) -> tuple[np.ndarray, dict[Any, Any]]:
+    """Names of codes, by the `flag_meanings` in their attributes, and the attributes of names."""
+    names = np.asarray(_names(attrs["flag_meanings"])[codes])
+    return names, {key: value for key, value in attrs.items() if key != "flag_values"}
 
 
 @functools.cache

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.atomic import SIGNATURE, reason, whole_file
 from bearingwear.results.entries import SOURCE, Entry, entries_of
-from bearingwear.results.labels import named
+from bearingwear.results.labels import named_data
 from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
 
 if TYPE_CHECKING:
@@ -120,10 +120,9 @@ def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Vari
     made = {}
     for name, (dims, data, attrs, fill) in entries.items():
         attrs.pop("coordinates", None)
-        encoding = {} if fill is None else {"_FillValue": fill}
-        made[name] = make(dims, data, attrs, encoding)
         if by_name and "flag_meanings" in attrs:
-            made[name] = named(made[name])
+            data, attrs = named_data(data, attrs)
+        made[name] = make(dims, data, attrs, {} if fill is None else {"_FillValue": fill})
     return made
 
 

@@ -38,6 +38,12 @@ class Variable:
     label: str = ""  # short name for a person, as in `bearingwear show`
     shown: str = ""  # what it is shown as (`units.SCALES`), where its unit does not say
 
+    @functools.cached_property
+    def missing(self) -> np.generic:
+        """Its value where it was not solved."""
+        # a last flag says "none"
+        return np.dtype(self.dtype).type(len(self.flags) - 1 if self.flags else np.nan)
+
     @property
     def attributes(self) -> dict[str, Any]:
         """Its attributes in a file."""

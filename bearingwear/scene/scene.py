@@ -238,7 +238,7 @@ class Scene:
 
         What a scene does without (cage, end of life or one of its criteria) is left out.
         """
-        plain = _plain(self)
+        plain = plain_data(self)
         loss = self.wear.ball_diameter_loss_um
         if len(loss) == 1:
             plain["wear"]["ball_diameter_loss_um"] = loss[0]
@@ -263,14 +263,21 @@ def _field_names(kind: type) -> tuple[str, ...]:
 _UNCHANGED = frozenset({float, int, bool, str})
 
 
-def _plain(value: Any) -> Any:
+def plain_data(value: Any) -> Any:
+    """A part of a scene as plain nested data, without what it leaves out."""
     if value.__class__ in _UNCHANGED:
         return value
     if names := _field_names(value.__class__):
-        parts = ((name, getattr(value, name)) for name in names)
-        return {name: _plain(part) for name, part in parts if part is not None}
+        given, plain = value.__dict__, {}
+        for name in names:
+            part = given[name]
+            if part.__class__ in _UNCHANGED:
+                plain[name] = part
+            elif part is not None:
+                plain[name] = plain_data(part)
+        return plain
     if isinstance(value, Mapping):
-        return {key: _plain(part) for key, part in value.items()}
+        return {key: plain_data(part) for key, part in value.items()}
     return list(value) if isinstance(value, tuple) else value
 
 

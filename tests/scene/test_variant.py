@@ -33,6 +33,23 @@ def test_variants_are_what_set_makes():
     assert plain == load_scene(S1).to_dict()
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"operation.preload_N": 9, "operation.preload_method": "fixed_position"},
+        {"materials.bearing_steel.density_kg_m3": 7000.0, "bearing.bore_mm": 3.0},
+        {"wear.ball_diameter_loss_um": 0.1, "friction.slip_regularisation_m_s": 1e-4},
+        {"arrangement.kind": "spring_pair", "arrangement.second": {"friction.ball_race": 0.05}},
+        {"temperature": {"inner_ring_C": 24.0}, "temperature.outer_ring_C": 20.0, "cage": None},
+        {"lubricant.drag_density_kg_m3": 0.1, "operation.radial_load_N": [1, 0]},
+        {"wear.end_of_life.pocket_clearance_mm": 0.3, "cage.pocket_clearance_mm": 0.11},
+    ],
+)
+def test_new_blocks_of_a_checked_scene_are_those_of_its_file(changes):
+    found, expected = load_scene(S1).with_(changes), variant(S1, changes)
+    assert found == expected and found.json == expected.json
+
+
 def test_fault_of_a_change_is_told_as_its_own():
     with pytest.raises(SceneError, match="^--set bearing.ball_count: got 30 balls"):
         variant(S1, {"bearing.ball_count": 30})

@@ -78,6 +78,19 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     raise SceneError(first.key, first.problem, further=tuple(further))
 
 
+def checked_fields(record_type: type, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of some fields of a record, built from plain data.
+
+    SceneError: a fault in them; `checked_data` of all fields reports it in context.
+    """
+    file = whole(record_type)
+    plain, parts = _copied(data, "", 0, file), file.below
+    for name, value in plain.items():
+        for fault in _faults(value, parts[name], name, file):
+            raise SceneError(fault.path, fault.problem)
+    return {parts[name].field: _value(value, parts[name], name) for name, value in plain.items()}
+
+
 def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
     """Plain copy of nested data, refusing what is not plain or not finite."""
     if depth > DEEPEST:

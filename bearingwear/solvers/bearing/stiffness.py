@@ -29,11 +29,14 @@ def azimuths(n: int) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=16)
-def _maps_across(R_i: float, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Maps of displacements across the axis, those a quarter turn on, and exp(i psi); read only."""
+def _maps_across(R_i: float, n: int) -> np.ndarray:
+    """Sums over the balls of exp(i psi) times the maps of displacements across the axis.
+
+    First as they are, then a quarter turn on (2, DOF - 1, 2); read only.
+    """
     psi = azimuths(n)
-    maps, turned = groove_maps(R_i, psi), groove_maps(R_i, psi + 0.5 * np.pi)
-    return maps[..., 1:], turned[..., 1:], np.exp(1j * psi)
+    maps = np.array([groove_maps(R_i, psi), groove_maps(R_i, psi + 0.5 * np.pi)])
+    return np.einsum("tjdp,j->tpd", maps[..., 1:], np.exp(1j * psi))
 
 
 def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
@@ -64,11 +67,8 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
             Q * np.cos(alpha) - case.T_i * np.sin(alpha),
         ]
     )
-    maps, turned, turn = _maps_across(g.R_i, N)
-    K[1:, 1:] = (
-        np.einsum("jdp,dq,j->pq", maps, force @ amplitude, turn)
-        + np.einsum("jdp,d,q,j->pq", turned, steady, lead @ amplitude, turn)
-    ).real
+    across, turned = _maps_across(g.R_i, N)
+    K[1:, 1:] = (across @ (force @ amplitude) + np.outer(turned @ steady, lead @ amplitude)).real
     return K
 
 

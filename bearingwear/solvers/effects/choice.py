@@ -36,8 +36,9 @@ class Choice:
     grooves: str = ""  # of a life: whether they wear, and why
 
     def reduced(self, scene: Scene) -> Scene:
-        """The scene without a cage that is not solved."""
-        return scene if self.cage or scene.cage is None else scene.without_cage
+        """The scene without a cage that is not solved; other models than the dynamic ignore it."""
+        unsolved = self.fidelity == "dynamic" and scene.cage is not None and not self.cage
+        return scene.without_cage if unsolved else scene
 
     @property
     def reasons(self) -> tuple[str, ...]:

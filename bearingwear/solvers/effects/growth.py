@@ -2,7 +2,7 @@
 
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Arrangement, Scene
@@ -75,12 +75,12 @@ def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
     return preload_change(scene, Growth(_COLD._replace(inner_ring=strain), _STILL, _STILL))
 
 
-def _effect(scene: Scene, change: float) -> str:
+def _effect(scene: Scene, relative_change: Callable[[Scene], float]) -> str:
     if not is_held(scene):
         return "a second-order effect with constant force"
-    if math.isnan(change):
+    percent = 100.0 * relative_change(scene)
+    if math.isnan(percent):
         return "its effect is unknown before the solve"
-    percent = 100.0 * change
     size = f"{percent:+.2g}" if abs(percent) < 10.0 else f"{percent:+.0f}"
     return f"about {size} % of the preload at rest"
 
@@ -88,7 +88,7 @@ def _effect(scene: Scene, change: float) -> str:
 def growth_at_speed(chosen: Choice) -> Iterator[str]:
     scene, b, o = chosen.scene, chosen.scene.bearing, chosen.scene.operation
     if o.shaft_speed_rpm or o.outer_speed_rpm:
-        size = _effect(scene, change_at_speed(scene))
+        size = _effect(scene, change_at_speed)
         if b.bore_mm is not None:
             yield f"growth of the rings at speed: included; {size}"
         else:
@@ -111,9 +111,9 @@ def temperature(chosen: Choice) -> Iterator[str]:
         yield f"temperature: of rings and balls, computed from the friction heat{rough}"
     elif scene.temperature is not None:
         alone = Growth(growth_of(scene).heat, _STILL, _STILL)
-        yield f"temperature: given; {_effect(scene, preload_change(scene, alone))}"
+        yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"
     else:
-        size = _effect(scene, change_by_warm_ring(scene, 1.0) if held else math.nan)
+        size = _effect(scene, lambda one: change_by_warm_ring(one, 1.0))
         per_kelvin = " per K that the inner ring is warmer" if held else ""
         yield f"temperature: neglected; {size}{per_kelvin}"
 
@@ -123,7 +123,7 @@ def seats(chosen: Choice) -> Iterator[str]:
     if scene.fits is not None:
         growth = growth_of(scene)
         alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
-        yield f"fits: included; {_effect(scene, preload_change(scene, alone))}"
+        yield f"fits: included; {_effect(scene, lambda one: preload_change(one, alone))}"
 
 
 def growth_left_out(e: Evidence) -> Finding | None:
@@ -146,6 +146,8 @@ def _left_out(change: float) -> Finding:
 
 def fit_lost(e: Evidence) -> Finding | None:
     """Seats that are tight at rest and loose when the bearing runs."""
+    if e.scene.fits is None:
+        return None
     growth = growth_of(e.scene)
     lost = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
     named = " and ".join(seat for seat, is_lost in lost.items() if is_lost)
