@@ -27,14 +27,14 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
     drag = (scene.get("lubricant") or {}).get("drag_density_kg_m3") or 0.0
     size = [
         f"{words} {bearing[key]:g} mm"
-        for words, key in (("bore", "bore_mm"), ("outside", "outside_diameter_mm"))
+        for words, key in (("bore", "bore_mm"), ("outside diameter", "outside_diameter_mm"))
         if bearing.get(key)
     ]
     parts = (
         *filter(None, [identity_line(bearing)]),
         *([", ".join(size)] if size else []),
-        f"{bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm "
-        f"on a pitch of {bearing['pitch_diameter_mm']:g} mm",
+        f"{bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm, "
+        f"pitch diameter {bearing['pitch_diameter_mm']:g} mm",
         f"contact angle {bearing['contact_angle_deg']:g}°",
         balls if balls == races else f"{balls} on {races}",
         f"{operation['shaft_speed_rpm']:g} r/min",

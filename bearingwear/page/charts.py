@@ -98,7 +98,9 @@ def _legend(chart: Chart) -> str:
     known = {
         "star: best of its method": any(line.star for line in chart.lines),
         "vertical bar: 90 % of bearings": any(line.band for line in chart.lines),
-        "dashed and shaded: that method violates a limit": any(line.beyond for line in chart.lines),
+        "dashed, shaded, bar below: that method violates a limit": any(
+            line.beyond for line in chart.lines
+        ),
         "diamond: from here something else ends the life": any(
             len(set(line.ends)) > 1 for line in chart.lines
         ),

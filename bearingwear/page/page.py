@@ -40,8 +40,8 @@ GLOSSARY = {
     "residual preload": "The axial force that remains when worn and at speed.",
     "slip, gyroscopic share": "The share of ball slip perpendicular to the rolling direction.",
     "skid ratio": "The lag of a ball's orbit behind pure rolling.",
-    "interference loss": "The loss of ball diameter plus, where races count, the depth worn off "
-    "the grooves.",
+    "interference loss": "How much interference of balls and grooves wear removes: the loss of "
+    "ball diameter plus, where races count, the depth worn off the grooves.",
     "wear life": "Hours until wear reaches the first limit; not a fatigue life.",
 }
 """Words that a reader of the page may not know."""

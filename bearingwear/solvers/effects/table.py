@@ -250,7 +250,7 @@ EFFECTS = (
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
         "the preload of the fixed position by {value:+.0f} % of its initial value",
-        "set temperature or thermal",
+        "add a block temperature or thermal to the scene",
         modelled=growth.temperature,
     ),
     Effect(

@@ -1,4 +1,4 @@
-"""How sure lives at some preloads are, and which uncertain value decides."""
+"""Uncertainty of the lives at some preloads, and which uncertain value decides."""
 
 from __future__ import annotations
 
@@ -58,6 +58,11 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
             f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
             tuple(rough_value(one and one.bearings) for one in stated), "life_wear_as_stated",
         ),
+        *(
+            [Row("longest life by this method", "%", tuple(one and one.longest for one in found))]
+            if any(one and one.longest for one in found)
+            else []
+        ),
         Row("lives solved", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
         Row("of", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
     ]  # fmt: skip
@@ -66,7 +71,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
         f"{int(uncertainty.attrs['seed'])}. {causes_told(scene_of(uncertainty))}",
         *_with_grooves(uncertainty),
     )
-    return Block("How sure the life is", rows=tuple(rows), axes=3, lines=said)
+    return Block("Uncertainty of the life", rows=tuple(rows), axes=3, lines=said)
 
 
 def _with_grooves(uncertainty: xr.Dataset) -> list[str]:

@@ -123,7 +123,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         verdicts = [_compared(here, scene), *_verdicts(contests)]
         points.insert(0, ("Which preload method", verdicts))
     if at_once := _at_once(here):
-        points.append(("How sure", [at_once]))
+        points.append(("Uncertainty", [at_once]))
     if others:
         points.append(("On the other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -56,6 +56,7 @@ from bearingwear.studies.uncertainty.variables import (
     CHOICE,
     INDEX,
     INPUTS,
+    LONGEST,
     METHOD,
     PROBABILITY,
     UNCERTAINTY_AXES,
@@ -63,6 +64,14 @@ from bearingwear.studies.uncertainty.variables import (
 
 MOST_MEMBERS = 8192
 """Sampled lives that a file contains."""
+
+
+class Analysed(NamedTuple):
+    """Lives of a method at one preload."""
+
+    row: dict[str, Any]  # `ANALYSED`
+    life: np.ndarray  # (n, 2) of independent bearings; NaN where none was found
+    known: Stated
 
 
 def quantiles_and_indices(
@@ -77,14 +86,17 @@ def quantiles_and_indices(
     problem_scene, plan = uncertain_scene(scene), Sampling(**sampling)
     found = _parts(parts, problem_scene, plan)
     methods = list(dict.fromkeys(method for method, _ in found))
-    table = [
-        _analysed(problem_scene, method, found[method, choice], plan)
+    table = {
+        (method, choice): _analysed(problem_scene, method, found[method, choice], plan)
         for method in methods
         for choice in PRELOAD_CHOICES
-    ]
+    }
+    for choice in PRELOAD_CHOICES:
+        _add_longest([table[method, choice] for method in methods])
     names = tuple(problem_scene.uncertainty or {})
     quantity = Variable("quantity", ("quantity",), "", "uncertain value", dtype="i1", flags=names)
-    return _dataset(problem_scene, plan, methods, PRELOAD_CHOICES, table, {quantity: None})
+    rows = [row for row, *_ in table.values()]
+    return _dataset(problem_scene, plan, methods, PRELOAD_CHOICES, rows, {quantity: None})
 
 
 def _parts(
@@ -200,9 +212,11 @@ def _quantiles_at(
             **found.cost,
             **batches.quantiles(found.life[len(rows) + 1 :], worse(found.cost)),
         }
-        factor = found.wear_factor[1 : len(rows) + 1]
-        table.append(analysed | _quantiles_of(life * HOURS_PER_SECOND, factor, worse(found.cost)))
-    return _dataset(scene, plan, list(preloads), [choice], table)
+        factor, known = found.wear_factor[1 : len(rows) + 1], worse(found.cost)
+        analysed |= _quantiles_of(life * HOURS_PER_SECOND, factor, known)
+        table.append(Analysed(analysed, life, known))
+    _add_longest(table)
+    return _dataset(scene, plan, list(preloads), [choice], [row for row, *_ in table])
 
 
 def _dataset(
@@ -236,13 +250,11 @@ def _dataset(
     )
 
 
-def _analysed(
-    scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Sampling
-) -> dict[str, Any]:
-    """`ANALYSED` of one method at one preload; NaN where there is no preload or nothing solved."""
+def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Sampling) -> Analysed:
+    """Of the parts of a sample; nothing where there is no preload."""
     found: dict[str, Any] = {"preload": float(parts[0].attrs["preload_N"]), "evaluations": 0}
     if "life" not in parts[0]:
-        return found
+        return Analysed(found, np.empty((0, 2)), EXACT)
     whole = xr.concat(parts, "base")
     solved = whole["status"].values == OK
     life, factor = whole["life"].values, whole["wear_factor"].values
@@ -272,7 +284,53 @@ def _analysed(
     of_batches = lives(at_preload, batches.rows)
     found |= batches.quantiles(of_batches.life, worse(of_batches.cost))
     found["class_index"] = class_indices(at_preload, plan)
-    return found | _one_at_a_time(at_preload)
+    return Analysed(found | _one_at_a_time(at_preload), halves[0], worse(found))
+
+
+def _add_longest(methods: Sequence[Analysed]) -> None:
+    """Add to each method how often it gives the longest life, where there are several."""
+    some = [one for one in methods if len(one.life)]
+    if len(some) > 1:
+        shares = longest_shares(np.array([one.life for one in some]), [one.known for one in some])
+        for one, share in zip(some, shares, strict=True):
+            one.row.update(dict(zip(LONGEST, share, strict=True)))
+
+
+def longest_shares(life: np.ndarray, known: Sequence[Stated]) -> np.ndarray:
+    """Shares (methods, 3, 2) of bearings that live longest by each method, and their intervals.
+
+    The intervals are those of Clopper and Pearson (1934). A bearing whose lives differ by less than
+    their errors may be longest by either; so may the share of lives whose error is not known.
+
+    Parameters
+    ----------
+    life : ndarray (methods, n, 2)
+        At the same sampled values; NaN where none was found.
+    known : sequence of Stated
+        Of the lives of each method.
+    """
+    found = np.full((len(life), 3, 2), np.nan)
+    error = np.array([one.error for one in known])[:, None]
+    share = sum(one.share for one in known)
+    for k in range(2):
+        lives = life[:, np.isfinite(life[..., k]).all(axis=0), k]
+        count = lives.shape[1]
+        if not count:
+            continue
+        for m, own in enumerate(lives):
+            others = np.delete(lives, m, axis=0)
+            apart = np.delete(error, m, axis=0)
+            surely = (own * (1.0 - error[m]) > others * (1.0 + apart)).all(axis=0).sum()
+            maybe = (own * (1.0 + error[m]) > others * (1.0 - apart)).all(axis=0).sum()
+            least, most = (
+                stats.binomtest(int(n), count).proportion_ci(CONFIDENCE) for n in (surely, maybe)
+            )
+            found[m, :, k] = (
+                (own > others).all(axis=0).mean(),
+                max(least.low - share, 0.0),
+                min(most.high + share, 1.0),
+            )
+    return found
 
 
 def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:

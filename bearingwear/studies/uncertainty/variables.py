@@ -20,6 +20,8 @@ UNCERTAINTY_AXES = table(
 )  # fmt: skip
 METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
 
+LONGEST = ("longest_share", "longest_share_low", "longest_share_high")
+
 QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
 ANALYSED = table(
     Variable("preload", (), "N", "initial axial preload, middle of its spread"),
@@ -51,6 +53,11 @@ ANALYSED = table(
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable("life_quantile_high", QUANTILE, "h",
         "upper end of the quantile's confidence interval"),
+    Variable("longest_share", (BASIS,), "1",
+        "share of sampled bearings that live longest by this method",
+        comment="each bearing has the same uncertain values by every method"),
+    Variable("longest_share_low", (BASIS,), "1", "lower end of its confidence interval"),
+    Variable("longest_share_high", (BASIS,), "1", "upper end of its confidence interval"),
     Variable("life_one_at_a_time", ("quantity", "end", BASIS), "h",
         "life with one value at its 10 % and 90 % quantile, the others at their medians"),
     Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),

@@ -70,7 +70,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
         "Fixed position becomes the better method if the limit on axial stiffness"
         in said["What would change it"]
     )
-    assert "order of magnitude" in said["How sure"]
+    assert "order of magnitude" in said["Uncertainty"]
     assert "Temperature is neglected" in said["Warnings, at their worst"]
     found_in = tables(answer)
     charted = found_in["charted"]
@@ -104,7 +104,7 @@ def test_neither_lasts_longer(files):
     answer = preload_document(found, load(files["design"]))
     assert answer.title.startswith("mine: neither method lasts longer; use a spring preload of")
     assert " or a fixed-position preload of " in answer.title
-    assert "a change of 5 % in one assumption" in told(answer)["How sure"]
+    assert "a change of 5 % in one assumption" in told(answer)["Uncertainty"]
 
 
 def test_an_answer_at_the_end_of_the_map_says_so(files):
@@ -134,7 +134,7 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
     said = []
     for by in ({}, {"calibrated": {"tests": "mine.csv", "sha256": 64 * "0", "rows": 2}}):
         found.attrs["scene"] = json.dumps(scene | by)
-        said.append(told(preload_document(found, design))["How sure"])
+        said.append(told(preload_document(found, design))["Uncertainty"])
     life = float(found["life"].isel(loss_basis=1).max())
     ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]
     assert all(

@@ -465,7 +465,7 @@ def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
     tables = [tmp_path / "map.csv", tmp_path / "design.md"]
     assert step("design.document.sheets.tables", tables, **files) == 0
     text = tables[1].read_text()
-    assert "How sure" not in text and "L10" not in text
+    assert "Uncertainty" not in text and "L10" not in text
     why = "axial stiffness of one bearing at least 90"
     assert f"No fixed position preload satisfies all limits: {why}" in text
     assert "at best" in text and "nan" not in text

@@ -34,9 +34,9 @@ from bearingwear.studies.uncertainty.batches import (
 )
 from bearingwear.studies.uncertainty.grooves import found_lives
 from bearingwear.studies.uncertainty.indices import class_indices
-from bearingwear.studies.uncertainty.quantiles import own_quantiles
+from bearingwear.studies.uncertainty.quantiles import longest_shares, own_quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample
-from bearingwear.studies.uncertainty.surrogate import EXACT
+from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
 
 PLAN = Sampling(samples=64, chunks=1, seed=1)
 FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
@@ -128,8 +128,33 @@ def test_error_of_the_interval_with_lives_that_were_not_solved():
     assert_allclose(alone[0], alone[-1]) and (error > 0.0).all()
 
 
+def test_how_often_a_method_lives_longest():
+    """By counting pairs one after the other; errors and unsolved lives widen the interval."""
+    rng, n = np.random.default_rng(3), 400
+    first, second = rng.lognormal(0.3, 1.0, n), rng.lognormal(0.0, 1.0, n)
+    first[:4], second[4:8], second[8:20] = 0.0, np.nan, first[8:20]
+    life = np.stack([np.stack([one, one], axis=-1) for one in (first, second)])
+    pairs = [(a, b) for a, b in zip(first, second, strict=True) if b == b]
+    wins = sum(a > b for a, b in pairs)
+    plain = longest_shares(life, [EXACT, EXACT])
+    assert_allclose(plain[0, 0], wins / len(pairs), rtol=1e-15)
+    assert_allclose(plain[1, 0], sum(b > a for a, b in pairs) / len(pairs), rtol=1e-15)
+    low, high = plain[0, 1:, 0]  # at these ends 2.5 % of samples have so many wins, or so few
+    assert_allclose(stats.binom.sf(wins - 1, len(pairs), low), 0.025, rtol=1e-9)
+    assert_allclose(stats.binom.cdf(wins, len(pairs), high), 0.025, rtol=1e-9)
+    rough = longest_shares(life, [Stated(0.05, 0.01), Stated(0.1, 0.02)])
+    surely = sum(a * 0.95 > b * 1.1 for a, b in pairs)
+    assert_allclose(rough[:, 0], plain[:, 0])
+    assert_allclose(
+        rough[0, 1], stats.binomtest(surely, len(pairs)).proportion_ci().low - 0.03, rtol=1e-12
+    )
+    assert rough[0, 2, 0] > plain[0, 2, 0] + 0.03
+    assert np.isnan(longest_shares(np.nan * life, [EXACT, EXACT])).all()
+
+
 def test_page_and_sheet_tell_the_interval_and_its_causes():
-    both = Spread(Interval(0.344, 5.812), Interval(1.0, 2.0), Interval(0.4, 5), {"L10": 1.234}, 1.0)
+    all_of_it = Interval(0.344, 5.812), Interval(1.0, 2.0), Interval(0.4, 5), {"L10": 1.234}, 1.0
+    both = Spread(*all_of_it, longest=None)
     assert both.sentence.endswith("% of bearings between 0.34 and 5.8 h")
     alike = both._replace(scatter=None, quantiles={}, solved=0.99)
     assert alike.sentence.endswith(" h (of the 99 % of lives that were solved)")

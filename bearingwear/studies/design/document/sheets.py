@@ -199,7 +199,7 @@ def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spr
 def _points(
     found: xr.Dataset, beside: xr.Dataset | None, spread: Mapping[str, Spread | None]
 ) -> list[Block]:
-    """What it gives, what limits it, what would change it, how sure; limits and warnings."""
+    """What it gives, what limits it, what would change it, uncertainty; limits and warnings."""
     best, given = best_method(found), limits_of(found).given
     said: list[tuple[str, list[str], str]] = []
     if best is not None:
@@ -208,7 +208,7 @@ def _points(
             ("What it gives", [what_it_gives(found)], "lead"),
             ("What limits it", what_limits_it(found), "lead"),
             ("What would change it", [what_would_change_it(found), *others], "lead"),
-            ("How sure", how_sure(found, spread), "lead"),
+            ("Uncertainty", how_sure(found, spread), "lead"),
         ]
     missing = "What is not possible" if given else "What a limit does"
     limits = "; ".join(limit_text(name, value) for name, value in given.items())
