@@ -56,7 +56,7 @@ from bearingwear.studies.uncertainty.variables import (
     CHOICE,
     INDEX,
     INPUTS,
-    LONGEST,
+    LONGEST_SHARE,
     METHOD,
     PROBABILITY,
     UNCERTAINTY_AXES,
@@ -293,7 +293,7 @@ def _add_longest(methods: Sequence[Analysed]) -> None:
     if len(some) > 1:
         shares = longest_shares(np.array([one.life for one in some]), [one.known for one in some])
         for one, share in zip(some, shares, strict=True):
-            one.row.update(dict(zip(LONGEST, share, strict=True)))
+            one.row.update(dict(zip(LONGEST_SHARE, share, strict=True)))
 
 
 def longest_shares(life: np.ndarray, known: Sequence[Stated]) -> np.ndarray:

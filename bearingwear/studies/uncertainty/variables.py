@@ -20,7 +20,7 @@ UNCERTAINTY_AXES = table(
 )  # fmt: skip
 METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
 
-LONGEST = ("longest_share", "longest_share_low", "longest_share_high")
+LONGEST_SHARE = ("longest_share", "longest_share_low", "longest_share_high")
 
 QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
 ANALYSED = table(
