@@ -12,6 +12,7 @@ import math
 import sys
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from identify import PRINTED
 import bearingwear
 from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure
 from bearingwear.results.words import mu_is
-from bearingwear.scene.new.catalogue import MAKERS, bearings
+from bearingwear.scene.new.catalogue import MAKERS, bearings, entry_of
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.at_rest import RestingPair
 
@@ -65,12 +66,20 @@ EXPONENT = 4.0 / 3.0
 
 
 @functools.cache
+def scene_of(designation: str, maker: str, angle: float) -> tuple[Scene, Mapping[str, float]]:
+    """A bearing as `new` makes it, and the preloads of its classes [N]."""
+    known = {"contact_angle": angle} if angle else {}
+    preloads = entry_of(maker, designation, angle or None)[0].preloads
+    made = {"designation": designation, "maker": maker, "preload_class": next(iter(preloads))}
+    return bearingwear.new(**made, **known), preloads
+
+
+@functools.cache
 def resting(designation: str, preload_class: str, maker: str = "NSK", angle: float = 0.0):
     """The rigid pair of a class, at rest."""
-    known = {"contact_angle": angle} if angle else {}
-    return RestingPair.of(
-        bearingwear.new(designation=designation, maker=maker, preload_class=preload_class, **known)
-    )
+    scene, preloads = scene_of(designation, maker, angle)
+    operation = replace(scene.operation, preload_N=preloads[preload_class])
+    return RestingPair.of(replace(scene, operation=operation))
 
 
 def rigidity_rows(printed: Iterable[Mapping[str, str]]) -> list[Row]:

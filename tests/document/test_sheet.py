@@ -93,46 +93,6 @@ def test_formats_for_programs(tmp_path, capsys):
     assert row["unit"] == "MPa" and float(row["value"]) == pytest.approx(1e-6 * pressure[0])
 
 
-def test_a_scene_for_programs(capsys):
-    found = json.loads(printed(capsys, "show", SCENE, "--json"))
-    known = {one["name"]: one for one in found["quantities"]}
-    assert known["ball diameter"] == {
-        "block": "bearing", "name": "ball diameter", "label": "ball diameter", "unit": "mm",
-        "value": 2.0,
-    }  # fmt: skip
-
-
-def test_diagnostics_on_request(tmp_path, capsys):
-    file = tmp_path / "x.nc"
-    few = printed(capsys, "solve", SCENE, "-o", file)
-    text = printed(capsys, "show", file, "--all")
-    assert text.startswith(few.rstrip("\n"))
-    assert re.search(r"^  friction residual +[\d.e-]+$", text, re.M)
-    assert re.search(r"^  numerical error of QV +% +0\.28", text, re.M)
-    assert re.search(r"^  error of residual preload +% +< 0\.001$", text, re.M)
-    assert re.search(r"^ +source_hash: \w+$", text, re.M)
-    assert re.search(r"^ +iterations: \d+$", text, re.M)
-    assert "lubricant drag: none in the scene" in text
-
-
-def test_a_run_that_has_not_settled_says_so_at_the_head(capsys):
-    """Beside the status, where it is read, and not thirty lines below alone."""
-    few = ["--set", "model.simulated_turns=6", "model.history_points_per_turn=0"]
-    head = printed(capsys, "solve", SCENE, "--fidelity", "dynamic", *few).partition("\n\n")[0]
-    said = "ok: solved and verified; not settled; the turn limit was reached"
-    assert said in " ".join(head.split())
-
-
-def test_the_preload_of_a_warm_fixed_position_is_told_with_its_spread(capsys):
-    """Less heat conducted between the rings: a warmer inner ring, and more preload."""
-    warm = "thermal={conductance_W_K: {inner_ring_shaft: 0.1, outer_ring_housing: 0.1,"
-    text = printed(capsys, "solve", SCENE, *FIXED, f"{warm} ball_race: 0.05}}}}")
-    told = re.search(r"running preload (\S+) N with 0.015 W/K and (\S+) N with 0.09 W/K", text)
-    preload = re.search(r"residual preload +N +(\S+)", text)
-    assert float(told[1]) > float(preload[1]) > float(told[2])
-    assert "running preload" not in printed(capsys, "solve", SCENE, *FIXED)
-
-
 def test_warnings_stand_at_the_head(tmp_path, capsys):
     file = tmp_path / "x.nc"
     printed(capsys, "solve", SCENE, "-o", file)

@@ -28,6 +28,11 @@ def difference(call, array, place, step):
     return (found[0] - found[1]) / (2.0 * step)
 
 
+def by_vector(call, state, first, step):
+    """Central differences of `call()` by three numbers of a state, as columns."""
+    return np.array([difference(call, state, first + i, step) for i in range(3)]).T
+
+
 def close(found, expected, rtol=1e-5):
     assert_allclose(found, expected, rtol=rtol, atol=rtol * np.abs(expected).max())
 
@@ -81,12 +86,7 @@ def test_pocket_stiffness(scene, j):
     """
     system = touching_system(scene, changes={"cage.restitution": 1.0})
     K = system.buffers.cage.K[j].copy()
-    found = np.array(
-        [
-            difference(lambda: force_on_ball(system, j), system.cage_state, CENTRE + i, 1e-12)
-            for i in range(3)
-        ]
-    ).T
+    found = by_vector(lambda: force_on_ball(system, j), system.cage_state, CENTRE, 1e-12)
     close(K, found, 1e-4)
 
 
@@ -95,12 +95,7 @@ def test_pocket_damping(scene, j):
     """Force on a ball by velocity of the cage: friction, and damping along the orbit."""
     system = touching_system(scene)
     C = system.buffers.cage.C[j].copy()
-    found = np.array(
-        [
-            difference(lambda: force_on_ball(system, j), system.cage_state, VELOCITY + i, 1e-8)
-            for i in range(3)
-        ]
-    ).T
+    found = by_vector(lambda: force_on_ball(system, j), system.cage_state, VELOCITY, 1e-8)
     close(C, found)
 
 
@@ -129,12 +124,7 @@ def test_land_damping(scene, guiding):
     edge, _ = land_edge(system)
     assert system.buffers.cage.normal[9:].min() == 0.0  # one edge alone
     C = system.buffers.cage.C[edge].copy()
-    found = np.array(
-        [
-            difference(lambda: force_of_land(system), system.cage_state, VELOCITY + i, 1e-7)
-            for i in range(3)
-        ]
-    ).T
+    found = by_vector(lambda: force_of_land(system), system.cage_state, VELOCITY, 1e-7)
     close(C, -found, 1e-4)
 
 
@@ -144,12 +134,7 @@ def test_land_stiffness(scene, guiding):
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     K = system.buffers.cage.K[edge].copy()
-    found = np.array(
-        [
-            difference(lambda: force_of_land(system), system.cage_state, CENTRE + i, 1e-12)
-            for i in range(3)
-        ]
-    ).T
+    found = by_vector(lambda: force_of_land(system), system.cage_state, CENTRE, 1e-12)
     close(-K[:, 1:], found[:, 1:], 1e-4)
 
 

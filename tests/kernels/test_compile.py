@@ -88,12 +88,6 @@ def test_kernel_from_disk_that_another_one_called_before(tmp_path):
         assert process.returncode == 0
 
 
-def test_check_says_that_the_solver_is_compiled_first(tmp_path):
-    process = started(tmp_path, "-m", "bearingwear", "check", GYRO)
-    said, _ = process.communicate(timeout=60)
-    assert "effort: up to a minute to compile the solver" in said
-
-
 def test_check_says_nothing_of_it_afterwards(capsys):
     solve(load_scene(GYRO))
     assert main(["check", GYRO]) == 0

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from published_bearings import B218
@@ -16,11 +15,7 @@ from bearingwear.kernels.contact.hertz import (
     point_contact,
     race_contact,
 )
-from bearingwear.kernels.contact.slip import surface_height
-from bearingwear.kernels.contact.traction import strip_sums
-from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.parameters import geometry
-from bearingwear.solvers.bearing.quadrature import equal_strips, gauss_halves
 
 
 def ellipse(A, B, E_star, Q):
@@ -95,32 +90,3 @@ def test_slope_by_the_contact_angle(scene, side, alpha):
     hertz = race_contact(g, side, g.D0, math.cos(alpha), math.nan)
     found = angle_slope(g, side, g.D0, math.sin(alpha), math.cos(alpha), hertz)
     assert_allclose(found, math.log(K[1] / K[0]) / 2e-5, rtol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("rule", "n", "tolerance"), [(equal_strips, 4000, 1e-6), (gauss_halves, 50, 2e-6)]
-)
-def test_torque_of_a_spinning_contact(rule, n, tolerance):
-    """Pure spin: M = (3/8) mu Q a E(m); with slip taken on the centre line its limit E(1) = 1.
-
-    The tolerance of the strips is their error n^-2; that of the Gauss points the regularisation.
-    """
-    Q, a, mu, spin, R = 2.0, 8e-5, 0.1, 1e3, 1e-3
-    contact = Contact(1.0, Q, a, a / 3, 0.3, 0.95, 0.6 * 2 * R, 0.0, 0.08)
-    t, weight = rule(n)
-    h = np.empty(t.size)
-    surface_height(contact, R, t, h)
-    g_x = strip_sums(contact, (0.0, 0.0, 0.0, spin), mu, 1e-9, t, weight, h)[3]
-    assert_allclose(g_x, 3 / 8 * mu * Q * a, rtol=tolerance)
-
-
-def test_torque_of_a_spinning_ellipse_tends_to_the_strip_model():
-    """(3/8) mu Q a E(m): the whole ellipse, integrated, against the closed form and limit."""
-    t, weight = np.polynomial.legendre.leggauss(200)
-    phi = 0.25 * math.pi * (t + 1.0)  # a quarter of the ellipse, polar: x = a r cos, y = b r sin
-    for b_over_a in (0.5, 0.1, 0.01):
-        # p0 = 3Q/(2 pi a b); integral of r^2 sqrt(1-r^2) dr = pi/16; area element a b r dr dphi.
-        lever = np.sqrt(np.cos(phi) ** 2 + (b_over_a * np.sin(phi)) ** 2)
-        torque = 4 * 1.5 / math.pi * math.pi / 16 * (lever * weight * 0.25 * math.pi).sum()
-        assert_allclose(torque, 3 / 8 * ellipe(1 - b_over_a**2), rtol=1e-8)
-    assert_allclose(torque, 3 / 8, rtol=1e-3)  # b/a = 0.01

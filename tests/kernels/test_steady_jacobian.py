@@ -103,16 +103,6 @@ def test_jacobian_of_inertia_and_drag(solved):
     assert np.count_nonzero(found) == 5
 
 
-def test_jacobian_knows_of_the_loads(solved):
-    """Without the centrifugal force that follows the orbit rate the last column is another."""
-    p, seat, u = solved
-    full_jacobian(p, p.bearing.op.v_r, seat, u)
-    full = p.jacobian.copy()
-    friction_balance(p, p.bearing.op.v_r, seat.state, u, np.empty(4), True)
-    assert_allclose(p.jacobian[:, :3], full[:, :3], rtol=0, atol=0)
-    assert (p.jacobian[:, 3] != full[:, 3]).any()
-
-
 def ball_load(model, **changes):
     load = orbit_load(1300.0, 0.0, 0.0)
     return load._replace(kinematics_model=model, omega_i=3000.0, **changes)

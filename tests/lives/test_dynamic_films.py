@@ -46,16 +46,14 @@ SHARE = {"wear.end_of_life": {"film_worn_share": 0.5}}
 @pytest.mark.parametrize(
     "changes",
     [
-        FILM | LOSS,
         FILM | LOSS | PRESSED,
         FILM | LOSS | ON_BALLS,
         FILM | LOSS | {"wear.counts": "ball"},
         RUNNING_IN | LOSS,
-        DEPTH,
         FILM | DEPTH,
         FILM | SHARE,
     ],
-    ids=["film", "pressed", "on balls", "ball", "running in", "depth", "film, depth", "share"],
+    ids=["pressed", "on balls", "ball", "running in", "depth", "share"],
 )
 def test_where_balls_move_alike_the_life_is_the_steady_one(scene, changes):
     s = scene("gyro_s1", ALONE | changes)

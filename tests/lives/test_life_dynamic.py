@@ -44,14 +44,6 @@ def test_agrees_with_the_steady_life(scene, even):
     assert np.isnan(v["life"][1 - BOTH])
 
 
-def test_counting_the_balls_alone(scene):
-    s = scene("gyro_s1", ALONE | {"wear.counts": "ball"})
-    v = life(s, "dynamic").values
-    apart = abs(v["life"][0] - life(s, "steady").values["life"][0])
-    assert apart <= v["life_error_bound"][0] <= 0.1 * v["life"][0]
-    assert np.isnan(v["life"][1])
-
-
 def test_mass_balance(even):
     """What has worn is the sum of the steps, and the volume of a ball that of its diameter."""
     v = even.values
@@ -228,10 +220,3 @@ def test_integration_error():
     assert within > 180
     assert math.isnan(integration_error(t[:2], t[:2]))
     assert integration_error(t[[0, 1, 2, 3]], np.ones(4)) < 1e-15
-
-
-def test_progress_is_told(scene):
-    said = []
-    s = scene("gyro_s1", ALONE | {"model.life_steps": 2})
-    life(s, "dynamic", said.append)
-    assert len(said) >= 2 and all("um lost" in line for line in said)

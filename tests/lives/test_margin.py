@@ -6,7 +6,6 @@ import pytest
 from support import scene_file
 
 import bearingwear
-from bearingwear.cli import main
 from bearingwear.document.margin import margin_document, worst_corner
 from bearingwear.lives.margin import friction_interval, least_margin, losses_at_end, torque_corners
 from bearingwear.scene.read import load_scene
@@ -112,18 +111,6 @@ def test_a_film_that_is_gone_is_a_corner():
     film = load_scene(scene_file("mos2_gyro")).with_({"drive.torque_Nm": 0.01})
     found = [one for one in torque_corners(film) if one.wear == "film gone"]
     assert found and all(one.torque > 0.0 for one in found)
-
-
-def test_the_command_names_rule_and_corner(scene, tmp_path, capsys):
-    bearingwear.save(scene.with_({"drive": None}), tmp_path / "a.yaml")
-    path = str(tmp_path / "a.yaml")
-    assert main(["margin", path, "--drive", "0.01"]) == 0
-    said = capsys.readouterr().out
-    assert "worst corner: cold," in said and "ECSS-E-ST-33-01C (6 March 2009) 4.7.5.3" in said
-    assert main(["margin", path]) == 2
-    assert "drive: got nothing, expected it, or --drive N_M" in capsys.readouterr().err
-    assert main(["margin", path, "--drive", "0.01", "--data", "test"]) == 2
-    assert "drive.data: got test with ecss, expected analysis" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -56,16 +56,6 @@ def test_grooves_of_a_symmetric_pair_are_followed(lived):
     assert unlike.status == "ok" and unlike.values["groove_depth"].shape[0] == 2
 
 
-def test_unlike_solver_where_both_are_alike(lived):
-    """The integration of two losses, by an external force of next to nothing."""
-    one = lived(POSITION).values
-    two = lived(RIGID | {"arrangement.external_axial_N": 1e-9}).values
-    assert_allclose(two["life"], one["life"], rtol=1e-6)
-    assert_allclose(two["loss_at_end"], one["loss_at_end"], rtol=1e-6)
-    assert_allclose(two["history_ball_diameter_loss"][0], two["history_ball_diameter_loss"][1],
-                    rtol=1e-6)  # fmt: skip
-
-
 def test_plain_integration(lived, scene):
     """The classical Runge-Kutta method in time, over the rates of single cases of the pair."""
     result = lived(FORCED)

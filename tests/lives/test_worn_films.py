@@ -81,10 +81,10 @@ def test_a_film_like_what_lies_below_wears_like_it(marched):
 
 
 def test_a_film_thinner_than_a_step_is_worn_through_in_several(scene):
-    """The estimate of the error covers what eight times shorter steps change."""
+    """The estimate of the error covers what four times shorter steps change."""
     thin = scene("mos2_gyro", {"friction.film.thickness_um": 0.05})
     found, values = follow_grooves(Grooves(thin)), life(thin).values
-    exact = follow_grooves(Grooves(thin, step=STEP / 8.0)).times[-1, 1]
+    exact = follow_grooves(Grooves(thin, step=STEP / 4.0)).times[-1, 1]
     error = abs(found.times[-1, 1] / exact - 1.0)
     assert error < values["life_error_estimate"][1] < 0.05
 
@@ -114,41 +114,31 @@ def test_friction_of_a_film_rises_as_the_contact_widens(marched):
 
 def test_check_has_its_own_sums(marched):
     found = marched(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
-    point, op = point_of(found.states[-1]), found.wearing.sides[0].bearing.problem.op
-    for k, force in enumerate(found.wearing.sides[0].bearing.forces(point)):
-        race = found.wearing.sides[0].bearing.races[k]
-        Q = force.hertz.K * force.approach**1.5
-        law = plain_law(op.law_i, Q, force.a, force.b)
-        films, spread = found.wearing.sides[0].bearing.films, found.wearing.sides[0].bearing.spread
-        bare = films.bare(point.wear.grooves[k], 0.5 * point.wear.ball, spread)
-        at = found.wearing.sides[0].bearing.at_cells(
-            bare, k, point.x[k], force.alpha, point.problem.g
-        )
-        plain = friction_of_cells(point.pressure[k], race.cells.fresh, law, at, 0.4)
+    point, bearing = point_of(found.states[-1]), found.wearing.sides[0].bearing
+    for k, force in enumerate(bearing.forces(point)):
+        cells = bearing.races[k].cells.fresh
+        law = plain_law(bearing.problem.op.law_i, force.hertz.K * force.approach**1.5,
+                        force.a, force.b)  # fmt: skip
+        bare = bearing.films.bare(point.wear.grooves[k], 0.5 * point.wear.ball, bearing.spread)
+        at = bearing.at_cells(bare, k, point.x[k], force.alpha, point.problem.g)
+        plain = friction_of_cells(point.pressure[k], cells, law, at, 0.4)
         assert plain == pytest.approx(point.slip[k, 4], rel=1e-9)
-        other = friction_of_cells(point.pressure[k], race.cells.fresh, law, at + 1e-3, 0.4)
+        other = friction_of_cells(point.pressure[k], cells, law, at + 1e-3, 0.4)
         assert abs(other / plain - 1.0) > 1e-4
 
 
 def test_volume_of_the_film_is_what_archard_takes(marched):
     """While the film covers its track all that wears off a groove is film: K_f QV N/H."""
     found = marched(FILM | THICK)
-    point = point_of(found.states[1])
-    rate = found.wearing.sides[0].bearing.rate(point, K_H, K_H)
+    state, bearing = found.states[1], found.wearing.sides[0].bearing
+    point = point_of(state)
+    rate = bearing.rate(point, K_H, K_H)
     for k in range(2):
-        off = (
-            rate.grooves[k].sum()
-            * found.wearing.sides[0].bearing.arc_step[k]
-            * 2.0
-            * np.pi
-            * point.track[k]
-        )
+        off = rate.grooves[k].sum() * bearing.arc_step[k] * 2.0 * np.pi * point.track[k]
         assert off == pytest.approx(9 * K_H * point.slip[k, 0], rel=1e-9)
-        state = found.states[1]
         assert state["race_wear_rate"][k] == pytest.approx(off, rel=1e-12)
-        assert state["film_left"][k] == pytest.approx(
-            0.3e-6 - point.wear.grooves[k].max(), rel=1e-12
-        )
+        left = 0.3e-6 - point.wear.grooves[k].max()
+        assert state["film_left"][k] == pytest.approx(left, rel=1e-12)
 
 
 def test_wear_by_place(scene):

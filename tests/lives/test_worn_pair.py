@@ -4,13 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lives.test_worn_life import scene_of
 from support import scene_file
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.grooves import Grooves, follow_grooves
 from bearingwear.lives.life import life
-from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 
 END = "wear.end_of_life={preload_fraction: 0.7, ball_diameter_loss_um: 0.3}"
@@ -25,43 +23,6 @@ RIGID = (FIXED, "arrangement.kind=rigid_pair")
 def life_of(*changes, contact="worn"):
     scene = load_scene(scene_file("gyro_s1"), [f"model.contact={contact}", END, *changes])
     return life(replace(scene, cage=None)).values
-
-
-def test_two_alike_are_the_single_bearing_by_way_of_the_rotor():
-    single = life_of(FIXED)
-    pair = life_of(*RIGID, "arrangement.external_axial_N=1e-6")
-    assert pair["status"] == single["status"] == code.OK
-    assert pair["life"] == pytest.approx(single["life"], rel=1e-5)
-    for name in ("history_residual_preload", "history_equivalent_loss", "history_deepest_groove"):
-        for side in pair[name]:
-            assert side[-1] == pytest.approx(single[name][-1], rel=1e-3)
-
-
-def wears_until_gone(film):
-    """Whether films (steps, race) get thinner at every step, as long as there is any."""
-    steps = np.diff(film, axis=0)
-    return np.all(steps[film[:-1] > 0.0] < 0.0) and np.all(steps[film[:-1] == 0.0] == 0.0)
-
-
-def test_films_wear_along_in_networks_and_pairs():
-    """Two alike are the single bearing, of two that differ the loaded one loses its film first."""
-    film = "{shear_strength_MPa: 24.8, pressure_coefficient: 0.001, thickness_um: 0.15, "
-    film += "wear_coefficient: 5.0e-6, bare_ball_race: 0.4}"
-    without = ("friction.ball_race=null", "uncertainty=null")
-    filmed = (FIXED, *without, f"friction.film={film}")
-    single, warm = life_of(*filmed), life_of(*filmed, NETWORK)
-    pair = life_of(*RIGID, *filmed[1:])
-    unlike = life_of(*RIGID, *filmed[1:], "arrangement.external_axial_N=1.0")
-    loaded, relieved = unlike["history_race_film"][:, 1]
-    assert unlike["status"] == code.OK and np.all(loaded < relieved)
-    assert single["status"] == warm["status"] == pair["status"] == code.OK
-    assert pair["life"] == pytest.approx(single["life"], rel=1e-5)
-    assert wears_until_gone(single["history_race_film"])
-    for side in pair["history_race_film"]:
-        assert side[-1] == pytest.approx(single["history_race_film"][-1], rel=1e-3)
-    assert np.all(warm["history_part_temperature"][:, :3] > 20.0)
-    assert abs(warm["life"][1] / single["life"][1] - 1.0) > 1e-4
-    assert wears_until_gone(warm["history_race_film"])
 
 
 def test_a_soft_spring_is_a_constant_force():
@@ -130,10 +91,3 @@ def test_a_pair_that_has_no_start_says_so():
     found = follow_grooves(Grooves(replace(scene, cage=None)))
     assert found.status == code.LIFTED_OFF and len(found.bearings) == 2
     assert life(replace(scene, cage=None)).values["status"] == code.LIFTED_OFF
-
-
-def test_the_first_side_to_meet_its_criterion_ends_the_life():
-    end = EndOfLife(preload_fraction=0.7)
-    scene = scene_of("fixed_position", balance="with_traction", end_of_life=end)
-    found = follow_grooves(Grooves(scene))
-    assert found.criterion == CRITERIA.index("preload_fraction")

@@ -8,7 +8,6 @@ import os
 import re
 import shutil
 import xml.etree.ElementTree as ET
-from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes, urlsplit
 
 import html5lib
@@ -21,7 +20,6 @@ from small_study import (
     HOSTILE,
     LIVES_ANSWER,
     PAGE,
-    SECTIONS,
     make_page,
 )
 from support import scene_file, step
@@ -29,7 +27,6 @@ from support import scene_file, step
 from bearingwear.document.document import load_document
 from bearingwear.page import figures
 from bearingwear.page.charts import LARGE_CHART, MARGINS, SMALL_CHART, ChartAxis
-from bearingwear.page.scenes import scene_differences
 from bearingwear.page.sketch import section_of, sketch
 from bearingwear.results.chart import load_charts
 from bearingwear.results.netcdf import load
@@ -267,14 +264,6 @@ def test_charts_carry_the_numbers_of_the_map(small_project, whole):
         assert [found[p] for p in design["preload"].values] == pytest.approx(list(values))
 
 
-def test_where_something_else_ends_the_life_is_marked(small_project, whole):
-    """There the lines bend: one diamond for each change of the criterion."""
-    design = load(small_project / f"{CHOICE}/design.nc")
-    ends = design["end_criterion"].isel(friction=0, shaft_speed=0).values
-    changes = sum(int((line[1:] != line[:-1]).sum()) for line in ends)
-    assert changes == whole.count('d="M0-6L5 0 0 6-5 0Z"') > 0
-
-
 def test_where_a_limit_is_passed_is_shaded(small_project):
     """Points within all limits lie outside of the shaded ranges, the others inside."""
     for chart in load_charts(small_project / f"{CHOICE}/charts.json").charts:
@@ -313,12 +302,6 @@ def test_a_sketch_is_to_scale(name, kind):
     assert len([n for n in drawn.iter() if n.get("class") == "ball"]) == 1 + ("pair" in kind)
 
 
-def test_lives_alone_lead(made):
-    tree = check_self_contained(made(answers=[LIVES_ANSWER]))
-    (headline,) = tree.iter("h1")
-    assert words(headline) == load_document(Path(LIVES_ANSWER)).title
-
-
 def test_a_study_alone(made):
     said = said_by(made([f"{FOLDER}/study.nc"], (), ()))
     assert "A study of friction and wear" in said and "8 of 8 cases" in said
@@ -331,45 +314,6 @@ def test_what_was_not_solved_comes_first(small_project, tmp_path, made):
     tree = parsed(made([str(tmp_path / "wear_life.nc")], (), ()))
     said = words(next(tree.iter("main")))
     assert said.startswith("Not everything was solved: mine, 1 of the lives.")
-
-
-def test_warnings_of_a_scene_stand_once(whole):
-    (scene,) = [n for n in parsed(whole).iter("section") if n.attrib.get("id") == "scene-1"]
-    (said,) = re.findall(r"A loss of 0\.7 µm is [\d.]+ times.*?\)\.", words(scene))
-    assert said.endswith(f"({len(GRID.cases()) // 2} cases, 4 lives).")
-
-
-def test_errors_of_another_bearing_stand_under_its_name(small_project, made, tmp_path):
-    other = tmp_path / "other" / "study.nc"
-    other.parent.mkdir()
-    study = load(small_project / f"{FOLDER}/study.nc")
-    study["qv_error_estimate"] = study["qv_error_estimate"] * 0.0 + 0.55
-    name = json.dumps(json.loads(study.attrs["scene"]) | {"name": "other"})
-    study.assign_attrs(scene=name).to_netcdf(other)
-    text = made([*SECTIONS, str(other)])
-    tree = check_self_contained(text.replace(other.parent.as_uri(), "../.."))
-    (folded,) = [node for node in tree.iter("details") if node.attrib.get("class") == "scene"]
-    assert "Numerical errors of other at most: QV 55 %" in words(folded)
-    (lead,) = [node for node in tree.iter("section") if node.attrib.get("id") == "answer-1"]
-    assert "QV 55 %" not in words(lead)
-
-
-def test_how_scenes_differ_is_said_in_words():
-    first = {"name": "a", "bearing": {"ball_count": 9, "contact_angle_deg": 15.0}}
-    other = {"name": "b", "bearing": {"ball_count": 9, "contact_angle_deg": 20.0}}
-    said = scene_differences(first, other | {"uncertainty": {"x": {"low": 1.0}}})
-    assert said == "contact angle (°) 20 instead of 15"
-    assert scene_differences(first, first | {"name": "c"}) == ""
-
-
-def test_words_are_explained_and_keys_are_words(whole):
-    said = said_by(whole)
-    explained = [words(n) for n in parsed(whole).iter("dt")]
-    assert {"QV", "skid ratio", "residual preload", "wear life"} <= set(explained)
-    assert "pitch diameter (mm)" in said and "drag density (kg/m³)" in said
-    visible = said.replace("gyro_s1", "")
-    for raw in ("pitch_diameter_mm", "drag_density", "preload_fraction", "loss um", "`"):
-        assert raw not in visible, raw
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from bearingwear.document.show import sheet
 from bearingwear.document.text import as_text
 from bearingwear.plotting.drawing import Figure, new_figure
 from bearingwear.plotting.plot import figure_of, plot
-from bearingwear.results.kinds import function, kind_of
+from bearingwear.results.kinds import kind_of
 from bearingwear.results.netcdf import CaseFileError, load
 
 
@@ -59,10 +59,6 @@ def test_kind_of_file_and_dataset(variables, attrs, kind, tmp_path):
     dataset.to_netcdf(tmp_path / "a.nc")
     with netCDF4.Dataset(tmp_path / "a.nc") as file:
         assert kind_of(file) == kind
-
-
-def test_function_of_a_dotted_name():
-    assert function("bearingwear.results.kinds:kind_of") is kind_of
 
 
 def test_a_study_shows_its_own_kind(path, monkeypatch):

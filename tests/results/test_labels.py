@@ -44,10 +44,3 @@ def test_a_code_that_stands_for_nothing(of_files):
 def test_what_stands_in_memory_alone_goes(of_files):
     made = labelled(of_files).assign_attrs(wall_time_s=1.0, message="solved and verified")
     assert coded(made).attrs == {"title": "a"} and "message" in made.attrs
-
-
-def test_other_names_stay(of_files):
-    """A person may call the races anything."""
-    made = labelled(of_files).assign_coords(race=("race", ["left", "right"]))
-    made["race"].attrs["flag_meanings"] = "inner outer"
-    assert coded(made)["race"].values.tolist() == ["left", "right"]

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import time
 from pathlib import Path
 
@@ -12,10 +11,7 @@ import pytest
 import xarray as xr
 
 from bearingwear.atomic import OutputError
-from bearingwear.document.document import VARIABLES
-from bearingwear.document.life import LIVES, STEADY_LIFE, WORN_OF_EACH, WORN_WHOLE
-from bearingwear.document.show import BEARING, CAGE_MEANS, CONTACT, LOSSES, RUN, sheet
-from bearingwear.document.text import as_text
+from bearingwear.document.show import sheet
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.kernels.steady.thrust import BRANCH_NAMES
@@ -119,13 +115,6 @@ def test_values_in_units_of_the_file(case, tmp_path):
         assert file["contact_load"][...].data == pytest.approx(case.values["contact_load"])
 
 
-def test_life_in_hours(life):
-    life.values["life"] = np.array([3600.0, 7200.0])
-    made = dataset(life)
-    assert made["life"].units == "h"
-    assert made["life"].values == pytest.approx([1.0, 2.0])
-
-
 def test_case_file_follows_the_contract(case, tmp_path):
     """Names, dimensions and units that others rely on."""
     contract = {
@@ -157,17 +146,6 @@ def test_case_file_follows_the_contract(case, tmp_path):
         assert file["counts"].flag_meanings == "ball ball_and_races"
         assert file["ball"].represents == 9
         assert file["strip_position"][0] == pytest.approx(-0.98)
-
-
-def test_attributes(case, tmp_path):
-    write_result(case, tmp_path / "x.nc")
-    attrs = load(tmp_path / "x.nc").attrs
-    assert attrs["Conventions"] == "CF-1.11"
-    assert json.loads(attrs["scene"])["name"] == "gyro_s1"
-    assert attrs["title"] == "case of gyro_s1" and attrs["fidelity"] == "steady"
-    for name in ("source", "history", "references", "package_version", "source_hash"):
-        assert attrs[name]
-    assert "wall_time_s" not in attrs
 
 
 def test_cf_rules(result, tmp_path):
@@ -238,15 +216,6 @@ def test_table():
         assert not variable.shown or variable.shown in SCALES
 
 
-def test_everything_shown_has_a_label():
-    every = (*CONTACT, *BEARING, *LOSSES, *RUN, *CAGE_MEANS, *LIVES, *STEADY_LIFE)
-    for name in (*every, *WORN_OF_EACH, *WORN_WHOLE):
-        variable = VARIABLES[name]
-        assert variable.label and (
-            variable.units in SCALES or variable.units in ("N", "h", "degree")
-        )
-
-
 # bad files
 
 
@@ -288,11 +257,6 @@ def test_name_that_is_not_utf8(reader, case, tmp_path):
 # writing
 
 
-def test_folders_are_made(case, tmp_path):
-    write_result(case, tmp_path / "a" / "b" / "x.nc")
-    assert os.listdir(tmp_path / "a" / "b") == ["x.nc"]
-
-
 def test_open_file_is_replaced(case, tmp_path):
     path = tmp_path / "x.nc"
     write_result(case, path)
@@ -327,64 +291,3 @@ def test_folder_that_cannot_be_made(case, tmp_path):
 
 
 # the text of `bearingwear show`
-
-
-def test_summary_of_a_case(case, tmp_path):
-    case.values |= {"total_qv": 0.61492, "residual_preload": 7.0}
-    del case.values["axial_stiffness"]
-    write_result(case, tmp_path / "x.nc")
-    text = as_text(sheet(tmp_path / "x.nc"))
-    assert "gyro_s1: 9 balls of 2 mm" in text
-    assert "30000 r/min, constant force preload 7 N, friction 0.08" in text
-    assert "model steady, status ok: solved and verified" in text
-    assert re.search(r"^  QV +mW +615$", text, re.M)
-    assert "dynamic axial stiffness" not in text
-
-
-def test_summary_of_a_failed_case(tmp_path):
-    write_result(Result({"status": code.CONTACT_LOST}, attributes()), tmp_path / "x.nc")
-    text = as_text(sheet(tmp_path / "x.nc"))
-    said = f"status contact_lost: {STATUS_SENTENCES['contact_lost']}"
-    assert said in " ".join(text.split()) and "\n\n" not in text
-
-
-def test_summary_of_many_balls(tmp_path):
-    values = filled(variables.CASE, {"ball": 9})
-    values["orbit_speed"] = np.arange(9.0)
-    write_result(Result(values, attributes()), tmp_path / "x.nc")
-    text = as_text(sheet(tmp_path / "x.nc"))
-    assert "mean of 9 balls" in text
-    assert next(line for line in text.splitlines() if "orbit" in line).split()[-1] == "38.2"
-
-
-def test_summary_of_a_life(life, tmp_path):
-    life.values["life"] = np.array([3600.0, 7200.0])
-    write_result(life, tmp_path / "x.nc")
-    text = as_text(sheet(tmp_path / "x.nc"))
-    assert re.search(r"^  ended by +gyroscopic slip share$", text, re.M)
-    assert next(line for line in text.splitlines() if " life  " in line).split() == [
-        "life", "h", "1", "2"
-    ]  # fmt: skip
-
-
-def test_summary_of_a_failed_life(tmp_path):
-    write_result(
-        Result({"status": code.NO_STEADY_STATE, "end_criterion": NONE}, attributes()),
-        tmp_path / "x.nc",
-    )
-    text = as_text(sheet(tmp_path / "x.nc"))
-    assert "no_steady_state" in text and re.search(r"^  ended by +none$", text, re.M)
-
-
-def test_summary_of_a_study(tmp_path):
-    study = xr.Dataset(
-        {
-            "status": (("friction",), np.array([0, 1], dtype="i1")),
-            "total_qv": (("friction",), [0.5, np.nan], {"units": "W"}),
-        },
-        attrs={"source": "bearingwear 0", "title": "study of gyro_s1"},
-    )
-    study.to_netcdf(tmp_path / "x.nc", engine="netcdf4")
-    text = as_text(sheet(tmp_path / "x.nc"))
-    assert text.startswith("study of gyro_s1")
-    assert "not_converged" in text and re.search(r"^  total_qv +mW +500 +500$", text, re.M)

@@ -43,14 +43,6 @@ def test_scene_of_a_pair_is_whole():
     assert made.sides[0].arrangement.span_mm == 20.0
 
 
-def test_single_is_the_default():
-    """A scene that says nothing has no block; one that says single is no pair."""
-    plain = read()
-    assert "arrangement" not in plain.to_dict()
-    assert plain.sides == (plain,)
-    assert read("arrangement.kind=single").pair is None
-
-
 def test_held_by_another_method():
     rigid = read(*RIGID, "arrangement.external_axial_N=2")
     spring = held_by(rigid, "constant_force", 9.0)

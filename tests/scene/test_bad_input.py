@@ -2,8 +2,6 @@
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -39,27 +37,17 @@ def bomb() -> str:
 
 
 LOSS = "  ball_diameter_loss_um: 0.0\n"
-BEARING = GOOD[GOOD.index("bearing:") : GOOD.index("materials:")]
 CAGE = GOOD[GOOD.index("cage:") : GOOD.index("operation:")]
 
 # name: (contents, key that must be named, further texts of the message)
 BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     # keys
     "unknown key": (put("bearing", "ball_cuont: 9"), "bearing.ball_cuont", ("ball_count",)),
-    "mistyped key": (
-        edited(("  ball_count: 9", "  ball_number: 9")), "bearing.ball_number", ("unknown",)),
-    "unknown block": (GOOD + "gravity: {g: 9.81}\n", "gravity", ("unknown",)),
     "missing key": (edited(("  preload_N: 7.0\n", "")), "operation.preload_N", ("nothing",)),
-    "empty block": (edited((BEARING, "bearing:\n")), "bearing", ("nothing",)),
     "duplicate key": (put("bearing", "ball_count: 8"), "bearing.ball_count", ("second time",)),
     "list as a key": (GOOD + "? [a, b]\n: 1\n", "", ("as a key",)),
     # types
-    "quoted exponent": (
-        edited(("slip_regularisation_m_s: 1.0e-3", "slip_regularisation_m_s: '1e-5'")),
-        "friction.slip_regularisation_m_s", ("text", "not a number", "write 1.0e-5")),
     "NaN": (edited(("preload_N: 7.0", "preload_N: .nan")), "operation.preload_N", (".nan",)),
-    "NaN in a list": (
-        put("operation", "radial_load_N: [0.0, .nan]"), "operation.radial_load_N[1]", (".nan",)),
     "endless whole number": (
         edited(("preload_N: 7.0", "preload_N: " + "9" * 5000)), "operation.preload_N", ()),
     # ranges
@@ -74,9 +62,6 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         "bearing.pitch_diameter_mm", ("> 2",)),
     "missing cage material": (
         edited(("  material: phenolic", "  material: peek")), "cage.material", ("peek",)),
-    "no materials": (
-        GOOD[: GOOD.index("materials:")] + "materials: {}\n" + GOOD[GOOD.index("cage:") :],
-        "materials", ()),
     "cage inside out": (
         edited(("  inner_diameter_mm: 6.6", "  inner_diameter_mm: 9.6")),
         "cage.inner_diameter_mm", ("< 8.6",)),
@@ -122,35 +107,21 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         "model.fidelity", ("radial load",)),
     # names and texts
     "name with a path": (edited(("name: gyro_s1", "name: ../gyro_s1")), "name", ("a-z",)),
-    "long name": (edited(("name: gyro_s1", "name: " + "x" * 65)), "name", ()),
     "control character in the description": (
         GOOD[: GOOD.index("description:")]
         + 'description: "\\e[31mred"\n'
         + GOOD[GOOD.index("bearing:") :],
         "description", ("control character",)),
-    "material name with a path": (
-        GOOD.replace("  phenolic: {", "  ../phenolic: {"),
-        "materials: ", ("the name '../phenolic'",)),
-    "long material name": (
-        GOOD.replace("  phenolic: {", "  " + "p" * 600 + ": {x: 1, "),
-        "materials: ", ("the name", "at most 64")),
     # the file as a whole
     "empty file": ("", "", ("nothing",)),
-    "list": ("- name: gyro_s1\n", "", ("a list of 1",)),
-    "text": ("gyro_s1\n", "", ("'gyro_s1'",)),
     "two documents": (GOOD + "---\n" + GOOD, "", ("second document",)),
     "not YAML": (GOOD + "operation: [\n", "", ("not YAML",)),
-    "tab": (edited(("  ball_count: 9", "\tball_count: 9")), "", ("not YAML",)),
     "binary": (bytes(range(256)) * 8, "", ("UTF-8",)),
     "huge": (GOOD + "# " + "x" * 1_000_000 + "\n", "", ("1000000 bytes",)),
-    "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(50_000)), "", ("5000 keys",)),
     "long list": (
         edited((LOSS, "  ball_diameter_loss_um: [" + "1," * 400_000 + "1]\n")), "", ("5000 keys",)),
-    "alias": (GOOD + "x: &x 1\ny: *x\n", "", ("anchor",)),
     "alias bomb": (bomb(), "", ("anchor",)),
-    "merge key": (GOOD + "<<: {name: other}\n", "<<", ("unknown",)),
     "tag": (edited(("preload_N: 7.0", "preload_N: !!float 7")), "", ("tag",)),
-    "python object": (GOOD + "x: !!python/object/apply:os.getcwd []\n", "", ("tag",)),
     "deep nesting": (GOOD + "x: " + "[" * 5000 + "]" * 5000 + "\n", "", ("nested blocks",)),
 }  # fmt: skip
 
@@ -219,17 +190,10 @@ def test_other_commands_refuse_alike(command, name, tmp_path, capsys):
 
 OVERRIDES = {
     "operation.preload_N=-3": ("operation.preload_N", "-3"),
-    "operation.preload_N='1e1'": ("operation.preload_N", "write 10"),
-    "operation.preload_N=": ("operation.preload_N", "nothing"),
     "operation.preload_N=[": ("operation.preload_N", "not YAML"),
-    "operation.preload=3": ("operation.preload", "preload_N"),
-    "bearing.ball_count=12": ("bearing.ball_count", "at most 11"),
     "bearing.ball_diameter_mm=4": ("bearing.ball_diameter_mm", "9 balls of 4 mm"),
     "bearing.ball_count.x=1": ("bearing.ball_count.x", "not a block"),
-    "gravity.g=9.81": ("gravity.g", "unknown"),
-    "cage=3": ("cage", "block"),
     "wear.end_of_life={preload_fraction: 2}": ("wear.end_of_life", "preload_fraction"),
-    "name=../x": ("name", "a-z"),
 }
 
 
@@ -265,33 +229,6 @@ def test_names_the_file_where_the_override_is_innocent(tmp_path, capsys):
     assert line.startswith(f"{scene}: bearing.ball_count: ")
 
 
-def test_names_the_override_that_opened_a_block(tmp_path, capsys):
-    scene = tmp_path / "cageless.yaml"
-    scene.write_text(edited((CAGE, "")))
-    line = refused(capsys, ["check", str(scene), "--set", "cage.restitution=0.7"])
-    assert line.startswith("--set cage.restitution: cage.material: got nothing")
-
-
-def test_refuses_fidelity_that_does_not_apply(capsys):
-    argv = ["check", str(SCENES / "gyro_s1.yaml"), "--set", "operation.tilt_mrad=1"]
-    line = refused(capsys, [*argv, "--fidelity", "steady"])
-    assert line.startswith("--fidelity: ")
-    line = refused(capsys, [*argv, "--set", "model.fidelity=steady"])
-    assert line.startswith("--set model.fidelity: ")
-
-
-def test_life_with_limits_of_the_cage_alone_needs_its_wear(tmp_path, capsys):
-    output = tmp_path / "life.nc"
-    alone = "wear.end_of_life={pocket_clearance_mm: 0.2}"
-    argv = ["life", str(SCENES / "gyro_s1.yaml"), "-o", str(output), "--set", alone]
-    line = refused(capsys, argv)
-    assert line.startswith("--set wear.end_of_life: ") and "dynamic" in line
-    refused(capsys, [*argv, "--fidelity", "steady"])
-    rest = ["operation.shaft_speed_rpm=0", "--fidelity", "dynamic"]
-    assert "operation.shaft_speed_rpm" in refused(capsys, [*argv, *rest])
-    assert not output.exists()
-
-
 @pytest.mark.parametrize("command", ["solve", "life"])
 @pytest.mark.parametrize("what", ["missing", "folder", "line break", "zero byte"])
 def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
@@ -319,39 +256,14 @@ def test_life_needs_a_criterion(tmp_path, capsys):
     assert not output.exists()
 
 
-def test_refuses_in_a_process_of_its_own(tmp_path):
-    contents, key, _ = BROKEN["alias bomb"]
-    scene, output = tmp_path / "broken.yaml", tmp_path / "case.nc"
-    scene.write_text(contents)
-    done = subprocess.run(
-        [sys.executable, "-m", "bearingwear", "solve", str(scene), "-o", str(output)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr.count("\n") == 1 and done.stderr.startswith(f"{scene}: {key}")
-    assert not output.exists()
-
-
 @pytest.mark.parametrize(
     ("key", "meant"),
     [
         ("preload_N", "operation.preload_N"),
-        ("preloadN", "operation.preload_N"),
         ("bearing.preload_N", "operation.preload_N"),
-        ("ball_race", "friction.ball_race"),
         ("operation.preload", "preload_N or preload_method"),
-        ("material", "materials or thermal"),
     ],
 )
 def test_a_key_of_another_block_is_named_whole(key, meant):
     with pytest.raises(SceneError, match=f"^--set {key}: .*; did you mean {meant}$"):
         load_scene(SCENES / "gyro_s1.yaml", [f"{key}=3"])
-
-
-def test_a_key_in_the_wrong_block_of_a_file(tmp_path):
-    path = tmp_path / "scene.yaml"
-    path.write_text(put("bearing", "preload_N: 7.0"), encoding="utf-8")
-    with pytest.raises(SceneError, match=r"bearing\.preload_N: .* did you mean operation\.preload"):
-        load_scene(path)

@@ -3,15 +3,12 @@
 Types and ranges of single keys: test_records.py, test_hostile.py and the list in config/README.md.
 """
 
-import json
-
 import pytest
 from support import scene_file
 
-from bearingwear.cli import main
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.friction import changes_as_it_wears, has_thickness
-from bearingwear.scene.read import scene_from_dict, variant
+from bearingwear.scene.read import variant
 
 STEEL = "materials.bearing_steel"
 LAW = "friction.film"
@@ -109,15 +106,6 @@ def test_contradictions_are_refused_in_one_line():
     assert not wrong
 
 
-def test_a_film_is_a_plain_block(scene):
-    given = scene("gyro_s1", THIN)
-    assert has_thickness(given) and changes_as_it_wears(given)
-    plain = given.to_dict()
-    assert "ball_race" not in plain["friction"]
-    assert plain["friction"]["film"]["thickness_um"] == 0.5
-    assert scene_from_dict(json.loads(json.dumps(plain))) == given
-
-
 @pytest.mark.parametrize(
     ("changes", "thick", "changing"),
     [
@@ -130,21 +118,3 @@ def test_a_film_is_a_plain_block(scene):
 def test_what_wears_through(scene, changes, thick, changing):
     given = scene("gyro_s1", changes)
     assert (has_thickness(given), changes_as_it_wears(given)) == (thick, changing)
-
-
-def test_recommend_refuses_a_film_in_one_line(capsys):
-    assert main(["recommend", str(scene_file("mos2_gyro"))]) == 2
-    said = capsys.readouterr().err.strip().splitlines()[-1]
-    assert "friction.film" in said and "expected, for a study" in said
-
-
-def test_what_is_left_out_stays_away(scene):
-    plain = scene("gyro_s1").to_dict()
-    assert not {"temperature", "thermal", "fits"} & plain.keys()
-    assert "thermal_expansion_1_K" not in plain["materials"]["bearing_steel"]
-
-
-def test_a_warm_scene_is_the_same_when_read_again(scene):
-    warm = scene("gyro_s1", NETWORK | {"bearing.bore_mm": 4.0, "fits.shaft_bore_mm": 1.0})
-    assert warm.with_({}) == warm and hash(warm.with_({})) == hash(warm)
-    assert warm.to_dict()["thermal"]["conductance_W_K"]["ball_race"] == 0.1

@@ -6,7 +6,6 @@ from bearingwear.scene.new.designations import ANGLES, CLEARANCES, clearance_ran
 
 CODES = [f"{code:02d}" for code in [*range(23), *range(24, 41, 2)]]
 SERIES = ["70", "72", "73", "719", "60", "62", "63"]
-SMALL = [*range(604, 610), *range(623, 630), *range(682, 690), *range(692, 700)]
 
 
 @pytest.mark.parametrize(
@@ -41,18 +40,6 @@ def test_sizes_grow_with_the_bore_code(series):
     for size in sizes:
         section = 0.5 * (size.outside - size.bore)
         assert 0.7 < size.width / section < 1.3  # narrow series: nearly square
-
-
-def test_the_smallest():
-    sizes = [designation_of(str(number)) for number in SMALL]
-    for number, size in zip(SMALL, sizes, strict=True):
-        assert size.bore == number % 10 and size.deep_groove
-        assert 0.5 * (size.outside - size.bore) * 0.6 < size.width < size.outside
-    assert (
-        designation_of("608").outside
-        > designation_of("698").outside
-        > designation_of("688").outside
-    )
 
 
 @pytest.mark.parametrize("text", ["7008C", "7008 C", "7008-c", "7008/C", " 7008_C "])

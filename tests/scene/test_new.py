@@ -1,6 +1,5 @@
 """`bearingwear new`: a scene from catalogue numbers; and what the shell completes."""
 
-import json
 import math
 import os
 import re
@@ -17,7 +16,6 @@ from bearingwear.results.netcdf import load
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
-from bearingwear.solvers.solve import solve
 
 SIZE = ["--bore", "40", "--outside", "68"]
 
@@ -41,7 +39,7 @@ def test_rules_give_the_size_of_real_bearings(bore, outside, ball, pitch, tmp_pa
     assert bearing.ball_count == pytest.approx(0.75 * touching, abs=0.5)
 
 
-@pytest.mark.parametrize("size", [(40, 68), (3, 10), (100, 150), (5, 9), (0.6, 2)])
+@pytest.mark.parametrize("size", [(40, 68), (100, 150), (0.6, 2)])
 def test_what_is_written_solves(size, tmp_path):
     scene, case = tmp_path / "some_bearing.yaml", tmp_path / "case.nc"
     assert new(scene, "--bore", size[0], "--outside", size[1]) == 0
@@ -68,28 +66,12 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
         block, name = key.split(".")
         assert plain[block][name] == given[option]
         assert re.search(rf"^  {name}: \S+  # given$", text, re.M) and key not in told
-    assert "# assumed" in text and "bearing.ball_material: bearing_steel" in told
-    assert scene.operation.gravity_m_s2 == (0.0, 0.0, -9.80665)
-    assert new(tmp_path / "b.yaml", *SIZE) == 0
-    told, text = capsys.readouterr().out, (tmp_path / "b.yaml").read_text(encoding="utf-8")
-    for _, key, *_ in OPTIONS:
-        assert re.search(rf"^  {key.split('.')[1]}: \S+  # assumed: ", text, re.M) and key in told
-    assert new(tmp_path / "c.yaml", "HCB7008-C-T-P4S") == 0
-    told = capsys.readouterr().out
-    assert "read as 7008C; not used: HCB T P4S" in told and "silicon_nitride" in told
 
 
 @pytest.mark.parametrize("name", ["7008", "true", "null", "1e-5", "1e5", "my-spindle"])
 def test_names_that_yaml_takes_for_something_else(name, tmp_path):
     assert new(tmp_path / f"{name}.yaml", *SIZE) == 0
     assert load_scene(tmp_path / f"{name}.yaml").name == name
-
-
-def test_ceramic_balls(tmp_path):
-    assert new(tmp_path / "a.yaml", *SIZE, "--ball-material", "silicon_nitride") == 0
-    scene = load_scene(tmp_path / "a.yaml")
-    assert scene.bearing.ball_material == "silicon_nitride"
-    assert scene.materials["silicon_nitride"].density_kg_m3 == 3200
 
 
 def test_nothing_is_replaced(tmp_path, capsys):
@@ -106,35 +88,19 @@ def test_nothing_is_replaced(tmp_path, capsys):
         (["--bore", "40"], "--outside"),
         ([], "--bore: got nothing, expected a designation as 7008C, or --bore and --outside"),
         (["7008C", "--bore", "40"], "--bore: got 40; only allowed without a designation"),
-        (["7508"], "designation: got '7508', expected 70xx, 72xx, 73xx, 719xx"),
         (["6204C"], "designation: got '6204C', expected 6204 alone, or with C2, CN, C3"),
         (["7008C3"], "designation: got '7008C3', expected 7008 alone, or with C, AC, A5, E, A"),
-        (["7023"], "designation: got '7023'"),
-        (["681"], "designation: got '681'"),
         (["7008C", "--clearance", "CN"], "--clearance: got CN; only allowed for a deep groove"),
-        (["6204C3", "--clearance", "CN"], "--clearance: got CN; only allowed without the suffix"),
         (
             [*SIZE, "--contact-angle", "15", "--clearance", "CN"],
             "only allowed without a contact angle",
         ),
         (["608", "--radial-clearance-um", "0"], "--radial-clearance-um: got 0, expected a number"),
-        (["608", "--radial-clearance-um", "nan"], "--radial-clearance-um: got nan"),
-        (["--bore", "250", "--outside", "400", "--clearance", "CN"], "bores up to 200 mm"),
-        (["608", "--preload", "9", "--preload-class", "light"], "--preload-class: got light"),
         (["--bore", "0", "--outside", "9"], "--bore: got 0, expected a number > 0"),
-        (["--bore", "nan", "--outside", "9"], "--bore: got nan"),
-        (["--bore", "40", "--outside", "inf"], "--outside: got inf"),
         (["--bore", "40", "--outside", "30"], "--outside: got 30, expected a number > 40"),
         ([*SIZE, "--ball-diameter", "14"], "--ball-diameter: got 14, expected"),
-        ([*SIZE, "--pitch-diameter", "45"], "--pitch-diameter: got 45, expected"),
         ([*SIZE, "--balls", "22"], "--balls: got 22, expected at most 20"),
-        ([*SIZE, "--balls", "2"], "--balls: got 2, expected a whole number from 3"),
-        ([*SIZE, "--balls", "9.5"], "--balls"),
         ([*SIZE, "--contact-angle", "90"], "--contact-angle: got 90, expected a number from 0"),
-        ([*SIZE, "--preload", "-1"], "--preload: got -1"),
-        ([*SIZE, "--speed", "nan"], "--speed: got nan"),
-        (["--bore", "0.1", "--outside", "0.2"], "--ball-diameter: "),
-        (["--bore", "9e9", "--outside", "9.1e9"], "--ball-diameter: "),
     ],
 )
 def test_bad_numbers_take_one_line(argv, said, tmp_path, capsys):
@@ -146,7 +112,7 @@ def test_bad_numbers_take_one_line(argv, said, tmp_path, capsys):
 
 @pytest.mark.parametrize(
     "name",
-    ["a.txt", "a", ".yaml", "___.yaml", "no/such\0/a.yaml", "a b.yaml", "1.0.yaml", "\u00e4.yaml"],
+    ["a.txt", ".yaml", "no/such\0/a.yaml", "a b.yaml"],
 )
 def test_bad_names_take_one_line(name, tmp_path, capsys):
     assert new(f"{tmp_path}/{name}", *SIZE) == 2
@@ -156,29 +122,6 @@ def test_bad_names_take_one_line(name, tmp_path, capsys):
 
 def told(capsys) -> str:
     return capsys.readouterr().out
-
-
-def test_a_deep_groove_bearing_gets_its_angle_from_the_clearance(tmp_path, capsys):
-    """With a contact angle of 0 the preload was 0, and the reason said to be wear or load."""
-    path, case = tmp_path / "a.yaml", tmp_path / "a.nc"
-    assert new(path, "--bore", 8, "--outside", 22, "--contact-angle", 0) == 0
-    scene = load_scene(path)
-    b = scene.bearing
-    play = (b.inner_groove_factor + b.outer_groove_factor - 1.0) * b.ball_diameter_mm
-    clearance = 2e3 * play * (1.0 - math.cos(math.radians(b.contact_angle_deg)))
-    assert clearance == pytest.approx(7.5, rel=1e-3)  # um; CN of ISO 5753-1 is 2 to 13
-    assert scene.operation.preload_N > 0.0 and "CN" in told(capsys)
-    assert main(["solve", str(path), "-o", str(case)]) == 0
-
-
-def test_the_reason_of_no_preload_is_that_there_is_none(tmp_path, capsys):
-    path, case = tmp_path / "a.yaml", tmp_path / "a.nc"
-    assert new(path, "608", "--preload", 0) == 0
-    assert "operation.preload_N is 0" in told(capsys)
-    assert main(["solve", str(path), "-o", str(case)]) == 3
-    assert "operation.preload_N is 0" in capsys.readouterr().err
-    assert main(["show", str(case)]) == 0
-    assert "preload_gone: no preload is set" in told(capsys)
 
 
 @pytest.mark.parametrize(
@@ -251,39 +194,16 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
     assert "does not solve: undetermined: " in told(capsys)
 
 
-def test_warnings_of_the_solve_are_told(tmp_path, capsys, monkeypatch):
-    """They stand in an attribute of the result, a list as JSON."""
-
-    def warned(scene):
-        result = solve(scene)
-        result.attrs["warnings"] = json.dumps([{"sentence": "too fast", "advice": "slow down"}])
-        return result
-
-    monkeypatch.setattr("bearingwear.solvers.solve.solve", warned)
-    assert new(tmp_path / "a.yaml", "608") == 0
-    assert "  warning: too fast; slow down\n" in told(capsys)
-
-
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(folder, "code_folder", lambda: str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "not solved: the first solve compiles" in told(capsys)
 
 
-@pytest.mark.parametrize("angle", [0, 80])
-@pytest.mark.parametrize("balls", [3, 20])
-def test_extremes_make_valid_scenes(angle, balls, tmp_path):
-    path = tmp_path / "a.yaml"
-    assert new(path, *SIZE, "--balls", balls, "--contact-angle", angle) == 0
-    assert load_scene(path).bearing.ball_count == balls
-
-
 @pytest.mark.parametrize(
     ("line", "offered"),
     [
-        ("bearingwear comp", {"compare"}),
         ("bearingwear new a.yaml --ball", {"--balls", "--ball-diameter", "--ball-material"}),
-        ("bearingwear solve a.yaml --fidelity st", {"steady"}),
         (
             "bearingwear check a.yaml --set operation.preload_",
             {"operation.preload_method=", "operation.preload_N="},

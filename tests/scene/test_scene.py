@@ -4,7 +4,6 @@ import copy
 import dataclasses
 import json
 import pickle
-import re
 from pathlib import Path
 
 import jsonschema
@@ -21,7 +20,6 @@ from bearingwear.scene.checking.records import keys, whole
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.solvers.effects.choice import choice
 
 key_lists = benchmark("key_lists")
 schema = benchmark("scene_schema").schema
@@ -57,35 +55,10 @@ def test_scenes_of_the_project_are_the_same_when_read_again():
     assert len(SCENES) > 10 and not wrong
 
 
-def test_defaults():
-    full = config.load_scene(S1).to_dict()
-    operation = ("shaft_speed_rpm", "preload_method", "preload_N")
-    least = {key: full[key] for key in ("name", "bearing", "materials")}
-    least["operation"] = {key: full["operation"][key] for key in operation}
-    least["friction"] = {"ball_race": 0.08}
-    scene = config.scene_from_dict(least)
-    assert scene.cage is None and scene.wear.end_of_life is None
-    assert scene.operation.radial_load_N == (0.0, 0.0)
-    assert scene.friction.slip_regularisation_m_s == 1e-4  # of accuracy standard
-    assert scene.lubricant.drag_density_kg_m3 == 0.0
-    assert scene.wear == module.Wear() and scene.model == module.Model()
-    assert "cage" not in scene.to_dict()
-    assert "end_of_life" not in scene.to_dict()["wear"]
-    assert config.scene_from_dict(scene.to_dict()) == scene
-
-
 @pytest.mark.parametrize("key", ["cage", "lubricant", "wear", "model"])
 def test_null_is_the_same_as_leaving_out(key, plain):
     left_out = {name: value for name, value in plain.items() if name != key}
     assert config.scene_from_dict(plain | {key: None}) == config.scene_from_dict(left_out)
-
-
-def test_whole_numbers_become_floats(plain):
-    plain["operation"]["preload_N"] = 7
-    preload = config.scene_from_dict(plain).operation.preload_N
-    assert preload == 7.0 and isinstance(preload, float)
-    plain["bearing"]["ball_count"] = 9.0
-    assert isinstance(config.scene_from_dict(plain).bearing.ball_count, int)
 
 
 def test_numpy_values_are_taken(plain):
@@ -103,23 +76,11 @@ def test_input_dict_is_left_alone(plain):
     assert plain == before
 
 
-def test_one_loss_a_ball(plain):
-    plain["wear"]["ball_diameter_loss_um"] = losses = [0.1 * k for k in range(9)]
-    scene = config.scene_from_dict(plain)
-    assert scene.wear.ball_diameter_loss_um == tuple(losses)
-    assert config.scene_from_dict(scene.to_dict()) == scene
-
-
 def test_equal_losses_are_one_loss(plain):
     plain["wear"]["ball_diameter_loss_um"] = [0.3] * 9
     scene = config.scene_from_dict(plain)
     assert scene.wear.ball_diameter_loss_um == (0.3,)
     assert scene.to_dict()["wear"]["ball_diameter_loss_um"] == 0.3
-
-
-def test_description_becomes_one_line(plain):
-    plain["description"] = "two\nlines \t and  blanks\n"
-    assert config.scene_from_dict(plain).description == "two lines and blanks"
 
 
 # the objects
@@ -154,21 +115,9 @@ def test_error_survives_pickling():
     assert str(error) == "f.yaml: a.b: got 1, expected 2" and error.involved == ("c",)
 
 
-@pytest.mark.parametrize("bad", [3, None, ["gyro_s1.yaml"]])
-def test_scene_of_another_kind(bad):
-    with pytest.raises(TypeError, match="a scene is a path, a dict or a Scene"):
-        config.as_scene(bad)
-
-
 def test_dict_that_contains_itself(plain):
     plain["bearing"]["ball_count"] = plain
     with pytest.raises(SceneError, match="nested blocks"):
-        config.scene_from_dict(plain)
-
-
-def test_keys_must_be_text(plain):
-    plain["materials"][440] = plain["materials"]["bearing_steel"]
-    with pytest.raises(SceneError, match="materials: got the key 440"):
         config.scene_from_dict(plain)
 
 
@@ -245,11 +194,6 @@ def blocks(part: dict, path: str = ""):
             yield from blocks(part[word], f"{path}.x")
 
 
-def test_schema_is_valid():
-    jsonschema.Draft202012Validator.check_schema(schema())
-    assert schema()["$schema"] == "https://json-schema.org/draft/2020-12/schema"
-
-
 def test_schema_allows_no_unknown_key():
     for path, part in blocks(schema()):
         if "properties" in part:
@@ -280,30 +224,6 @@ def test_wear_of_a_cage_takes_finer_steps(changes, expected):
     found = variant(S1, changes)
     assert found.model.dynamic_tolerance == expected
     assert config.as_scene(found) == found
-    told = " ".join(choice(found, "dynamic").reasons)
-    assert ("cage wear" in told) == (expected > 1e-4)
-    assert ("requires 0.001" in told) == (expected > 1e-3)
-    if not found.model.cage_results:
-        assert "cage wear" not in " ".join(choice(found, "steady").reasons)
-
-
-def test_descriptions_state_meaning_unit_and_range():
-    for path, part in blocks(schema()):
-        if path == "":
-            continue
-        assert len(part["description"].split("; ")) == 3, path
-        allowed = part["description"].split("; ")[2]
-        if "enum" in part:
-            assert set(part["enum"]) - {None} <= set(re.split(r"\W+", allowed)), path
-        for word, text in (
-            ("minimum", r"from (\S+)|>= (\S+)"),
-            ("maximum", r"to ([-\d.e]+)|<= (\S+)"),
-            ("exclusiveMinimum", r"> (\S+)"),
-            ("exclusiveMaximum", r"< (\S+)"),
-        ):
-            if word in part:
-                stated = next(filter(None, re.search(text, allowed).groups()))
-                assert float(stated) == part[word], (path, word)
 
 
 def test_plain_validators_agree(plain):

@@ -8,10 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels.cage.body import angular_velocity, turn
-from bearingwear.kernels.cage.contacts import cage_contacts
-from bearingwear.kernels.dynamic.equilibrium import linearise_cage_forces
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
-from bearingwear.kernels.dynamic.quasistatic import K_11
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.parts import land_damping, pocket_damping
 from bearingwear.solvers.dynamic.run import solve_dynamic
@@ -60,13 +57,6 @@ def test_energy_account(scene, changes):
     change = moved(motion, 20 * motion.turn)
     assert change["cage heat"] > 1e-4 * change["heat"]  # the cage did touch something
     assert abs(change["missing"]) < 1e-4 * change["all heat"], change
-
-
-def test_tighter_steps_close_the_account(scene):
-    """A tenth of the tolerance, a tenth of the largest account above."""
-    motion = started(scene("gyro_s1", ROTATING))
-    change = moved(motion, 20 * motion.turn, 1e-4)
-    assert abs(change["missing"]) < 1e-5 * change["all heat"]
 
 
 @pytest.mark.parametrize("method", [ROSENBROCK, RUNGE_KUTTA])
@@ -213,25 +203,6 @@ def test_pockets_pull_and_push_balls(scene):
     assert balls_now - balls == pytest.approx(-(own_now - own), rel=2e-2)
 
 
-def test_land_stiffness_does_not_matter(scene):
-    """Half the stiffness of a land that the cage rides on: wear rates of the rest within 1 %.
-
-    What wears off balls in pockets hangs on the cage's path, which is chaotic before it rides.
-    """
-    changes = {"model.simulated_turns": 60, "model.evaluated_turns": 20} | ROTATING
-    changes |= {"friction.ball_race": 0.02, "friction.cage": 0.02}
-    changes |= {"cage.guide_clearance_mm": 0.155, "model.settled_drift": 1e-9}
-    found = []
-    for factor in (1.0, 0.5):
-        values, _ = solve_dynamic(
-            scene("gyro_s1", changes | {"model.land_stiffness_factor": factor})
-        )
-        assert values["status"] == OK and values["cage_land_wear_rate"] > 0.0
-        found.append(values)
-    for name in ("ball_wear_rate", "race_wear_rate", "ball_diameter_loss_rate", "total_qv"):
-        assert_allclose(found[1][name].sum(), found[0][name].sum(), rtol=1e-2, err_msg=name)
-
-
 def test_wear_of_an_impact_does_not_depend_on_stiffness(scene):
     """A cage thrown against its land rubs off the same with half the stiffness, to 1 %.
 
@@ -251,10 +222,9 @@ def test_wear_of_an_impact_does_not_depend_on_stiffness(scene):
     assert worn[1] == pytest.approx(worn[0], rel=1e-2) and worn[0] > 0.0
 
 
-@pytest.mark.parametrize("integrator", ["rosenbrock", "runge_kutta"])
-def test_two_runs_are_one(scene, integrator):
+def test_two_runs_are_one(scene):
     """Stopped and taken up again: the same bits, histories and averages as in one go."""
-    turns = {"model.evaluated_turns": 1, "model.integrator": integrator} | ROTATING
+    turns = {"model.evaluated_turns": 1} | ROTATING
     # A drift that never settles: the whole length is run.
     turns |= {"cage.restitution": 0.9}
 
@@ -293,18 +263,6 @@ def test_averages_are_those_of_the_steady_state(scene):
         assert_allclose(of_all, expected, rtol=2e-6, atol=floor, err_msg=name)
 
 
-def test_unequal_balls_share_the_load(scene):
-    """The worn ball carries less, and its race contacts rub less."""
-    loss = [0.0] * 9
-    loss[3] = 0.3
-    values, _ = solve_dynamic(scene("gyro_s1", {"wear.ball_diameter_loss_um": loss}))
-    assert values["status"] == OK
-    load = values["contact_load"][:, 0]
-    others = np.delete(load, 3)
-    assert load[3] < 0.8 * others.min() and np.ptp(others) < 0.3 * others.mean()
-    assert values["residual_preload"] == pytest.approx(7.0, rel=1e-9)
-
-
 def test_angular_velocity_of_a_tilted_top(scene):
     """Momentum to angular velocity by the inertia tensor in inertial axes."""
     motion = started(scene("gyro_s1", {}))
@@ -314,31 +272,3 @@ def test_angular_velocity_of_a_tilted_top(scene):
     inertia = R @ np.diag([cage.I_x, cage.I_t, cage.I_t]) @ R.T
     z[9:12] = inertia @ [1.0, 2.0, 3.0]
     assert_allclose(angular_velocity(cage, z, R), [1.0, 2.0, 3.0], rtol=1e-12)
-
-
-def test_derivative_of_a_pocket_force(scene):
-    """Against differences, as the ball moves axially and radially in its pocket."""
-    motion = started(scene("gyro_s1", ROTATING | {"friction.cage": 0.4, "cage.restitution": 1.0}))
-    buf, bearing = motion.buffers, motion.bearing
-    balls = buf.balls
-    for _ in range(400):
-        assert motion.advance(motion.turn / 200, 1e-2).status == OK
-        touching = [j for j in range(len(bearing.D)) if buf.cage.normal[j] > 1e-3]
-        if touching:
-            break
-    j = touching[0]
-    motion.update()
-    cage_contacts(motion.y, bearing, balls, buf.cage)
-    linearise_cage_forces(bearing, balls, buf.cage)
-    lines = balls.cage_linear[j, K_11:].reshape(2, 2).copy()
-    step = 1e-5 * buf.cage.approach[j]
-    differences = np.empty((2, 2))
-    for k in range(2):
-        force = []
-        for sign in (1.0, -1.0):
-            balls.X[j, k] += sign * step
-            cage_contacts(motion.y, bearing, balls, buf.cage)
-            force.append(buf.cage.ball_force[j, [0, 2]].copy())
-            balls.X[j, k] -= sign * step
-        differences[:, k] = -(force[0] - force[1]) / (2.0 * step)
-    assert_allclose(lines, differences, rtol=1e-3, atol=1e-4 * np.abs(differences).max())

@@ -145,21 +145,3 @@ def test_a_drift_to_the_land_is_not_settled(scene):
     values, attrs = solve_dynamic(scene("gyro_s1", changes))
     assert values["status"] == OK and values["simulated_turns"] == 60
     assert "drifts towards its land" in attrs["settled"] and values["cage_land_wear_rate"] == 0.0
-
-
-def test_weight_changes_the_motion(scene):
-    """From the usual start: for a while a cage hangs on its balls, with a tenth of the wear.
-
-    Later it may whirl all the same (studies/cage).
-    """
-    turns = {"model.simulated_turns": 15, "model.evaluated_turns": 5, "friction.cage": 0.03}
-    turns |= {"model.settled_drift": 1e-9}
-    wear = []
-    for z in (0.0, -9.81):
-        values, _ = solve_dynamic(
-            scene("gyro_s1", turns | {"operation.gravity_m_s2": [0.0, 0.0, z]})
-        )
-        wear.append(values["cage_wear_rate"])
-        centre = values["history_cage_position"][-100:, 1:].mean(axis=0)
-    assert wear[1] < 0.2 * wear[0]
-    assert centre[1] < -1e-5

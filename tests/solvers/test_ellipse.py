@@ -11,8 +11,6 @@ from bearingwear.kernels.contact.summary import ANGLE, QV
 from bearingwear.lives.life import life
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
-from bearingwear.solvers.effects.choice import choice
-from bearingwear.solvers.effects.motion import spin_across_share
 from bearingwear.solvers.solve import solve
 
 HERTZ = {
@@ -77,16 +75,6 @@ def test_slip_on_the_line_is_the_model_of_the_paper(scene):
     assert_allclose(same["qv"], paper["qv"], rtol=0)
 
 
-def test_a_bearing_that_turns_the_other_way(scene):
-    """All speeds change sign along the axis, QV does not."""
-    problem = ThrustProblem.of(scene("gyro_s1", HERTZ))
-    turned = replace(problem, op=problem.op._replace(omega_i=-problem.op.omega_i))
-    here, there = problem.solve(problem.g.D0), turned.solve(problem.g.D0)
-    assert here.status == there.status == code.OK
-    assert_allclose(there.contacts[:, QV], here.contacts[:, QV], rtol=1e-7)
-    assert_allclose(there.u, here.u * [-1.0, 1.0, -1.0, -1.0], rtol=1e-6, atol=1e-4)
-
-
 def test_slow_torque_goes_with_the_power_four_thirds(scene):
     """Sliding torque of the SKF friction model, G_sl ~ F_a^(4/3), over loads as 16 to 1."""
     ratio = []
@@ -100,14 +88,6 @@ def test_slow_torque_goes_with_the_power_four_thirds(scene):
         assert values["status"] == code.OK
         ratio.append(values["shaft_torque"] / load ** (4 / 3))
     assert_allclose(ratio, ratio[1], rtol=2e-2)
-
-
-def test_reasons_name_the_size_of_what_is_taken_in(scene):
-    """E - 1 of the outer contact: 0.115 by the exact integrals at gyro_s1."""
-    assert_allclose(spin_across_share(scene("gyro_s1")), 0.11, rtol=0.1)
-    told = "\n".join(choice(scene("gyro_s1", HERTZ)).reasons)
-    assert "over the whole ellipse" in told and "11 %" in told
-    assert "on the centre line" in "\n".join(choice(scene("gyro_s1")).reasons)
 
 
 @pytest.mark.parametrize(

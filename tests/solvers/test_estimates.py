@@ -29,11 +29,9 @@ def test_estimates_of_random_steady_scenes():
     assert np.median(ratio) < 10.0
 
 
-@pytest.mark.parametrize(
-    ("trials", "turns"), [(1, 10), pytest.param(3, 25, marks=pytest.mark.long)]
-)
-def test_estimates_in_time(trials, turns):
-    rows = benchmark("estimates").rows_in_time(trials, seed=11, turns=turns)
+@pytest.mark.long  # of one in periodic motion: test_periodic.py
+def test_estimates_in_time():
+    rows = benchmark("estimates").rows_in_time(3, seed=11, turns=25)
     for name in NUMBERS:
         assert covered(rows, name) >= 0.95
 

@@ -7,15 +7,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.friction import Law, law_coefficients
 from bearingwear.kernels.contact.verification import friction_check
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.steady.balance import (
     Seat,
-    friction_balance,
-    full_jacobian,
     motion_equilibrium,
 )
 from bearingwear.lives.ends import with_end
@@ -23,11 +20,9 @@ from bearingwear.lives.life import life
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
-from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import solver_of
-from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.state import State
 
@@ -50,7 +45,6 @@ THIN = FILM | {
 }
 POSITION = {"operation.preload_method": "fixed_position"}
 RUNNING_IN = {f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.02}}
-HOUR = 3600.0
 
 
 def through(result):
@@ -120,28 +114,6 @@ def solved(scene, request):
     return p, motion_equilibrium(p.bearing, u, start), u
 
 
-def test_newtons_derivatives_follow_the_pressure(solved):
-    """Against central differences, the equilibrium and with it mu anew at each step."""
-    p, seat, u = solved
-    assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
-    found, v_r = p.jacobian.copy(), p.bearing.op.v_r
-    slip = 1e-2 * v_r / (0.5 * p.bearing.D)
-    steps = [slip, slip, slip, slip, *(2 * [1e-6 * (seat.state.Q_i + seat.state.Q_o)])]
-    J = np.empty((6, 6))
-    for k, step in enumerate(steps):
-        sides = []
-        for sign in (1.0, -1.0):
-            moved, out = u.copy(), np.empty(6)
-            moved[k] += sign * step
-            state = motion_equilibrium(p.bearing, moved, seat).state
-            assert friction_balance(p, v_r, state, moved, out, False) == code.OK
-            sides.append(out)
-        J[:, k] = (sides[0] - sides[1]) / (2.0 * step)
-    # as exact as with one coefficient; tractions are on a scale of their own
-    assert_allclose(found[:, :4], J[:, :4], atol=2e-4 * np.abs(J[:, :4]).max())
-    assert_allclose(found[:, 4:], J[:, 4:], atol=2e-3 * np.abs(J[:, 4:]).max())
-
-
 @pytest.mark.parametrize("race", ["law_i", "law_o"])
 @pytest.mark.parametrize("name", ["S", "mu"])
 def test_check_says_no_to_another_law(solved, race, name):
@@ -158,21 +130,6 @@ def test_check_says_no_to_another_law(solved, race, name):
     assert left(op) < 1e-9
     other = law._replace(**{name: getattr(law, name) * (1.0 + 1e-2) + 1e-6})
     assert left(op._replace(**{race: other})) > 1e-6
-
-
-def test_random_films_are_solved(scene):
-    """Strong and weak films over three decades: solved, and the check agrees."""
-    random = np.random.default_rng(5)
-    for _ in range(12):
-        changes = FILM | {
-            "friction.film.shear_strength_MPa": 10.0 ** random.uniform(0, 2.5),
-            "friction.film.pressure_coefficient": random.uniform(0.0, 0.1),
-            "operation.preload_N": 10.0 ** random.uniform(0.7, 1.5),
-            "operation.preload_method": str(random.choice(["constant_force", "fixed_position"])),
-        }
-        found = solve(scene("gyro_s1", changes))
-        assert found.status == "ok"
-        assert found.values["friction_residual"] < 1e-9
 
 
 def test_in_time_as_steady(scene):
@@ -257,16 +214,6 @@ def test_criterion_ends_the_life_when_a_track_is_bare(scene):
     assert np.isnan(np.nanmax(through(result))) or np.isnan(through(result)).any()
 
 
-def test_wear_coefficients_scale_all_times(scene):
-    """Twice the wear of all parts and films: half the life, at the same depths."""
-    soft = {
-        "friction.film.wear_coefficient": 2e-6, f"{STEEL}.wear_coefficient": 1e-5,
-    }  # fmt: skip
-    one, two = (life(scene("gyro_s1", THIN | more)).values for more in ({}, soft))
-    for name in ("life", "race_film_worn_through"):
-        assert_allclose(two[name], 0.5 * one[name], rtol=1e-9)
-
-
 def test_film_of_the_balls_covers_both_contacts(scene):
     """No contact is bare before the balls' film is gone; then both are."""
     on_balls = {
@@ -303,22 +250,6 @@ def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(sce
         inner, outer, on_ball = cover
         bare = not on_ball and not inner, not on_ball and not outer
         assert films.bare(cover) == bare
-
-
-def test_race_control_follows_films_too(scene):
-    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7}}
-    v = life(scene("gyro_s1", THIN | end), "race_control").values
-    assert v["status"] == code.OK and np.any(v["race_film_worn_through"] > 0.0)
-    assert v["history_friction_coefficient"][-1].max() == pytest.approx(0.1)
-
-
-def test_a_symmetric_pair_has_the_films_of_the_single_bearing(scene):
-    one = life(scene("gyro_s1", THIN)).values
-    two = life(scene("gyro_s1", THIN | {"arrangement.kind": "spring_pair"})).values
-    assert_allclose(two["life"], one["life"], rtol=1e-12)  # compiled apart, so but for rounding
-    for k in range(2):
-        worn_through = two["race_film_worn_through"][k]
-        assert_allclose(worn_through, one["race_film_worn_through"], rtol=1e-12)
 
 
 # in closed form
@@ -369,13 +300,6 @@ def test_wear_through_in_closed_form(scene):
     assert times[-1] == pytest.approx(t_i + rest, rel=1e-7)
 
 
-def test_running_in_costs_life_and_is_forgotten(scene):
-    plain, running = (life(scene("gyro_s1", HERTZ | more)).values for more in ({}, RUNNING_IN))
-    assert running["life"][1] < 0.95 * plain["life"][1]
-    first, last = (running["history_race_wear_rate"] / running["history_qv"])[[0, -1]]
-    assert_allclose(first / last, 10.0, rtol=1e-2)
-
-
 # what is said
 
 
@@ -386,68 +310,6 @@ def test_warned_where_the_friction_of_a_worn_film_is_kept(scene):
     for changes in (THIN, kept | {"wear.end_of_life.film_worn_share": 0.5}, FILM):
         result = life(scene("gyro_s1", changes))
         assert "film_worn" not in {one["id"] for one in warnings_in(result.attrs)}
-
-
-def test_sheets_show_the_film(capsys, tmp_path):
-    from support import scene_file
-
-    path = str(scene_file("mos2_gyro"))
-    assert main(["check", path]) == 0
-    said = capsys.readouterr().out
-    assert "24.8 MPa over the mean pressure" in said and "0.5 um thick" in said
-    assert main(["solve", path]) == 0
-    assert "friction coefficient" in capsys.readouterr().out
-    settings = ["model.contact=hertz", "friction.film.thickness_um=0.4"]
-    assert main(["life", path, "--set", *settings]) == 0
-    said = capsys.readouterr().out
-    for text in ("friction, inner", "film, outer", "track without film", "worn through after"):
-        assert text in said, text
-    assert "ended by" in said and "share of a track without film 100 %, limit 50 %" in said
-
-
-UNLIKE = {
-    "operation.preload_method": "fixed_position",
-    "arrangement.kind": "rigid_pair",
-    "arrangement.external_axial_N": 1e-9,
-}
-
-
-@pytest.mark.parametrize("contact", ["hertz", "worn"])
-def test_an_unlike_pair_has_films_too(scene, contact):
-    """Two bearings that are all but alike live as a symmetric pair; then the loads part them."""
-    thin = THIN | {"model.contact": contact, "friction.film.bare_ball_race": None}
-    alike = life(scene("gyro_s1", thin | UNLIKE | {"arrangement.external_axial_N": 0.0})).values
-    nearly = life(scene("gyro_s1", thin | UNLIKE)).values
-    assert_allclose(nearly["life"], alike["life"], rtol=1e-5)
-    if contact == "worn":
-        return
-    for k in range(2):
-        through = alike["race_film_worn_through"][k]
-        # a film that is all but gone ends between two states, on a straight line
-        assert_allclose(nearly["race_film_worn_through"][k], through, rtol=1e-4)
-    pushed = life(scene("gyro_s1", thin | UNLIKE | {"arrangement.external_axial_N": 1.0})).values
-    loaded, relieved = pushed["race_film_worn_through"][:, 1]  # outer races, which wear first
-    assert pushed["status"] == code.OK and loaded < relieved
-
-
-def test_an_unlike_warm_pair_has_films_too(scene):
-    G = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
-    warm = {
-        "thermal": {"conductance_W_K": G, "shaft_C": 20.0, "housing_C": 20.0},
-        "materials.bearing_steel.thermal_expansion_1_K": 11.5e-6,
-    }
-    changes = THIN | HERTZ | UNLIKE | warm
-    alike = life(scene("gyro_s1", changes | {"arrangement.external_axial_N": 0.0})).values
-    nearly = life(scene("gyro_s1", changes)).values
-    assert alike["status"] == code.OK
-    assert_allclose(nearly["life"], alike["life"], rtol=1e-5)
-
-
-def test_reasons_name_the_film(scene):
-    reasons = " ".join(choice(scene("gyro_s1", THIN | RUNNING_IN)).reasons)
-    for text in ("friction: of a film", "film of the races", "running-in of the balls"):
-        assert text in reasons
-    assert "film" not in " ".join(choice(scene("gyro_s1", HERTZ)).reasons)
 
 
 def test_wear_of_a_film_by_pressure(scene):
@@ -491,11 +353,3 @@ def test_wear_by_pressure_in_a_dynamic_case(scene):
         # pressures of the means by their axes, of the history by their loads
         assert_allclose(history, dynamic.values[name], rtol=0.02)
     assert "wear of films: proportional to (p/1 GPa)^3.6" in dynamic.attrs["modelled"]
-
-
-@pytest.mark.parametrize("name", ["pressure_exponent", "reference_pressure_GPa"])
-def test_wear_by_pressure_needs_both(scene, name):
-    changes = {"friction.ball_race": None, "uncertainty": None}
-    changes |= {"friction.film.shear_strength_MPa": 24.8, f"friction.film.{name}": 2.0}
-    with pytest.raises(SceneError, match=f"got nothing with {name}, expected both"):
-        scene("gyro_s1", changes)

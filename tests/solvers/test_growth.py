@@ -1,13 +1,11 @@
 """Heat, speed and fits against published forms, closed forms and limits."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.contact.summary import ANGLE, LOAD
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad
 from bearingwear.lives.life import life
@@ -20,7 +18,6 @@ from bearingwear.solvers.bearing.growth import (
     thermal_expansion,
 )
 from bearingwear.solvers.bearing.mounted import mounted_geometry
-from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.effects.growth import change_at_speed, change_by_warm_ring
 from bearingwear.solvers.solve import solve
@@ -69,11 +66,6 @@ def test_a_program_written_apart(scene, changes, preload, static, angles, qv):
     assert said(found["total_qv"] / mounted["total_qv"], qv)
     for value, text in zip(np.degrees(found["contact_angle"][0]), angles or (), strict=False):
         assert said(value, text)
-
-
-def test_the_turning_ring_of_that_program(scene):
-    growth = growth_of(scene("gyro_s1", {"bearing.bore_mm": 4.0})).inner
-    assert abs(growth.speed - 4.870e-9) < 5e-13
 
 
 def ring(inside=2e-3, outside=3e-3, omega=1e4) -> Ring:
@@ -196,15 +188,6 @@ def test_equal_warming_changes_nothing_but_scale(scene, method):
     assert_allclose(warm["semi_major_axis"], lengths * cold["semi_major_axis"], rtol=1e-10)
 
 
-def test_a_groove_radius_that_stays_would_be_wrong(scene):
-    """13.5 N where 11.5 N is right, of a ring that is 10 K warmer (gyro_s1, running)."""
-    warm = scene("gyro_s1", PAPER | {"temperature.inner_ring_C": 30})
-    problem = ThrustProblem.of(warm)
-    rigid = replace(problem, g=problem.g._replace(r_i=mounted_geometry(warm).r_i))
-    contact = rigid.solve(rigid.g.D0).contacts[0]
-    assert abs(9.0 * contact[LOAD] * math.sin(contact[ANGLE]) - 13.5) < 0.05
-
-
 def test_mass_of_the_balls_is_kept(scene):
     g, cold = (
         parameters.geometry(scene("gyro_s1", changes))
@@ -275,35 +258,3 @@ def test_every_model_sees_it(scene):
     approach = np.hypot(*lines.T) - (system.bearing.g.r_i - 0.5 * system.bearing.D)
     sines = lines[:, 0] / np.hypot(*lines.T)
     assert_allclose((balls.factors[:, 0, 0] * approach**1.5 * sines).sum(), steady, rtol=1e-6)
-
-
-def test_what_a_file_says(scene):
-    changes = WARM | SEATED | {"fits.shaft_interference_um": 1.0, "temperature.shaft_C": 28.0}
-    result = solve(scene("gyro_s1", changes))
-    found = result.values
-    assert_allclose(found["part_temperature"], [30.0, 25.0, 20.0, 28.0, np.nan])
-    assert_allclose(found["thermal_growth"], [1.15e-4, 5.75e-5, 0.0, 9.2e-5, 0.0], atol=1e-18)
-    assert found["growth_at_speed"][0] > 0.0 and found["fit_pressure"][0] > 0.0
-    plain = solve(scene("gyro_s1")).values
-    assert not {"part_temperature", "growth_at_speed", "fit_pressure"} & plain.keys()
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        (
-            {},
-            ("neglected, because bearing.bore_mm", "temperature: neglected; a second-order effect"),
-        ),
-        (HELD, ("+0.89 %", "per K")),
-        (HELD | {"bearing.bore_mm": 4.0}, ("included; about +0.89 %", "per K")),
-        (WARM, ("+0.89 %", "temperature: given; about +88 %")),
-        (HELD | SEATED | {"fits.shaft_interference_um": 1.0}, ("fits: included; about +7",)),
-    ],
-)
-def test_what_is_modelled_is_said(scene, changes, said):
-    from bearingwear.solvers.effects.choice import choice
-
-    told = "\n".join(choice(scene("gyro_s1", changes)).reasons)
-    for text in said:
-        assert text in told

@@ -187,26 +187,6 @@ def test_what_limits_look_at(pair):
     assert lost["launch_gap"] == 1.0 and lost["opening_acceleration"] < 3.0 * GRAVITY
 
 
-def test_the_sheet_says_it(pair, tmp_path, capsys):
-    bearingwear.save(pair, tmp_path / "pair.yaml")
-    words = ["launch", str(tmp_path / "pair.yaml"), "--axial", "100", "--radial", "20"]
-    assert main(words) == 0
-    said = capsys.readouterr().out
-    assert "gaps: bearing 2 opens by 32 um, along +X" in said
-    assert "does not dent: peak pressure is 44.3 % of 4.2 GPa" in said
-    assert main([*words, "--json"]) == 0
-    rows = {
-        (one["block"], one["name"]): one
-        for one in json.loads(capsys.readouterr().out)["quantities"]
-    }
-    assert rows["bearing 2", "gap"]["values"]["along +X"] == pytest.approx(31.981303)
-    opening = rows["to the limits, along the axis alone", "opening_g"]
-    assert opening["value"] == pytest.approx(228.9157064 / 3.0 / GRAVITY, rel=1e-7)
-    spring = [f"{key}={value}" for key, value in SPRING.items()]
-    assert main([*words, "--set", *spring]) == 0
-    assert "along -X: the rotor is not supported" in capsys.readouterr().out
-
-
 def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):
     for key in ("rotor_mass_kg", "span_mm"):
         without = pair.with_({f"arrangement.{key}": None, "launch.radial_g": 10.0})

@@ -80,16 +80,6 @@ def test_pressure_goes_by_the_cube_root():
     assert_array_equal(loads.unloaded, [[0.0, 2.0]])
 
 
-def test_names_say_what_a_number_is(solved):
-    d = dataset(solved)
-    assert d["maximum_pressure"].attrs["cell_methods"] == "time: maximum"
-    assert d["minimum_contact_load"].attrs["cell_methods"] == "time: minimum"
-    for name in RANGE:
-        assert " of all instants of the evaluated turns" in d[name].attrs["long_name"]
-    assert d["contact_load"].attrs["long_name"].endswith("contact, mean over the evaluated turns")
-    assert "evaluated" not in d["history_contact_load"].attrs["long_name"]
-
-
 def test_show_and_tables_take_the_extreme_of_all_balls(solved, tmp_path, capsys):
     write_result(solved, tmp_path / "case.nc")
     assert main(["show", str(tmp_path / "case.nc")]) == 0

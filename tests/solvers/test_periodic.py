@@ -72,25 +72,6 @@ def test_the_estimate_covers_what_tight_steps_change(found, name, load):
     assert 1e-9 < error <= rough["qv_error_estimate"]
 
 
-def test_what_was_done_is_told(found):
-    result = found(RADIAL)
-    assert result.attrs["start"].startswith("a periodic motion")
-    assert result.attrs["settled"].startswith("periodic: after 0.59")
-    assert any(text.startswith("motion: periodic, found directly") for text in told(result))
-    asked = {"model.history_points_per_turn": 20, "model.simulated_turns": 1}
-    marched = found(RADIAL | asked)
-    assert any("history_points_per_turn" in text for text in told(marched))
-    assert marched.values["simulated_turns"] == 1.0
-    with_history = found(RADIAL | {"model.dynamic_solution": "periodic"} | asked).values
-    times = np.diff(with_history["time"])
-    assert_allclose(times, times[0], rtol=1e-9)
-    assert_allclose(len(times) * times[0], 9 * 0.5928e-3, rtol=0.02)
-
-
-def told(result):
-    return json.loads(result.attrs["modelled"])
-
-
 @pytest.mark.parametrize(
     "changes, why",
     [

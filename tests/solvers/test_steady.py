@@ -84,12 +84,6 @@ def test_benchmark(scene, mu, quadrature, points, rtol, qv_rtol):
         assert_allclose(gyro, ref["gyro"], rtol=1e-3)  # four digits given
 
 
-@pytest.mark.parametrize("mu", REFERENCE)
-def test_fifty_strips_give_total_qv(scene, mu):
-    v = solved(scene, mu, "strips", 50)
-    assert_allclose(v["qv"].sum(), sum(REFERENCE[mu]["qv"]), rtol=5e-3)
-
-
 GRID = [
     (method, mu, loss, drag)
     for method in ("constant_force", "fixed_position")
@@ -111,20 +105,17 @@ def test_balances_close(values, method, mu, loss, drag):
     assert_allclose(v["shaft_torque"] * omega, heat + v["drag_power"], rtol=1e-9)
 
 
-@pytest.mark.parametrize("mu", [0.02, 0.08])
-def test_balls_settle_from_anywhere(scene, mu):
+def test_balls_settle_from_anywhere(scene):
     """Starts far apart end in the state that was followed down from viscous friction."""
     search = benchmark("search")
-    for method in ("constant_force", "fixed_position"):
-        problem = ThrustProblem.of(
-            scene("gyro_s1", {"operation.preload_method": method, "friction.ball_race": mu})
-        )
-        for loss in (0.0, 0.5e-6):
-            D = problem.g.D0 - loss
-            case = problem.solve(D)
-            assert case.status == code.OK
-            assert search.settled_from_starts(problem, D, case, 8) == []
-            assert problem.other_states(D, case, True, 8) == []
+    for method, loss in (("constant_force", 0.0), ("fixed_position", 0.5e-6)):
+        changes = {"operation.preload_method": method, "friction.ball_race": 0.02}
+        problem = ThrustProblem.of(scene("gyro_s1", changes))
+        D = problem.g.D0 - loss
+        case = problem.solve(D)
+        assert case.status == code.OK
+        assert search.settled_from_starts(problem, D, case, 4) == []
+        assert problem.other_states(D, case, True, 8) == []
 
 
 def test_time_scales_agree_with_integration(scene):
@@ -213,12 +204,6 @@ def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, 
     assert np.all(rates[1] < 0.0)
     assert_allclose(*rates, rtol=1e-3)
     assert few.stable(D, case) and solve(given).values["stable"] == 1
-
-
-def test_undetermined_without_friction(scene):
-    result = solve(scene("gyro_s1", {"friction.ball_race": 0.0}))
-    assert result.status == "undetermined"
-    assert "qv" not in result.values
 
 
 def test_standstill(scene):

@@ -160,18 +160,6 @@ def test_pair_is_the_slope_of_its_shift(scene, changes):
     assert_allclose(2.0 * h / (shifts[1] - shifts[0]), stiffness, rtol=2.0 * ALONG)
 
 
-def test_symmetric_pair(scene):
-    """Twice one bearing where it is rigid, as the pair solved as two."""
-    one, two = (
-        solve(scene("gyro_s1_hertz", RIGID | {"arrangement.external_axial_N": F})).values
-        for F in (0.0, 1e-9)
-    )
-    for name in SYSTEM:
-        assert_allclose(one[name], two[name], rtol=1e-6)
-    twice = 2.0 * one["quasistatic_axial_stiffness"][0]
-    assert_allclose(one["system_quasistatic_axial_stiffness"], twice, rtol=1e-12)
-
-
 # Race control: its forces follow the place at once
 
 

@@ -12,9 +12,7 @@ from numpy.testing import assert_allclose
 from support import ROOT, scene_file
 
 import bearingwear
-from bearingwear.cli import main
 from bearingwear.lives.life import life
-from bearingwear.results.netcdf import load
 from bearingwear.results.warnings import (
     gathered_warnings,
     impractical_warnings,
@@ -171,17 +169,6 @@ def test_lives(spindle, changes, fidelity, expected):
     assert ids(life(variant(spindle, changes), fidelity)) == expected
 
 
-def test_a_speed_is_assumed_until_another_is_given(tmp_path):
-    path = tmp_path / "mine.yaml"
-    assert main(["new", str(path), "7008C"]) == 0
-    for speed, expected in (
-        ({}, {"speed_assumed"}),
-        ({"operation.shaft_speed_rpm": 12_000}, set()),
-    ):
-        scene = variant(path, speed)
-        assert {one["id"] for one in warnings_of(scene, choice(scene))} == expected
-
-
 def test_contacts_without_load(spindle):
     """Nothing is divided by what is not there, and what is said can be written as JSON."""
     scene = variant(spindle, {"wear.ball_diameter_loss_um": 3.0, "bearing.bore_mm": 40})
@@ -205,38 +192,6 @@ def test_sane_scenes(spindle, shoulders):
         assert result.status == "ok" and ids(result) == set()
 
 
-def is_beyond_its_end(scene, values):
-    end, kept = scene.wear.end_of_life, values["residual_preload"] / scene.operation.preload_N
-    return bool(
-        kept < end.preload_fraction
-        or np.max(values["gyroscopic_slip_share"]) > end.gyroscopic_slip_share
-        or abs(values["skid_ratio"]) > end.skid_ratio
-    )
-
-
-def test_the_study_warns_of_its_worn_grooves_and_cold_fixed_positions_alone():
-    """And of points of the grid that are beyond what ends the life of their scene."""
-    studies = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())["studies"]
-    for study in studies:
-        for name in study["scenes"]:
-            for method in study["preload_method"]:
-                for mu in (study["friction"][0], study["friction"][-1]):
-                    for loss in (0.0, 0.1, 0.7):
-                        changes = {
-                            "operation.preload_method": method,
-                            "friction.ball_race": mu,
-                            "wear.ball_diameter_loss_um": loss,
-                        }
-                        scene = variant(scene_file(name), changes)
-                        result = solve(scene)
-                        expected = {"groove_worn"} if loss else set()
-                        if method == "fixed_position":
-                            expected |= {"temperature_left_out"}
-                        if is_beyond_its_end(scene, result.values):
-                            expected |= {"limit_passed"}
-                        assert ids(result) == expected, (name, changes)
-
-
 def test_what_nobody_would_build(spindle):
     for changes, expected in (
         ({"operation.preload_N": 10}, ["inner_load_lost"]),
@@ -255,13 +210,6 @@ def test_a_cage_of_phenolic_bears_no_heat(scene):
         told = {one["id"]: one["sentence"] for one in warnings_of(found, choice(found))}
         assert ("temperature_beyond_practice" in told) == expected
         assert not expected or "cage of phenolic" in told["temperature_beyond_practice"]
-
-
-def test_pressure_of_tilted_rings_is_no_matter_of_speed(spindle):
-    tilted = solve(variant(spindle, ABSURD["tilted by a degree"][0]))
-    told = {one["id"]: one for one in warnings_in(tilted.attrs)}
-    assert told["pressure_above_practice"]["advice"].endswith("use less tilt")
-    assert next(iter(told)) == "tilt_beyond_practice"
 
 
 def test_nothing_skids_at_rest(spindle):
@@ -294,16 +242,6 @@ def test_a_cage_without_weight():
         assert {one["id"] for one in warnings_of(scene, chosen)} == expected
         told = [reason for reason in chosen.reasons if "weightless" in reason]
         assert len(told) == len(expected)
-
-
-def test_a_choice_composes_no_sentence(monkeypatch):
-    """Sentences are made when somebody reads them."""
-    read = []
-    effect = replace(EFFECTS[0], modelled=lambda chosen: read.append(chosen) or ["read"])
-    monkeypatch.setattr("bearingwear.solvers.effects.table.EFFECTS", (effect,))
-    chosen = choice(variant(scene_file("gyro_s1"), {}))
-    assert not read
-    assert chosen.reasons == ("read",) and read == [chosen]
 
 
 def test_every_caution_is_tested_and_documented():
@@ -357,30 +295,7 @@ def test_rings_that_do_not_fit(spindle, key, value, allowed):
         variant(spindle, {f"bearing.{key}": value})
 
 
-def test_keys_that_are_left_out_stay_away(spindle):
-    plain = variant(spindle, {}).to_dict()
-    assert "bore_mm" not in plain["bearing"] and "yield_pressure_GPa" not in json.dumps(plain)
-
-
 # where they are told
-
-
-def test_a_life_of_nothing_says_why(spindle, tmp_path, capsys):
-    """Once it was 0 h, "ok: solved and verified", and nothing else."""
-    steep = [f"--set={key}={value}" for key, value in STEEP.items()]
-    assert main(["life", str(spindle), "-o", str(tmp_path / "life.nc"), *steep]) == 0
-    told = " ".join(capsys.readouterr().out.split())
-    assert re.search(
-        r"warning: over the limit when new: gyroscopic slip share 6\d\.\d % above 50 %; "
-        "lower speed, more preload or ceramic balls",
-        told,
-    )
-    made = load(tmp_path / "life.nc")
-    assert re.fullmatch(r"gyroscopic slip share 6\d.\d %, limit 50 %", made.attrs["ended_by"])
-    assert warning_lines(made.attrs)[0] in told
-    assert main(["show", str(tmp_path / "life.nc")]) == 0
-    shown = capsys.readouterr().out
-    assert told in " ".join(shown.split()) and made.attrs["ended_by"] in shown
 
 
 def test_a_breath_of_radial_load_does_not_change_how_a_life_ends(spindle):
@@ -391,15 +306,6 @@ def test_a_breath_of_radial_load_does_not_change_how_a_life_ends(spindle):
     assert loaded.attrs["fidelity"] == "dynamic" and thrust.attrs["fidelity"] == "steady"
     assert loaded.values["life"][1] == thrust.values["life"][1] == 0.0
     assert ids(loaded) == ids(thrust) and "over_limit_when_new" in ids(loaded)
-
-
-def test_a_life_that_begins_at_its_limit_says_so(spindle):
-    worn = {"wear.ball_diameter_loss_um": 0.3, "wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
-    lived = life(variant(spindle, worn))
-    assert lived.values["life"].tolist() == [0.0, 0.0]
-    told = warnings_in(lived.attrs)[0]
-    assert told["id"] == "over_limit_when_new" and told["excess"] == 1.0
-    assert told["sentence"] == ("over the limit from the start: interference loss 0.3 um at 0.3 um")
 
 
 def test_friction_that_is_rounded_away(scene):
@@ -419,29 +325,6 @@ def test_friction_that_is_rounded_away(scene):
     assert result.values["shaft_torque"] < 0.5 * right
     assert "shaft_torque_error_estimate" not in result.values  # no half of it says how much
     assert finer.values["shaft_torque_error_estimate"] < 0.01
-
-
-def test_a_criterion_that_is_met_later_is_no_warning(spindle):
-    lived = life(variant(spindle, {"wear.end_of_life.ball_diameter_loss_um": 0.01}))
-    assert lived.attrs["ended_by"] == "interference loss 0.01 um, limit 0.01 um"
-
-
-def test_exit_status_stays(spindle, tmp_path, capsys):
-    argv = ["solve", str(spindle), "-o", str(tmp_path / "case.nc")]
-    assert main([*argv, "--set", "operation.preload_N=20000"]) == 0
-    assert "\nwarning: " in capsys.readouterr().out
-    assert main(argv) == 0
-    said = capsys.readouterr()
-    assert "warning: " not in said.out and said.err == ""
-    assert load(tmp_path / "case.nc").attrs["warnings"] == "[]"
-
-
-def test_check_tells_what_the_scene_alone_shows(spindle, capsys):
-    argv = ["check", str(spindle), "--set", "operation.preload_N=0.14"]
-    assert main([*argv, "--fidelity", "race_control"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    unwatched, small = (line for line in lines if line.startswith("  warning: "))
-    assert "end of life" in unwatched and "preload of 0.14 N" in small
 
 
 def test_python_warns(spindle):

@@ -24,17 +24,18 @@ def wait(condition):
         time.sleep(0.02)
 
 
-@pytest.fixture
-def server(monkeypatch):
-    monkeypatch.setenv(fork_server._ADDRESS, "")
-    server = fork_server.started(["bearingwear.studies.grid.solve"])
-    if server is None:
-        pytest.skip("no server on this system")
-    wait(lambda: os.path.exists(os.environ[fork_server._ADDRESS]))
-    yield server
-    server.communicate()
-    assert server.returncode == 0
-    assert not os.path.exists(os.path.dirname(os.environ[fork_server._ADDRESS]))
+@pytest.fixture(scope="module")
+def server():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(fork_server._ADDRESS, "")
+        server = fork_server.started(["bearingwear.studies.grid.solve"])
+        if server is None:
+            pytest.skip("no server on this system")
+        wait(lambda: os.path.exists(os.environ[fork_server._ADDRESS]))
+        yield server
+        server.communicate()
+        assert server.returncode == 0
+        assert not os.path.exists(os.path.dirname(os.environ[fork_server._ADDRESS]))
 
 
 def run(*arguments, folder):

@@ -1,11 +1,9 @@
 """`bearingwear.sweep`: values of a scene side by side."""
 
-import contextlib
 import json
 import subprocess
 import sys
 import time
-import types
 
 import numpy as np
 import pytest
@@ -124,15 +122,6 @@ def test_names_of_the_dimensions():
     ]
 
 
-def test_loads_stand_as_text(coarse):
-    loads = [[0.0, 0.0], [0.0, 1.0]]
-    changes = {"operation.radial_load_N": loads}
-    made = bearingwear.sweep(coarse, changes, fidelity="race_control", workers=1)
-    # a loaded bearing has nine unlike balls, a free one a single one that stands for all
-    assert made.sizes["ball"] == 9
-    assert np.isfinite(made.contact_load.sel(radial_load_N="[0.0, 1.0]")).all()
-
-
 def parts(*lengths):
     return [xr.Dataset({"a": ("point", np.zeros(length))}) for length in lengths]
 
@@ -148,26 +137,6 @@ def test_progress(monkeypatch, capsys):
 
     assert len(list(module._told_in_lines(every_3_seconds(), 5))) == 3
     assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
-
-
-def test_progress_with_tqdm(monkeypatch):
-    """Only where that is installed; this stands in for it."""
-    asked, told = [], []
-
-    class Bar(contextlib.nullcontext):
-        def __init__(self, **how):
-            super().__init__()
-            asked.append(how)
-
-        def update(self, count):
-            told.append(count)
-
-    monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
-    monkeypatch.setitem(sys.modules, "tqdm.auto", types.SimpleNamespace(tqdm=Bar))
-    assert len(list(module._told(iter(parts(1, 2)), 3, True))) == 2
-    assert asked == [{"total": 3, "desc": "sweep", "delay": module.LINE_EVERY}]
-    assert told == [1, 2]
-    assert len(list(module._told(iter(parts(1, 2)), 3, False))) == 2 and len(asked) == 1
 
 
 def test_an_interrupt_waits_for_no_process(monkeypatch):

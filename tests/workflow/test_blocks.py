@@ -45,7 +45,7 @@ SHOWN = {
     r"bearingwear study (results/\S+\.nc|-n)$": (
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
     ),
-    r"snakemake --unlock": "tests/workflow/test_study.py::test_a_killed_run_goes_on",
+    r"snakemake --unlock": "tests/workflow/test_faults.py::test_everything_is_killed",
     r"snakemake --report": "tests/workflow/test_study.py::test_the_report_of_the_jobs",
     r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",

@@ -99,19 +99,30 @@ def test_a_dry_run_makes_no_folder(study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]
 
 
-def test_an_interrupt_and_a_closed_pipe_take_no_lines_of_snakemake(tmp_path):
+STUDY = [sys.executable, "-m", "bearingwear", "study", "mine.yaml"]
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """How to start a study of one's own from a folder."""
     shutil.copy(scene_file("gyro_s1"), tmp_path / "mine.yaml")
-    command = [sys.executable, "-m", "bearingwear", "study", "mine.yaml"]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    run = subprocess.Popen(command, cwd=tmp_path, env=environment, **pipes)
+    return {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(ROOT)}, **pipes}
+
+
+def test_an_interrupt_takes_no_lines_of_snakemake(elsewhere):
+    run = subprocess.Popen(STUDY, **elsewhere)
     assert run.stderr.readline()
     run.send_signal(signal.SIGINT)
     _, said = run.communicate(timeout=60)
     assert run.returncode == 130 and said.endswith("interrupted\n")
     assert "Terminating" not in said and "Traceback" not in said
-    text = f"{shlex.join(command)} -n | head -1"
-    done = subprocess.run(["sh", "-c", text], cwd=tmp_path, env=environment, timeout=60, **pipes)
+
+
+@pytest.mark.long  # of other commands: tests/test_cli.py
+def test_a_closed_pipe_takes_no_lines_of_snakemake(elsewhere):
+    text = f"{shlex.join(STUDY)} -n | head -1"
+    done = subprocess.run(["sh", "-c", text], timeout=60, **elsewhere)
     assert done.stdout.count("\n") == 1 and "Traceback" not in done.stderr
 
 

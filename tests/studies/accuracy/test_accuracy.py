@@ -5,7 +5,6 @@ What gathers and draws a whole study takes 40 s of a core: `make test-long`.
 
 import json
 import math
-import re
 
 import numpy as np
 import pytest
@@ -18,24 +17,19 @@ from bearingwear.cli import main
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Rough
-from bearingwear.scene.accuracy import NAMED_PRESETS
-from bearingwear.scene.checking.check import read_record, record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, table_cells
 from workflow.studies.accuracy.docs import DOCS_PARTS, differences
-from workflow.studies.accuracy.effects import effect_rows
-from workflow.studies.accuracy.figures import FRONT, integration_figure, steady_figure
 from workflow.studies.accuracy.gather import gathered_sweeps
-from workflow.studies.accuracy.groove_tables import what_auto_saves
 from workflow.studies.accuracy.plan import (
     ACCURACY_FILE,
     FIGURE_NAMES,
     PRESET_KEYS,
     AccuracyPlan,
 )
-from workflow.studies.accuracy.study import study_of_accuracy
-from workflow.studies.accuracy.tables import SECTIONS, section, section_tables
+from workflow.studies.accuracy.tables import SECTIONS, section
 
 PLAN_FILE = ROOT / ACCURACY_FILE
 NOT_CONVERGED = 1
@@ -49,16 +43,6 @@ def step(run, *inputs, outputs, **settings):
 @pytest.fixture(scope="module")
 def plan():
     return read_record(AccuracyPlan, PLAN_FILE)
-
-
-def test_names_with_hyphens_are_told_apart():
-    """A file is named by its scene and its sweep, with a hyphen between them."""
-    text = PLAN_FILE.read_text(encoding="utf-8").replace("gyro_worn", "gyro_fresh-worn")
-    sweep = study_of_accuracy(record(AccuracyPlan, yaml.safe_load(text))).steps[0]
-    file = "(?P<of_scene>{of_scene})-(?P<sweep>{sweep})".format(**sweep.matches)
-    for scene in ("gyro_fresh", "gyro_fresh-worn"):
-        found = re.fullmatch(file, f"{scene}-long")
-        assert found and found.groupdict() == {"of_scene": scene, "sweep": "long"}
 
 
 def made_up(plan, scene, name, failed=()):
@@ -129,34 +113,12 @@ def trade(files, tmp_path_factory):
 def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
     monkeypatch.chdir(ROOT)
     for scene, sweep in plan.jobs():
-        for point in plan.points(sweep):
+        for point in plan.points(sweep)[:: max(1, len(plan.points(sweep)) - 1)]:
             plan.varied(scene, point)
     assert len(plan.scenes) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
     jobs = plan.jobs()
     assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs
     assert ("turbine", "strips") not in jobs and ("turbine", "hertz") in jobs
-
-
-def test_a_sweep_changes_its_reference_in_one_thing(plan):
-    reference = plan.points("steady")[0]
-    for point in plan.points("regularisation"):
-        assert point.fidelity == "steady"
-        changed = set(point.settings) ^ set(reference.settings)
-        assert all(text.startswith("friction.slip_regularisation_m_s=") for text in changed)
-    strips = plan.points("strips")
-    assert [p.value for p in strips] == [4, 10, 20, 50, 100, 200, 400]
-    assert "model.quadrature=strips" in strips[0].settings
-    assert "model.strips=4" in strips[0].settings
-    assert all(math.isnan(p.value) for p in plan.points("mixed_steady"))
-
-
-def test_presets_are_those_of_the_scenes(plan):
-    settings = [point.settings for point in plan.points("preset_steady")]
-    for name, given in zip(("draft", "standard", "reference"), settings, strict=True):
-        keys = dict(text.split("=") for text in given)
-        assert set(keys) == set(NAMED_PRESETS[name].keys("line"))
-        assert int(keys["model.strips"]) == NAMED_PRESETS[name].strips
-        assert float(keys["model.dynamic_tolerance"]) == NAMED_PRESETS[name].dynamic_tolerance
 
 
 @pytest.mark.parametrize(
@@ -166,11 +128,9 @@ def test_presets_are_those_of_the_scenes(plan):
             {"sweeps": {"a": {"title": "a", "from": "nowhere", "grid": {}}}},
             "got nowhere",
         ),
-        ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "sweeps.a.title: got nothing"),
         ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: got x"),
         ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: got x"),
         ({"effects": [{"sweep": "gauss", "label": "gauss 4", "text": "y"}]}, "against: got steady"),
-        ({"scenes": 3}, "accuracy.yaml: scenes: got 3, expected"),
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
@@ -180,23 +140,6 @@ def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
     with pytest.raises(ValueError) as error:
         read_record(AccuracyPlan, file)
     assert said in str(error.value) and "\n" not in str(error.value)
-
-
-def test_settings_of_a_sweep_change_with_what_decides_it(plan):
-    """An edit of the plan re-runs the sweeps that it touches, and no other."""
-    data = yaml.safe_load(PLAN_FILE.read_text(encoding="utf-8"))
-    data["sweeps"]["strips"]["grid"]["rule"][0] = "strips 5"
-    data["scenes"]["gyro_worn"]["set"]["wear.ball_diameter_loss_um"] = 0.4
-    data["table"] = []
-    edited = record(AccuracyPlan, data)
-    changed = {
-        job
-        for job in plan.jobs()
-        if json.dumps(plan.sweep_settings(*job)) != json.dumps(edited.sweep_settings(*job))
-    }
-    assert changed == {
-        (scene, sweep) for scene, sweep in plan.jobs() if sweep == "strips" or scene == "gyro_worn"
-    }
 
 
 # errors and front
@@ -216,14 +159,6 @@ def test_errors_are_against_the_reference_of_the_scene(trade, plan):
     assert_allclose(gauss["reference_time"], 1e-3)
     assert int(gauss["status"][0]) == NOT_CONVERGED
     assert np.isnan(gauss["error_total_qv"][0]) and np.isnan(gauss["error_contact_qv"][0])
-
-
-@pytest.mark.long
-def test_a_sweep_against_its_own_first_point(trade):
-    found = load(trade)
-    hertz = found.isel(point=found["sweep"].values == "hertz")
-    assert_allclose(hertz["error_total_qv"][::2], 0.0, atol=1e-15)
-    assert_allclose(hertz["error_total_qv"][1::2], 1.01 / 1.1 - 1.0, rtol=1e-12)
 
 
 @pytest.mark.long
@@ -251,37 +186,6 @@ def test_figures(trade, which, tmp_path):
     for output in outputs:
         assert step("figures.figure", f"trade={trade}", outputs=[output], which=which) == 0
     assert outputs[0].read_bytes() == outputs[-1].read_bytes()
-
-
-@pytest.mark.long
-def test_unknown_figure(trade, capsys, tmp_path):
-    assert step("figures.figure", f"trade={trade}", outputs=[tmp_path / "a.svg"], which="x") == 2
-    assert "got x, expected overview" in capsys.readouterr().err
-
-
-@pytest.mark.long
-def test_titles_say_what_the_data_show(trade):
-    """With times made up the other way round, the title turns round as well."""
-    found = load(trade)
-    title = " ".join(integration_figure(found).get_suptitle().split())
-    assert "Runge-Kutta takes up to 8 times as long, Rosenbrock up to 8 times" in title
-    points = (found["sweep"] == "runge_kutta") & (found["label"] == "0.0001")
-    found["wall_time"] = found["wall_time"].where(~points, 5.0 * found["wall_time"])
-    title = " ".join(integration_figure(found).get_suptitle().split())
-    assert "Runge-Kutta takes up to 40 times as long, Rosenbrock up to 8 times" in title
-
-
-@pytest.mark.long
-def test_figure_marks_front_and_presets(trade):
-    figure = steady_figure(load(trade))
-    axes = figure.axes[0]
-    fronts = [line for line in axes.lines if line.get_linewidth() == FRONT["linewidth"]]
-    assert len(fronts) == 1
-    time, error = fronts[0].get_data()
-    assert (np.diff(time) > 0.0).all() and (np.diff(error) < 0.0).all()
-    presets = [line for line in axes.lines if line.get_color() == "black"]
-    assert len(presets) == 3
-    assert axes.get_xscale() == axes.get_yscale() == "log"
 
 
 @pytest.fixture
@@ -404,19 +308,6 @@ def test_agreement_within_the_tolerance(plan):
     assert exact.holds("yes", "yes") and not exact.holds("yes", "no")
 
 
-def test_tolerances_of_tables_are_those_of_the_plan(plan):
-    empty = xr.Dataset({name: ("point", np.array([], dtype=object)) for name in ("sweep", "label")})
-    empty = empty.assign({f"error_{name}": ("point", []) for name in ("total_qv", "contact_qv")})
-    assert plan.tolerance.floor < plan.tolerance.floor_dynamic
-    names = ("error_residual_preload", "error_wear_rate", "error_life", "reference_time")
-    empty = empty.assign({name: ("point", []) for name in (*names, "wall_time", "status")})
-    for table in section_tables(empty, plan):
-        floor = {True: plan.tolerance.floor, False: plan.tolerance.floor_dynamic}
-        assert table.columns["life"].floor == 100.0 * floor[table.title == SECTIONS["steady"]]
-        assert table.columns["life"].factor == 1.05 * plan.tolerance.error
-        assert table.columns["speed"].factor == plan.tolerance.time
-
-
 def test_the_docs_hold_every_row_of_the_plan(plan):
     said = table_cells((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
     rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
@@ -432,18 +323,6 @@ def test_the_docs_hold_every_row_of_a_run(trade, cages):
         assert found and not [line for line in found if line.endswith("missing")]
 
 
-@pytest.mark.long
-def test_effects_are_factors_over_the_first_point(trade, plan):
-    assert len(plan.effects) == 14
-    for effect, k in zip(plan.effects[:3], (1, 2, 3), strict=True):
-        rows = list(effect_rows(load(trade), effect))
-        assert len(rows) == 5
-        text, _, *factors = rows[0]
-        share = 1.0 + 0.1 ** (k + 1)
-        assert text in ("growth at speed", "that, inner ring +5 K", "that, warm by friction")
-        assert_allclose(factors, [*3 * [share / 1.1], 2.0**k, 2.0**k], rtol=1e-12)
-
-
 def test_cells_have_the_digits_that_are_known():
     row = ["a", "b", 1.23456, 0.0, math.nan, Rough(1.2345), Rough(7.77), 0.00012, "yes"]
     units = ["", "", "", "", "", "%", ""]
@@ -451,11 +330,3 @@ def test_cells_have_the_digits_that_are_known():
     table = CheckedTable(title="x", columns=columns, rows=[row])
     *_, cells = table_cells(table.text, axes=2).values()
     assert cells == ["1.23", "0", "–", "1.2", "7.8", "< 0.001", "yes"]
-
-
-@pytest.mark.long
-def test_lives_below_the_limit_of_auto_are_named(trade, plan):
-    said = what_auto_saves(load(trade), plan)
-    assert (
-        "the 16 of these 36 lives that end below 0.1 gaps" in said
-    )  # 0.03 and 0.09 of 0.1, four scenes, two methods

@@ -117,10 +117,10 @@ def run_by_friction(scene, start, least, most):
     }
 
 
-@pytest.fixture
-def small(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
     """A map of six cages whose runs are made up, and its file."""
-    monkeypatch.setattr(ensemble, "cage_run", run_by_friction)
+    folder = tmp_path_factory.mktemp("map")
     plan = replace(
         read_record(CagePlan, PLAN_FILE),
         gravity_m_s2=(0.0, 9.81),
@@ -130,13 +130,15 @@ def small(tmp_path, monkeypatch):
         cage_friction=(0.02, 0.05, 0.1),
     )
     study, scene, paths = study_of_cages(plan), ROOT / plan.scene_file, []
-    for name in plan.points:
-        paths.append(tmp_path / f"{name}.nc")
-        found = ensemble.cage_ensemble(scene, **study.steps[0].given({"point": name}))
-        write_dataset(found, paths[-1])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ensemble, "cage_run", run_by_friction)
+        for name in plan.points:
+            paths.append(folder / f"{name}.nc")
+            found = ensemble.cage_ensemble(scene, **study.steps[0].given({"point": name}))
+            write_dataset(found, paths[-1])
     gathered = gathered_ensembles(scene, paths, json.loads(json.dumps(asdict(plan))))
-    write_dataset(gathered, tmp_path / "cage.nc")
-    return tmp_path / "cage.nc", gathered
+    write_dataset(gathered, folder / "cage.nc")
+    return folder / "cage.nc", gathered
 
 
 def test_what_a_map_says(small):

@@ -11,7 +11,6 @@ from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import Rough, digits
-from bearingwear.studies.design.document.sentences import what_others_change
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.plan import DesignPlan
@@ -98,32 +97,36 @@ def test_a_limit_that_is_passed_is_named(files):
         assert ("stiffness of the arrangement" in row[-1]) == soft
 
 
-def test_neither_lasts_longer(files):
-    found = load(files["recommendation"])
-    found["verdict"][...] = NEITHER_LONGER
-    answer = preload_document(found, load(files["design"]))
-    assert answer.title.startswith("mine: neither method lasts longer; use a spring preload of")
-    assert " or a fixed-position preload of " in answer.title
-    assert "a change of 5 % in one assumption" in told(answer)["Uncertainty"]
-
-
-def test_an_answer_at_the_end_of_the_map_says_so(files):
-    """Without any limit there is no advice but as little preload as one dares."""
+def headline(files, change):
+    """Title of an answer of which `change` alters the recommendation."""
     design, found = load(files["design"]), load(files["recommendation"])
-    ends = found.active_limit.attrs["flag_meanings"].split()
-    found["active_limit"][...] = ends.index("end_of_range")
-    for end, word in (("min", "lowest"), ("max", "highest")):
-        found["preload"][...] = float(getattr(design["preload"], end)())
-        answer = preload_document(found, design)
-        assert answer.title.endswith(f", the {word} preload tried")
-    found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
-    answer = preload_document(found.assign(life=np.nan * found["life"]), design)
-    assert answer.title == "mine: no limit was given; use as little preload as you dare"
-    assert "Name what the machine needs" in told(answer)["What a limit does"]
-    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["charted"]
-    found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "no life could be solved"})
-    answer = preload_document(found.assign(life=np.nan * found["life"]), design)
-    assert answer.title == "mine: no limit was given; no life could be solved"
+    change(found, design)
+    return preload_document(found, design).title.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_each_verdict_has_its_headline(files):
+    """Without any limit there is no advice but as little preload as one dares."""
+
+    def neither(found, _):
+        found["verdict"][...] = NEITHER_LONGER
+
+    def at_the_end(found, design):
+        ends = found.active_limit.attrs["flag_meanings"].split()
+        found["active_limit"][...] = ends.index("end_of_range")
+        found["preload"][...] = float(design["preload"].min())
+
+    def cliff(found, _):
+        found["cliff_preload"][0], found["cliff_life"][0] = 0.99 * found["preload"][0], 0.01
+
+    def without_limits(found, _):
+        found["life"][...] = np.nan
+        found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
+
+    assert "neither method lasts longer; use a spring preload of" in headline(files, neither)
+    assert headline(files, at_the_end).endswith(", the lowest preload tried")
+    assert headline(files, cliff).endswith("; with 1 % less it lasts 0.01 h")
+    advice = "mine: no limit was given; use as little preload as you dare"
+    assert headline(files, without_limits) == advice
 
 
 def test_hours_of_a_calibrated_scene_are_stated(files):
@@ -142,48 +145,6 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
     )
     assert ["for comparison only, not as hours" in one for one in said] == [True, False]
     assert "Wear and friction come from 2 tests (mine.csv)" in said[1]
-
-
-def test_a_sudden_fall_of_the_life_is_in_the_headline(files):
-    found = load(files["recommendation"])
-    preload = float(found["preload"][0])
-    for name, value in (("preload", 0.99 * preload), ("life", 0.01)):
-        found[f"cliff_{name}"][0] = value
-    answer = preload_document(found, load(files["design"]))
-    headline = answer.title.replace("\N{NO-BREAK SPACE}", " ")
-    assert headline.endswith("; with 1 % less it lasts 0.01 h")
-    said = told(answer)["What limits it"]
-    assert "1 % less, the life falls to 0.01 h" in said
-
-
-def test_no_preload_within_the_limits(files):
-    found = load(files["recommendation"])
-    found["life"][...] = np.nan
-    found["preload"][...] = np.nan
-    why = {"constant_force": "axial stiffness at least 900 N/µm, at best 5 at 20 N"}
-    found.attrs["none_because"] = json.dumps(why)
-    answer = preload_document(found, load(files["design"]))
-    assert answer.title == "mine: no preload satisfies all limits"
-    assert "at best 5 at 20 N" in told(answer)["What is not possible"]
-    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["charted"]
-
-
-def test_what_other_assumptions_change_is_told(files):
-    found, beside = load(files["recommendation"]), load(files["beside"])
-    assert what_others_change(beside, found, 0) == [
-        "Constant force violates a limit with a warm inner ring "
-        "(axial stiffness of the arrangement).",
-        "Constant force remains the better method, within its limits, with nothing.",
-    ]
-    beside["life"][1, 1] = 2.0 * beside["life"][1, 0]
-    beside["system_axial_stiffness"][0, 0] = 2.9e6
-    said = what_others_change(beside, found, 0)
-    assert said == [
-        "The other method lasts longer with a warm inner ring.",
-        "Constant force violates a limit with nothing (axial stiffness of the arrangement).",
-    ]
-    beside["status"][0, 0] = 1
-    assert "No life was found with nothing." in what_others_change(beside, found, 0)
 
 
 def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_path, capsys):

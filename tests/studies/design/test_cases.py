@@ -49,7 +49,7 @@ def found(scene):
 def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, found):
     for k, code in enumerate(found["preload_method"].values):
         method, best = PRELOAD_METHODS[int(code)], 0.0
-        for preload in np.geomspace(20.0, 120.0, 6).tolist():
+        for preload in np.geomspace(20.0, 120.0, 4).tolist():
             points = [
                 followed_point(o, None) for o in held_by(scene, method, preload).in_cases.values()
             ]

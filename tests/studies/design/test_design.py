@@ -1,15 +1,13 @@
 """The design study: its plan, the choice of a preload, and its steps on a map of a few lives."""
 
 import math
-import re
-import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file
+from support import ROOT, scene_file, step
 
 from bearingwear.cli import main
 from bearingwear.document.show import sheet
@@ -17,8 +15,6 @@ from bearingwear.document.text import as_text
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
-from bearingwear.results.quantiles import spread_at
-from bearingwear.results.units import Rough
 from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking.check import read_record
@@ -64,25 +60,12 @@ def scene():
 def test_plan_of_the_project():
     plan = read_record(DesignPlan, PLAN_FILE)
     plan.check_scenes(ROOT / "config" / "scenes")
-    for name, of in plan.scenes.items():
-        scene = load_scene(scene_file(name))
-        assert of.map.lives >= 20_000
-        assert scene.operation.preload_N in of.map.preload_N
-        assert scene.friction.ball_race in of.map.friction
-        assert scene.operation.shaft_speed_rpm in of.map.shaft_speed_rpm
-        limits = {**LIMITS, "system_axial_stiffness_N_um": LIMITS["axial_stiffness_N_um"]}
-        del limits["axial_stiffness_N_um"]  # of the arrangement, which means the same for both
-        assert of.limits.given == limits
-
-
-def test_small_map_of_the_project_is_around_its_scene():
-    plan = read_record(DesignPlan, PLAN_FILE)
     assert plan.small_maps
-    for name, axes in plan.small_maps.items():
-        scene = load_scene(scene_file(name))
-        assert axes.lives <= 40
-        assert scene.friction.ball_race in axes.friction
-        assert scene.operation.shaft_speed_rpm in axes.shaft_speed_rpm
+    for maps in ({name: of.map for name, of in plan.scenes.items()}, plan.small_maps):
+        for name, axes in maps.items():
+            scene = load_scene(scene_file(name))
+            assert scene.friction.ball_race in axes.friction
+            assert scene.operation.shaft_speed_rpm in axes.shaft_speed_rpm
 
 
 # the choice
@@ -109,26 +92,20 @@ def made_up(lives, stiffness, status=None):
 STIFF = DesignLimits(axial_stiffness_N_um=2.5)
 
 
+UP, DOWN = [1, 2, 3, 4], [9, 8, 7, 6]
+POWER = DesignLimits(friction_power_W=0.25)
+
+
 @pytest.mark.parametrize(
     "line, limits, index, active",
     [
-        (made_up([9, 8, 7, 6], [1, 2, 3, 4]), STIFF, 2, "axial_stiffness_N_um"),
-        (
-            made_up([9, 8, 7, 6], [1, 2, 3, 4]),
-            DesignLimits(friction_power_W=1.0),
-            0,
-            "end_of_range",
-        ),
-        (made_up([5, 8, 7, 6], [1, 2, 3, 4]), DesignLimits(), 1, "none"),
-        (
-            made_up([1, 2, 3, 4], [1, 2, 3, 4]),
-            DesignLimits(friction_power_W=0.25),
-            1,
-            "friction_power_W",
-        ),
-        (made_up([9, 8, 7, 6], [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
-        (made_up([9, 8, 7, 6], [3, 3, 3, 4], [0, 1, 0, 0]), DesignLimits(), 0, "not_solved"),
-        (made_up([9, 8, 7, 6], [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
+        (made_up(DOWN, UP), STIFF, 2, "axial_stiffness_N_um"),
+        (made_up(DOWN, UP), DesignLimits(friction_power_W=1.0), 0, "end_of_range"),
+        (made_up([5, 8, 7, 6], UP), DesignLimits(), 1, "none"),
+        (made_up(UP, UP), POWER, 1, "friction_power_W"),
+        (made_up(DOWN, [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
+        (made_up(DOWN, [3, 3, 3, 4], [0, 1, 0, 0]), DesignLimits(), 0, "not_solved"),
+        (made_up(DOWN, [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
     ],
 )
 def test_choice_and_what_holds_it(line, limits, index, active):
@@ -137,67 +114,16 @@ def test_choice_and_what_holds_it(line, limits, index, active):
     assert ACTIVE[int(held)] == active
 
 
-def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, capsys):
-    """Its status is -1, which must not be read as the last of the names."""
-    scene, parts = scene_file("gyro_s1"), []
-    for method in METHODS:
-        parts.append(tmp_path / f"{method}.nc")
-        part = map_part(scene, method, 0.08, [30000.0], [5.0, 7.0, 9.0], slip_limit=0.25)
-        write_dataset(part, parts[-1])
-    design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
-    write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.6}), design)
-    write_dataset(recommendation_of(scene, design), file)
-    assert load(file)["status"].values.tolist() == [0, -1]
-    assert main(["show", str(file)]) == 0
-    text = capsys.readouterr().out
-    assert re.search(
-        r"limited by +dynamic axial stiffness of one bearing +no preload satisfies all limits", text
-    )
-    assert re.search(r"least stiffness, one bearing, dynamic +N/um +4\.6\d? +–\n", text)
-    assert re.search(r"least stiffness, one bearing, quasi-static +N/um +4\.6\d? +–\n", text)
-    # and so it is where a file is shown like any other
-    several = as_text(sheet(file))
-    assert "there was none to solve" in several and "jammed" not in several
-
-
-def test_single_files_are_drawn(folder, tmp_path, capsys):
-    """A map of one friction as lines, a recommendation, the spread of one scene's life."""
-    spread = tmp_path / "spread.nc"
-    scene = str(scene_file("gyro_s1"))
-    assert main(["uncertainty", scene, "--samples", "16", "-o", str(spread)]) == 0
-    files = {
-        folder / "design.nc": "life, stiffness of one bearing and slip over preload",
-        folder / "constant_force.nc": "life, stiffness of one bearing and slip over preload",
-        folder / "recommendation.nc": "life at the recommended preload",
-        folder / "uncertainty.nc": "90\N{NO-BREAK SPACE}% of bearings between",
-        spread: "90\N{NO-BREAK SPACE}% of bearings between",
-    }
-    for path, said in files.items():
-        figure = tmp_path / f"{path.stem}.svg"
-        assert main(["plot", str(path), "-o", str(figure)]) == 0
-        title = ET.parse(figure).getroot().findtext("{http://www.w3.org/2000/svg}title")
-        assert said in title, title
-
-
-@pytest.mark.parametrize(
-    "limits, why",
-    [
-        (
-            DesignLimits(axial_stiffness_N_um=5.0, friction_power_W=0.35),
-            "axial stiffness of one bearing at least 5 N/µm, at best 4 at 4 N",
-        ),
-        (
-            DesignLimits(axial_stiffness_N_um=3.5, friction_power_W=0.33),
-            "each limit can be satisfied, but not all together: axial stiffness of one bearing at "
-            "least 3.5 N/µm, "
-            "but 3 at 3 N",
-        ),
-    ],
-)
-def test_limits_that_no_preload_keeps_to_are_named(limits, why):
-    line = made_up([9, 8, 7, 6], [1, 2, 3, 4])
-    assert int(best_within(line, limits, basis=1)[0]) == -1
-    assert why_none(line, limits, basis=1) == why
+def test_limits_that_no_preload_keeps_to_are_named():
+    line, stiffness = made_up(DOWN, UP), "axial stiffness of one bearing at least"
+    for stiff, power, why in (
+        (5.0, 0.35, f"{stiffness} 5 N/µm, at best 4 at 4 N"),
+        (3.5, 0.33, f"each limit can be satisfied, but not all together: {stiffness} 3.5 N/µm, "
+                    "but 3 at 3 N"),
+    ):  # fmt: skip
+        limits = DesignLimits(axial_stiffness_N_um=stiff, friction_power_W=power)
+        assert int(best_within(line, limits, basis=1)[0]) == -1
+        assert why_none(line, limits, basis=1) == why
 
 
 def test_nothing_lives_or_nothing_was_solved():
@@ -240,19 +166,26 @@ def folder(tmp_path_factory):
     return folder
 
 
-def step(name, output, settings="{}", **inputs):
-    """Exit status of a step; lists of files are added one by one."""
-    given = [
-        f"{key}+={path}" if isinstance(files, list) else f"{key}={path}"
-        for key, files in inputs.items()
-        for path in (files if isinstance(files, list) else [files])
-    ]
-    outputs = [str(path) for path in (output if isinstance(output, list) else [output])]
-    return main(["step", f"studies.{name}", *given, "--settings", settings, "-o", *outputs])
-
-
 def files_in(folder):
     return {name: folder / f"{name}.nc" for name in FILES}
+
+
+def test_a_method_without_a_preload_within_the_limits_is_called_so(folder, tmp_path):
+    """Its status is -1, which must not be read as the last of the names."""
+    design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
+    parts = [folder / f"{method}.nc" for method in METHODS]
+    write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.6}), design)
+    write_dataset(recommendation_of(scene_file("gyro_s1"), design), file)
+    assert load(file)["status"].values.tolist() == [0, -1]
+    several = as_text(sheet(file))
+    assert "there was none to solve" in several and "jammed" not in several
+
+
+def test_single_files_are_drawn(folder, tmp_path):
+    for name in ("design", "constant_force", "recommendation", "uncertainty"):
+        figure = tmp_path / f"{name}.svg"
+        assert main(["plot", str(folder / f"{name}.nc"), "-o", str(figure)]) == 0
+        assert "<path" in figure.read_text(encoding="utf-8")
 
 
 def test_recommended_preload_stands_on_its_limit(folder, scene):
@@ -280,23 +213,17 @@ def test_recommended_preload_stands_on_its_limit(folder, scene):
 
 def test_figures_and_tables_are_drawn(folder):
     files = files_in(folder)
-    for name, given in (
-        ("design", files),
-        ("map", {"design": files["design"]}),
-        ("uncertainty", files),
-    ):
-        out = folder / f"{name}.svg"
-        assert step(f"design.figures.draw.draw_{name}", out, **given) == 0
-        assert out.stat().st_size > 10_000
+    out, draw = folder / "design.svg", "studies.design.figures.draw"
+    assert step(f"{draw}.draw_design", out, **files) == 0 and out.stat().st_size > 10_000
     tables = [folder / "map.csv", folder / "design.md"]
-    assert step("design.document.sheets.tables", tables, **files) == 0
+    assert step("studies.design.document.sheets.tables", *tables, **files) == 0
     text = (folder / "design.md").read_text()
     assert "violates a limit: axial stiffness" in text and "10 lives over preload" in text
     assert len((folder / "map.csv").read_text().splitlines()) == 11
-    assert step("design.figures.draw.other", folder / "x.svg", **files) == 2
+    assert step(f"{draw}.other", folder / "x.svg", **files) == 2
     wrong = dict(zip(FILES, reversed(files.values()), strict=True))
-    assert step("design.document.sheets.tables", tables, **wrong) == 2
-    assert step("design.figures.draw.draw_map", folder / "x.svg", design=files["uncertainty"]) == 2
+    assert step("studies.design.document.sheets.tables", *tables, **wrong) == 2
+    assert step(f"{draw}.draw_map", folder / "x.svg", design=files["uncertainty"]) == 2
 
 
 def changed(path, target, **values):
@@ -317,8 +244,9 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
     for times in ("0.80", "1.00", "1.25"):
         path = tmp_path / f"{times}.yaml"
         files = {"scene": scene_file("gyro_s1"), "recommendation": recommendation}
-        settings = f'{{"times": {float(times)}}}'
-        assert step("design.dynamic_check.check_scene_text", path, settings, **files) == 0
+        settings = {"times": float(times)}
+        run = "studies.design.dynamic_check.check_scene_text"
+        assert step(run, path, settings=settings, **files) == 0
         plain = yaml.safe_load(path.read_text())
         preload = float(found["preload"][longest])
         assert plain["operation"]["preload_N"] == pytest.approx(float(times) * preload, rel=1e-12)
@@ -332,7 +260,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
 
     def table(*paths):
         given = {"recommendation": recommendation, "cases": list(paths)}
-        assert step("design.document.check_table.check_table", out, **given) == 0
+        assert step("studies.design.document.check_table.check_table", out, **given) == 0
         return out.read_text()
 
     text = table(*cases)
@@ -351,7 +279,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
     capsys.readouterr()
     for wrong in ([*cases[:-1]], [recommendation], [*cases, folder / "design.nc"]):
         given = {"recommendation": recommendation, "cases": wrong}
-        assert step("design.document.check_table.check_table", out, **given) == 2
+        assert step("studies.design.document.check_table.check_table", out, **given) == 2
     assert len(capsys.readouterr().err.splitlines()) == 3
 
 
@@ -372,7 +300,7 @@ def test_every_status_is_counted(folder, tmp_path):
     design.to_netcdf(tmp_path / "design.nc")
     files = files_in(folder) | {"design": tmp_path / "design.nc"}
     out = [tmp_path / "map.csv", tmp_path / "design.md"]
-    assert step("design.document.sheets.tables", out, **files) == 0
+    assert step("studies.design.document.sheets.tables", *out, **files) == 0
     text = (tmp_path / "design.md").read_text()
     for name, count in (("ok", 8), ("not_converged", 1), ("beyond_groove", 1)):
         assert f"| {in_words(name)} | {count} |" in text
@@ -381,38 +309,21 @@ def test_every_status_is_counted(folder, tmp_path):
     assert f"10 lives over preload, method, friction and speed, from {solves} steady" in text
 
 
-def test_answer_stands_first(folder):
-    """Preload and method in the title; the life and its spread in the first sentences."""
-    out = [folder / "map.csv", folder / "design.md"]
-    assert step("design.document.sheets.tables", out, **files_in(folder)) == 0
-    text = (folder / "design.md").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    found = load(folder / "recommendation.nc").isel(preload_method=0)
-    spread = load(folder / "uncertainty.nc").isel(
-        preload_method=0, preload_choice=1, uncertain_inputs=0, loss_basis=1
-    )
-    low, high = spread_at(spread).bearings.text.split(" to ")
-    title = text.partition("\n")[0]
-    assert f"use a spring preload of {float(found['preload']):.7g} N (constant force)" in title
-    assert f"{Rough(found['life'][1]).text} h of life, counting balls and races" in text
-    assert f"90 % of bearings between {low} and {high} h" in text
-    assert "violates a limit: axial stiffness of one bearing at least" in text
-
-
 def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
     scene, out = scene_file("gyro_s1"), tmp_path / "out.nc"
     design = folder / "design.nc"
-    gather, recommend = "design.choice.design_map", "design.recommend.recommendation_of"
-    limits = '{"limits": {"gyroscopic_slip_share": 0.25}}'
+    gather = "studies.design.choice.design_map"
+    recommend = "studies.design.recommend.recommendation_of"
+    limits, others = ({"limits": {"gyroscopic_slip_share": share}} for share in (0.25, 0.5))
     parts = [folder / f"{method}.nc" for method in METHODS]
-    assert step(gather, out, limits, parts=[design, folder / "recommendation.nc"]) == 2
-    assert step(gather, out, limits.replace("25", "5"), parts=parts) == 2
-    assert step(gather, out, limits, parts=parts) == 0
+    assert step(gather, out, settings=limits, parts=[design, folder / "recommendation.nc"]) == 2
+    assert step(gather, out, settings=others, parts=parts) == 2
+    assert step(gather, out, settings=limits, parts=parts) == 0
     assert step(recommend, out, scene=scene_file("gyro_s2"), design=design) == 2
     given = {"scene": scene, "parts": [folder / "constant_force-own-0.nc"]}
-    quantiles = "uncertainty.quantiles.quantiles_and_indices"
-    sampling = '{"sampling": {"samples": 4, "chunks": 2, "seed": 3}}'
-    assert step(quantiles, out, sampling, **given) == 2
-    assert step(quantiles, out, sampling.replace("4", "1024"), **given) == 2
+    quantiles = "studies.uncertainty.quantiles.quantiles_and_indices"
+    for sampling in (SAMPLING, SAMPLING | {"samples": 1024}):
+        assert step(quantiles, out, settings={"sampling": sampling}, **given) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 5 and "parts missing" in lines[3]
 
@@ -454,34 +365,19 @@ def test_the_limit_that_is_met_first_between_points_of_the_map_holds(scene):
     assert ACTIVE[int(one["active_limit"])] == "axial_stiffness_N_um"
 
 
-def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
-    design, found = mapped(scene, axes((3.0, 7.0, 11.0)), DesignLimits(axial_stiffness_N_um=90.0))
-    files = {"design": tmp_path / "design.nc", "recommendation": tmp_path / "recommendation.nc"}
-    write_dataset(design, files["design"])
-    write_dataset(found, files["recommendation"])
-    out = tmp_path / "design.svg"
-    assert step("design.figures.draw.draw_design", out, **files) == 0
-    assert out.stat().st_size > 10_000
-    tables = [tmp_path / "map.csv", tmp_path / "design.md"]
-    assert step("design.document.sheets.tables", tables, **files) == 0
-    text = tables[1].read_text()
-    assert "Uncertainty" not in text and "L10" not in text
-    why = "axial stiffness of one bearing at least 90"
-    assert f"No fixed position preload satisfies all limits: {why}" in text
-    assert "at best" in text and "nan" not in text
-
-
-@pytest.mark.parametrize("life", [0.0, np.nan])
-def test_figures_of_a_map_without_any_life(life, scene, tmp_path):
+@pytest.mark.parametrize(("life", "drawn"), [(0.0, "map"), (np.nan, "design")])
+def test_figures_of_a_map_without_any_life(life, drawn, folder, tmp_path):
     """Each over a limit when new, or none solved: there is no axis of life to be logarithmic."""
-    design, found = mapped(scene, axes((3.0, 7.0, 11.0)), DesignLimits())
-    design["life"][:] = life
-    found["life"][:], found["preload"][:] = life, np.nan
-    files = {"design": tmp_path / "design.nc", "recommendation": tmp_path / "recommendation.nc"}
-    write_dataset(design, files["design"])
-    write_dataset(found, files["recommendation"])
-    assert step("design.figures.draw.draw_design", tmp_path / "design.svg", **files) == 0
-    assert step("design.figures.draw.draw_map", tmp_path / "map.svg", design=files["design"]) == 0
+    files = {name: tmp_path / f"{name}.nc" for name in ("design", "recommendation")}
+    for name, file in files.items():
+        given = load(folder / f"{name}.nc")
+        given["life"][:] = life
+        if name == "recommendation":
+            given["preload"][:] = np.nan
+        write_dataset(given, file)
+    given = files if drawn == "design" else {"design": files["design"]}
+    draw = f"studies.design.figures.draw.draw_{drawn}"
+    assert step(draw, tmp_path / "a.svg", **given) == 0
 
 
 def test_scenes_without_an_uncertainty_study_ask_for_none():

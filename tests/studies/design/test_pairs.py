@@ -40,17 +40,6 @@ def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
     assert life_point(made, None)["lowest_frequency"] <= found * (1.0 + 1e-12)
 
 
-def test_a_single_bearing_is_half_of_a_pair(scene):
-    one, two = (
-        scene("gyro_s1", ROTOR | more) for more in ({}, {"arrangement.kind": "spring_pair"})
-    )
-    for method in METHODS:
-        single, pair = (life_point(held_by(made, method), None) for made in (one, two))
-        assert pair["lowest_frequency"] > 0.0
-        for name in single:
-            assert_allclose(single[name], pair[name], rtol=1e-12, err_msg=name)
-
-
 def test_a_point_of_the_map_is_a_life(scene):
     """Of an unlike pair; what limits look at is that of the worse bearing."""
     made = held_by(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
@@ -69,7 +58,7 @@ def test_spring_pair_against_rigid_pair(scene, tmp_path):
     made = scene("gyro_s1", PUSHED)
     axes = MapAxes(
         preload_method=METHODS, friction=[0.08], shaft_speed_rpm=[30000.0],
-        preload_N=[4.0, 8.0, 12.0, 16.0],
+        preload_N=[4.0, 8.0, 14.0],
     )  # fmt: skip
     limits = DesignLimits(lowest_frequency_Hz=2100.0, rotor_shift_um=3.0, preload_kept=0.3)
     _, found = mapped(made, axes, limits)

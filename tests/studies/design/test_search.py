@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from support import scene_file
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
@@ -87,9 +86,6 @@ def peak(p):
 def hidden(p):
     """A cliff between two preloads of the map, lower and so longer than beyond a limit."""
     return 1e-3 if 300.0 < p < 371.0 else falling(p)
-
-
-ALIVE = DesignLimits(axial_stiffness_N_um=1.0)
 
 
 @pytest.mark.parametrize(
@@ -217,6 +213,7 @@ def steep(tmp_path_factory):
     return load_scene(file)
 
 
+@pytest.mark.long  # as of the made-up cliffs above
 def test_a_recommended_life_is_not_below_a_cliff(steep):
     """It was 427 N with 0.0236 h, where 430 N last 0.811 h."""
     limits = DesignLimits(maximum_pressure_GPa=1.5, axial_stiffness_N_um=15.0)
@@ -229,47 +226,3 @@ def test_a_recommended_life_is_not_below_a_cliff(steep):
         assert at["life"][1] / 3600.0 < 1.01 * life
     assert 420.0 < float(one["cliff_preload"]) < preload
     assert float(one["cliff_life"]) < 0.1
-
-
-def test_a_point_of_the_map_is_not_better():
-    """2.88 N lasted 2.209 h, where the map's own 3.5 N last 2.235 h within the limit."""
-    scene = load_scene(scene_file("gyro_s1_hertz"))
-    limits = DesignLimits(gyroscopic_slip_share=0.26)
-    design, found = mapped(scene, axes_around(scene, [0.08]), limits)
-    lives = design["life"][..., 1].where(design["gyroscopic_slip_share"] <= 0.26)
-    for k in range(2):
-        assert float(found["life"][k, 1]) >= float(lives.isel(preload_method=k).max())
-
-
-def test_nothing_is_recommended_without_a_limit(tmp_path, capsys):
-    """The last commands of new have limits; without one, the answer is as little as one dares."""
-    from bearingwear.cli import main
-
-    file = tmp_path / "mine.yaml"
-    assert main(["new", str(file), "7008C", "--speed", "18000"]) == 0
-    last = capsys.readouterr().out.splitlines()[-2:]
-    assert all("--stiffness 20 --pressure 2" in line for line in last)
-    assert main(["recommend", str(scene_file("gyro_s1"))]) == 0
-    text = capsys.readouterr().out
-    assert "no limit was given; use as little preload as you dare" in text
-    assert "initial preload" not in text and "lasts" not in text
-    assert "Life and limits over the preload" in text and "constant force" in text
-
-
-def test_what_cannot_be_solved_is_not_a_question_of_limits(capsys):
-    from bearingwear.cli import main
-
-    scene = str(scene_file("gyro_s1"))
-    assert main(["recommend", scene, "--set", "operation.preload_N=1e7"]) == 3
-    said = capsys.readouterr()
-    assert "no limit was given; no life could be solved" in said.out and "dare" not in said.out
-    assert "no life could be solved at any preload" in said.err
-
-
-def test_limits_out_of_reach_have_no_table_of_dashes(capsys):
-    from bearingwear.cli import main
-
-    assert main(["recommend", str(scene_file("gyro_s1")), "--stiffness", "500"]) == 0
-    text = capsys.readouterr().out
-    assert " ".join(text.split()).count("at best") == 2 and "–" not in text
-    assert len(text.splitlines()) < 12

@@ -51,12 +51,6 @@ def test_ids_are_unique_and_say_the_case(mus, losses):
         assert Case(method, float(friction), float(loss)) == case
 
 
-def test_order_does_not_matter():
-    assert Grid.from_lists(PRELOAD_METHODS, [0.08, 0.02], [1, 0]) == Grid.from_lists(
-        PRELOAD_METHODS[::-1], [0.02, 0.08], [0.0, 1.0]
-    )
-
-
 @pytest.mark.parametrize(
     ("methods", "mus", "losses", "said"),
     [
@@ -79,33 +73,6 @@ def test_a_scene_is_studied_once():
     study = {**CONFIG["studies"][0], "scenes": ["gyro_s1"]}
     with pytest.raises(ValueError, match=r"studies\[1\].scenes: got gyro_s1"):
         Plan.from_config(CONFIG | {"studies": [study, study], "dynamic": []}).cases()
-
-
-def test_plan_of_the_study():
-    plan = Plan.from_config(CONFIG)
-    assert len(plan.cases("gyro_s1")) == 64
-    assert len(plan.slip_cases("gyro_s1")) == 4
-    assert plan.frictions("gyro_s1_drag") == [0.02]
-    figures = figures_of(plan)
-    assert len(figures) == len(set(figures))
-    assert "results/gyro_s1/figures/fig07_fresh.svg" in figures
-    assert "results/gyro_s1_drag/figures/fig07_fresh.svg" not in figures  # one coefficient only
-    assert "results/figures/fig10_wear.svg" in figures
-
-
-def test_plan_of_a_small_study():
-    """A grid without the worn state and without the compared coefficients still has figures."""
-    study = {
-        "scenes": ["mine"],
-        "preload_method": ["constant_force"],
-        "friction": [0.1],
-        "ball_diameter_loss_um": [0],
-    }
-    plan = Plan.from_config(
-        {"studies": [study], "figures": {"worn_loss_um": 0.5, "friction": [0.02]}}
-    )
-    names = [path.rpartition("/")[2] for path in figures_of(plan)]
-    assert names == ["fig10_wear.svg", "fig10_wear.png", "wear_life.svg", "wear_life.png"]
 
 
 def test_jobs_of_a_grid():
@@ -144,21 +111,6 @@ def test_jobs_of_scenes_have_names_of_their_own():
     plan = Plan.from_config({"studies": [block], "dynamic": [in_time], "figures": figures})
     names = [job.name for job in GridStudy(plan).jobs if isinstance(job, Bundle)]
     assert len(set(names)) == len(names) == 9
-
-
-def test_every_value_of_a_grid_is_checked_once():
-    grid = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.2, 0.3])
-    cases = grid.every_value()
-    assert len(cases) == 2 + 2 + 3
-    for axis in ("preload_method", "friction", "ball_diameter_loss_um"):
-        assert {getattr(case, axis) for case in cases} == set(getattr(grid, axis))
-
-
-def test_a_scene_may_be_named_as_any_scene_file():
-    studies = [{**CONFIG["studies"][0], "scenes": ["my-spindle", "7008", "B7008-C"]}]
-    figures = {"worn_loss_um": 0.5, "friction": [0.02]}
-    plan = Plan.from_config({"studies": studies, "figures": figures})
-    assert list(plan.grids) == ["my-spindle", "7008", "B7008-C"]
 
 
 @pytest.mark.parametrize("name", ["my spindle", "a/b", "-a", "", "a.b", 7008, None])
@@ -232,36 +184,6 @@ def test_what_cannot_be_solved_in_time(changes, said):
     with pytest.raises(ValueError, match="^config: [^\n]*$") as error:
         Plan.from_config(dynamic_config(**changes))
     assert said in str(error.value)
-
-
-def test_running_averages_of_what_is_not_solved_in_time():
-    config = dynamic_config()
-    config["figures"]["running_averages"] = {"turbine": None}
-    with pytest.raises(ValueError, match="running_averages: got scene turbine, expected gyro_s1"):
-        Plan.from_config(config)
-
-
-def test_lives_that_cannot_be_spread(monkeypatch):
-    monkeypatch.chdir(ROOT)
-    one = CONFIG["studies"][0] | {"scenes": ["turbopump"]}
-    figures = {"worn_loss_um": 0.5, "friction": [0.02]}
-    config = {"studies": [one], "figures": figures}
-    for scene, said in {
-        "turbine": "got turbine, expected turbopump",
-        "turbopump": "got turbopump, whose file has no uncertainty, expected scenes that have",
-    }.items():
-        with pytest.raises(ValueError, match=f"^config: uncertain_lives.scenes: {said}$"):
-            Plan.from_config(config | {"uncertain_lives": {"scenes": [scene]}}).check_scenes()
-
-
-def test_a_point_named_with_other_digits_is_suggested():
-    plan = Plan.from_config(CONFIG)
-    case = next(iter(plan.grids["gyro_s1"].cases().values()))
-    name = f"{case.preload_method}-mu{case.friction:g}-loss{case.ball_diameter_loss_um:g}"
-    for text in (name, case.id.replace("-mu", "_mu")):
-        assert f"did you mean {case.id}" in plan.refused(f"results/gyro_s1/cases/{text}.nc")
-    off = plan.refused("results/gyro_s1/cases/constant_force-mu0.9-loss0.nc")
-    assert "expected preload_method" in off and "did you mean" not in off
 
 
 def test_the_smallest_configuration():

@@ -14,9 +14,8 @@ from numpy.testing import assert_allclose
 from support import scene_file, step, step_arguments
 
 from bearingwear.kernels.status import OK
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import load
 from bearingwear.results.warnings import warnings_in
-from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.gather import chunk, study
@@ -24,7 +23,7 @@ from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import interpolated_life
 from bearingwear.studies.unsolved import verdict
 
-GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.02, 0.08], [0.0, 0.35, 0.7])
+GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.08], [0.0, 0.35, 0.7])
 UNDETERMINED = 5
 GATHER, LIFE = "studies.grid.gather.study", "studies.grid.life.study_life"
 TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.unsolved.verdict_text"
@@ -59,7 +58,7 @@ def test_study_holds_every_case(folder):
     gathered = load(folder / "study.nc")
     assert list(gathered["total_qv"].dims) == ["preload_method", "friction", "ball_diameter_loss"]
     assert gathered["ball_diameter_loss"].attrs["units"] == "um"
-    for (case_id, case), index in zip(GRID.cases().items(), np.ndindex(2, 3, 3), strict=True):
+    for (case_id, case), index in zip(GRID.cases().items(), np.ndindex(2, 2, 3), strict=True):
         one, alone = (
             gathered.isel(
                 dict(zip(("preload_method", "friction", "ball_diameter_loss"), index, strict=True))
@@ -117,23 +116,9 @@ def truncated(paths):
     return paths, paths[3]
 
 
-def empty(paths):
-    paths[3].write_bytes(b"")
-    return paths, paths[3]
-
-
-def foreign(paths):
-    xr.Dataset({"status": 0}).to_netcdf(paths[3])
-    return paths, paths[3]
-
-
 def missing(paths):
     paths[3].unlink()
     return paths, paths[3]
-
-
-def not_given(paths):
-    return paths[:3] + paths[4:], paths[3]
 
 
 def given_twice(paths):
@@ -166,18 +151,15 @@ def of_another_solver(paths):
 @pytest.mark.parametrize(
     "damage",
     [
-        truncated, empty, foreign, missing, not_given, given_twice, misnamed, of_another_scene,
-        of_another_solver,
+        truncated, missing, given_twice, misnamed, of_another_scene, of_another_solver,
     ],
 )  # fmt: skip
 def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
     paths, culprit = damage(cases)
-    with pytest.raises(CaseFileError, match="^[^\n]*$") as error:
-        study(paths)
-    assert str(culprit) in str(error.value)
     output = tmp_path / "study.nc"
     assert step(GATHER, output, paths=paths) == 2
-    assert capsys.readouterr().err == f"{error.value}\n"
+    said = capsys.readouterr().err
+    assert str(culprit) in said and said.count("\n") == 1
     assert not output.exists()
 
 
@@ -250,15 +232,6 @@ def test_a_criterion_met_at_once_is_a_life_of_nothing():
     assert np.all(found["interpolated_life"] == 0.0)
 
 
-def test_life_of_race_control():
-    """That model knows no skidding: the criterion is never met."""
-    line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES)).drop_vars("skid_ratio")
-    criteria = {"skid_ratio": 0.1, "preload_fraction": 0.4}
-    found = interpolated_life(line, criteria, 7.0)
-    assert int(found["interpolated_end_criterion"]) == 0
-    assert_allclose(found["interpolated_loss_at_end"], 0.6e-6, rtol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("line", "criteria"),
     [
@@ -294,15 +267,15 @@ def test_both_routes_agree(folder):
 def test_verdict(folder, tmp_path, capsys):
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
     checked, unsolved = verdict(files)
-    assert checked == 18 + 6 and len(unsolved) == 6 + 2
+    assert checked == 12 + 4 and len(unsolved) == 6 + 2
     assert "cases/fixed_position-mu0.000-loss0.35.nc: undetermined" in unsolved[4]
     assert step(VERDICT, tmp_path / "verdict.txt", paths=files) == 3
-    assert capsys.readouterr().err.startswith("8 of 24 not solved:\n")
+    assert capsys.readouterr().err.startswith("8 of 16 not solved:\n")
     assert not (tmp_path / "verdict.txt").exists()
     warned = {"paths": files, "settings": {"unsolved_is": "warning"}}
     assert step(VERDICT, tmp_path / "verdict.txt", **warned) == 0
-    assert capsys.readouterr().err.startswith("warning: 8 of 24 not solved:\n")
-    assert (tmp_path / "verdict.txt").read_text().startswith("8 of 24 not solved:\n")
+    assert capsys.readouterr().err.startswith("warning: 8 of 16 not solved:\n")
+    assert (tmp_path / "verdict.txt").read_text().startswith("8 of 16 not solved:\n")
 
 
 def test_a_case_has_no_verdict(cases, capsys):
@@ -316,7 +289,7 @@ def test_tables(folder, tmp_path):
     assert step(TABLES, *outputs, **files) == 0
     with outputs[0].open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 18
+    assert len(rows) == 12
     assert {row["status"] for row in rows} == {"ok", "undetermined"}
     solved = load(folder / "cases" / "fixed_position-mu0.080-loss0.70.nc")
     row = rows[-1]
@@ -406,30 +379,36 @@ WRITERS = {
 }
 
 
-@pytest.mark.parametrize("run", WRITERS)
-def test_no_room_leaves_nothing_half_written(folder, run, tmp_path):
-    resource = pytest.importorskip("resource")
-    outputs, inputs = WRITERS[run]
-    settings = {"friction": [0.08]} if run.endswith("draw_life") else {}
-    arguments = step_arguments(run, *outputs, settings=settings, **inside(folder, inputs))
-    for name in outputs:
+WITHOUT_ROOM = """
+import json, resource, sys
+from bearingwear.cli import main
+steps = json.loads(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+sys.exit(int([main(step) for step in steps] != [2] * len(steps)))
+"""
+
+
+def test_no_room_leaves_nothing_half_written(folder, tmp_path):
+    pytest.importorskip("resource")
+    steps, names = [], []
+    for run, (outputs, inputs) in WRITERS.items():
+        settings = {"friction": [0.08]} if run.endswith("draw_life") else {}
+        given = inside(folder, inputs)
+        steps.append(step_arguments(run, *outputs, settings=settings, **given))
+        names += outputs
+    for name in names:
         (tmp_path / name).write_text("from before")
-
-    def no_room():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
-
     done = subprocess.run(
         # -B: it would write half of its own files
-        [sys.executable, "-B", "-m", "bearingwear", *arguments],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        preexec_fn=no_room,
-    )
-    assert done.returncode == 2
-    assert done.stderr == f"{outputs[0]}: cannot be written (File too large)\n"
-    assert sorted(os.listdir(tmp_path)) == sorted(outputs)
-    assert all((tmp_path / name).read_text() == "from before" for name in outputs)
+        [sys.executable, "-B", "-c", WITHOUT_ROOM, json.dumps(steps)],
+        cwd=tmp_path, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.splitlines() == [
+        f"{outputs[0]}: cannot be written (File too large)" for outputs, _ in WRITERS.values()
+    ]
+    assert sorted(os.listdir(tmp_path)) == sorted(names)
+    assert all((tmp_path / name).read_text() == "from before" for name in names)
 
 
 HOSTILE = '$\\frac{$<script>alert("&")</script>--> x_1^2'
@@ -454,26 +433,12 @@ def test_figures_show_failed_cases_and_names_as_text(folder, name, tmp_path, mon
     assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
 
 
-def test_description_is_text_in_the_summary(folder):
-    from bearingwear.studies.grid.tables import study_summary
-
-    hostile, lives = load(folder / "study.nc"), load(folder / "wear_life.nc")
-    scene = json.loads(hostile.attrs["scene"])
-    scene["description"] = "<script>x</script> [click](javascript:x) ![i](x) # `a` **b** | c\\"
-    hostile.attrs["scene"] = json.dumps(scene)
-    text = study_summary(hostile, lives)
-    assert (
-        "\n&lt;script&gt;x&lt;/script&gt; \\[click\\](javascript:x) !\\[i\\](x) "
-        "\\# \\`a\\` \\*\\*b\\*\\* \\| c\\\\\n"
-    ) in text
-
-
 def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):
     path, output = folder / "study.nc", tmp_path / "figure.svg"
     wear, life = "studies.grid.figures.draw.draw_wear", "studies.grid.figures.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2
-    assert capsys.readouterr().err == f"{path}: friction: got 0.03, expected 0, 0.02, 0.08\n"
-    assert step(life, output, lives=path, settings={"friction": [0.02]}) == 2
+    assert capsys.readouterr().err == f"{path}: friction: got 0.03, expected 0, 0.08\n"
+    assert step(life, output, lives=path, settings={"friction": [0.08]}) == 2
     assert "interpolated_step" in capsys.readouterr().err
     assert not output.exists()
 
@@ -486,39 +451,6 @@ def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
     told = capsys.readouterr().err
     assert told.startswith(f"{outputs[1]}: got the suffix ") and told.count("\n") == 1
     assert os.listdir(tmp_path) == []
-
-
-def test_no_clock_time_in_a_figure(folder, tmp_path):
-    case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
-    outputs = [tmp_path / f"figure.{suffix}" for suffix in ("svg", "png", "pdf")]
-    assert step("studies.grid.figures.draw.draw_slip", *outputs, cases=[case]) == 0
-    for output in outputs:
-        assert b"Date" not in output.read_bytes() and b"dc:date" not in output.read_bytes()
-
-
-def test_labels_say_what_tells_scenes_apart():
-    from bearingwear.studies.grid.figures.overlay import scene_labels
-
-    for block, key, values, texts in (
-        (
-            "bearing",
-            "pitch_diameter_mm",
-            (7.5, 9.0),
-            ("pitch diameter 7.5 mm", "pitch diameter 9 mm"),
-        ),
-        (
-            "bearing",
-            "contact_angle_deg",
-            (15.0, 18.5),
-            ("contact angle 15°", "contact angle 18.5°"),
-        ),
-        ("wear", "counts", ("ball", None), ("counts ball", "no counts")),
-    ):
-        scenes = [
-            {"name": name, block: {key: value, "same": 9}}
-            for name, value in zip("ab", values, strict=True)
-        ]
-        assert scene_labels(scenes) == [f"a: {texts[0]}", f"b: {texts[1]}"]
 
 
 def test_labels_leave_out_what_a_case_does_not_depend_on():
@@ -534,31 +466,3 @@ def test_labels_leave_out_what_a_case_does_not_depend_on():
         f"{name}: drag density {drag} kg/m³"
         for name, drag in zip(names, (0, 200, 400), strict=True)
     ]
-
-
-def test_titles_name_their_scenes(folder):
-    """Else figures of several scenes seem to contradict each other."""
-    from bearingwear.studies.grid.figures import quasistatic
-    from bearingwear.studies.grid.figures.overlay import spread
-
-    study = load(folder / "study.nc")
-    mu = float(study["friction"][0])
-    other = study.assign_attrs(
-        scene=json.dumps(
-            scene_of(study) | {"name": "other", "lubricant": {"drag_density_kg_m3": 250.0}}
-        )
-    )
-    name = scene_of(study)["name"]
-    for drawn in (spread([study, other], mu), quasistatic.wear_figure([study, other], [mu, mu])):
-        title = drawn.get_suptitle().replace("\n", " ")
-        assert name in title and "other" in title
-    assert "other, drag 250 kg/m³" in title
-
-
-def test_lines_of_a_title_are_even():
-    from bearingwear.plotting.drawing import lines_of_a_title
-
-    assert lines_of_a_title("short enough", 20) == ["short enough"]
-    assert lines_of_a_title("four words in one line", 21) == ["four words", "in one line"]
-    assert lines_of_a_title("unbreakablylong", 5) == ["unbreakablylong"]
-    assert lines_of_a_title("", 20) == []

@@ -70,11 +70,6 @@ def test_a_warm_bearing_is_also_tried_cold(scene, given):
     assert cold.temperature is None and cold.thermal is None
 
 
-def test_what_the_scene_does_not_say_is_left_out(scene):
-    config, design = plans(dataclasses.replace(scene, uncertainty=None), DesignLimits())
-    assert "uncertain_lives" not in config and design["limits"] == {}
-
-
 @pytest.mark.parametrize(
     "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
 )

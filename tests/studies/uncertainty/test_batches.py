@@ -10,12 +10,10 @@ from scipy.stats import qmc
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import BEYOND_GROOVE
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import load
-from bearingwear.results.quantiles import Spread, causes_told, spread_at
-from bearingwear.results.units import Interval
+from bearingwear.results.quantiles import spread_at
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
@@ -152,29 +150,6 @@ def test_how_often_a_method_lives_longest():
     assert np.isnan(longest_shares(np.nan * life, [EXACT, EXACT])).all()
 
 
-def test_page_and_sheet_tell_the_interval_and_its_causes():
-    all_of_it = Interval(0.344, 5.812), Interval(1.0, 2.0), Interval(0.4, 5), {"L10": 1.234}, 1.0
-    both = Spread(*all_of_it, longest=None)
-    assert both.sentence.endswith("% of bearings between 0.34 and 5.8 h")
-    alike = both._replace(scatter=None, quantiles={}, solved=0.99)
-    assert alike.sentence.endswith(" h (of the 99 % of lives that were solved)")
-    rows = spread_rows([both.rows, alike.rows])
-    assert {row.head: row.values[:1] for row in rows} == {
-        "90 % of bearings (h)": (both.bearings,),
-        "scatter within a batch (h)": (both.scatter,),
-        "unknown for a batch (h)": (both.unknown,),
-        "L10 (h)": (1.234,),
-    }
-    assert [row.values[1] for row in rows[:3]] == [both.bearings, "none", both.unknown]
-    assert np.isnan(rows[3].values[1])
-    told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
-    batch = "Brinell hardness, wear coefficient, friction of ball and race, drag density"
-    assert f"Unknown for a batch: {batch}." in told
-    assert "Scatter within a batch: ball diameter, contact angle, inner groove factor, " in told
-    scattered = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.3})
-    assert causes_told(scattered.to_dict()) == "Scatter within a batch: preload."
-
-
 @pytest.mark.parametrize("scatters", [False, True])
 def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
     """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3."""
@@ -241,25 +216,3 @@ def test_lives_of_hertzian_grooves_follow_none():
     too_large = scene.bearing.ball_diameter_mm * np.array([[1.2]])
     nothing = found_lives(scene, ["ball_diameter_mm"], too_large)
     assert nothing.status.tolist() == [BEYOND_GROOVE] and np.isnan(nothing.life).all()
-
-
-def test_command_tells_batches_and_grooves(tmp_path, capsys):
-    out = tmp_path / "uncertainty.nc"
-    settings = ["--samples", "4", "-o", str(out)]
-    scene = tmp_path / "mine.yaml"
-    text = "name: mine\nbased_on: gyro_s1\nset: {model.contact: auto}\n"
-    scene.write_text(text)
-    (tmp_path / "gyro_s1.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
-    assert main(["uncertainty", str(scene), *settings]) == 0
-    shown = capsys.readouterr().out
-    first = shown.partition("\n\n")[2].splitlines()
-    assert first[1].startswith("  90 % of bearings") and "not solved" not in shown
-    assert all(name in shown for name in ("scatter within a batch", "unknown for a batch", "L10"))
-    assert "groove_error" not in shown and "dimension" not in shown
-    assert main(["show", "--all", str(out)]) == 0
-    assert "groove_error" in capsys.readouterr().out
-    found = load(out)
-    assert int(found["followed_lives"].squeeze()) > 0
-    assert float(found["groove_error"].squeeze()) == 0.0
-    ends = found["batch_life_quantile"].squeeze().isel(loss_basis=1)
-    assert (np.diff(ends.values, axis=0) > 0.0).all() and (np.diff(ends.values) >= 0.0).all()

@@ -51,13 +51,9 @@ def hours(scene):
     [
         ("7,,,", "row 2: got nothing, expected one of life_h, run_out_h"),
         ("7,3,4,", "row 2: got life_h and loss_um, expected one of"),
-        ("7,-3,,", "row 2: life_h: got '-3', expected a number > 0"),
         ("7,two,,", "row 2: life_h: got 'two', expected a number > 0"),
-        ("7,,0.3,", "row 2: after_h: got nothing, expected a number > 0"),
         ("7,3,,5", "row 2: after_h: got '5', only allowed with loss_um or preload_left_N"),
-        ("seven,3,,", "row 2: operation.preload_N: got 'seven', text, not a number, expected"),
         ("7,3,,,9", "row 2: got 5 cells, expected 4"),
-        ("7,,300,5", "row 2: wear.end_of_life.ball_diameter_loss_um: got 300, expected"),
     ],
 )
 def test_a_bad_row_is_refused_in_one_line(tmp_path, line, said):
@@ -70,11 +66,8 @@ def test_a_bad_row_is_refused_in_one_line(tmp_path, line, said):
 @pytest.mark.parametrize(
     "lines, said",
     [
-        (["life_h"], "got no test"),
         (["life", "3"], "got the column 'life', expected a key of the scene"),
         (["life_h,life_h", "3,4"], "got the column 'life_h' twice"),
-        (["operation.preload,life_h", "7,4"], "row 2: operation.preload: "),
-        (["life_h,bearings", "7,1.5"], "row 2: bearings: got 1.5, expected a whole number"),
         (["preload_left_N,after_h", "4,1"], "row 2: preload_left_N: got it under a constant"),
         (
             ["operation.preload_method,preload_left_N,after_h", "fixed_position,8,1"],
@@ -145,6 +138,7 @@ def test_each_kind_of_test_finds_what_made_it(tmp_path):
         assert float(found.data["interpolation_error"]) < 5e-3
 
 
+@pytest.mark.long  # of a model in closed form: test_posterior.py
 def test_two_lives_of_a_sampled_batch(tmp_path):
     """The interval of L10 shrinks from sixtyfold and more to what two lives leave."""
     scene = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})

@@ -11,12 +11,10 @@ from support import scene_file
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.lives.life import life
-from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
-from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.indices import indices
@@ -100,30 +98,6 @@ def test_same_seed_same_lives(method):
     assert first.identical(again)
     other = sample_part(scene, Sampling(samples=2, chunks=2, seed=2), method, chunk=1)
     assert not np.array_equal(first["life"], other["life"])
-
-
-def test_spread_of_a_life_of_the_study(tmp_path):
-    """Known answer: K_s alone, so quantiles of life are the nominal life over those of K_s."""
-    scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
-    path = tmp_path / "mu0.080.nc"
-    write_dataset(
-        own_quantiles(scene, ["constant_force"], Sampling(samples=256, chunks=1, seed=1)), path
-    )
-    known, mu = load_quantiles(path), scene.friction.ball_race
-    found = spreads_of([known], scene.to_dict(), "constant_force", mu)
-    middle = life(scene).values["life"] * HOURS_PER_SECOND  # K_s = 5e-6, the middle of its range
-    assert_allclose(known["nominal_life"].squeeze(), middle, rtol=1e-12)
-    for c, (spread, hours) in enumerate(zip(found.values(), middle, strict=True)):
-        # all bearings of a batch have the same K_s: no scatter, and no L10
-        assert spread.scatter is None and not spread.quantiles
-        ends = [hours * 5.0 / 7.7, hours * 5.0 / 2.3]
-        assert_allclose(spread.unknown, ends, rtol=0.02)
-        assert_allclose(spread.bearings, ends, rtol=0.02)
-        mixed = known["life_quantile"].isel(loss_basis=c, uncertain_inputs=0).squeeze()
-        assert_allclose(mixed[1:3], [hours * 5.0 / 7.4, hours], rtol=0.02)
-    for method, friction, which in (("fixed_position", mu, 0), ("constant_force", 0.05, 0),
-                                 ("constant_force", mu, RECOMMENDED)):  # fmt: skip
-        assert spreads_of([known], scene.to_dict(), method, friction, which) is None
 
 
 def test_spread_of_a_life_is_that_of_the_design_study():

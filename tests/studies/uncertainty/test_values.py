@@ -39,21 +39,17 @@ def test_plan_of_the_project():
 @pytest.mark.parametrize(
     "spread, told",
     [
-        ({"ball_race": {"distribution": "normal"}}, "ball_race.standard_deviation: got nothing"),
         ({"ball_race": {"distribution": "uniform", "low": 0.2, "high": 0.1}}, "ball_race.high"),
-        ({"ball_race": {"distribution": "uniform", "low": -0.2, "high": 0.1}}, "ball_race.low"),
         ({"ball_race": {"distribution": "lognormal", "factor": 1.0}}, "ball_race.factor"),
         (
             {"ball_race": {"distribution": "normal", "standard_deviation": 0.1, "factor": 2.0}},
             "ball_race.factor: got 2 with the distribution normal",
         ),
-        ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "got the name 'speed'"),
         ({"wear_coefficient": GOES_WITH}, "friction_correlation: got 0.6, only allowed with"),
         (
             {"wear_coefficient": GOES_WITH | {"friction_correlation": 1.0}},
             "friction_correlation: got 1.0, expected a number > -1",
         ),
-        ({"ball_race": GOES_WITH}, "only allowed with uncertainty.wear_coefficient"),
         (
             {"wear_coefficient": GOES_WITH, "ball_race": SPREAD | {"same_for_batch": False}},
             "got 0.6, expected the same same_for_batch of wear_coefficient and ball_race",
