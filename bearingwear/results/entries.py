@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -70,13 +70,10 @@ def common_attributes() -> dict[str, Any]:
 
 def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     """Variables and global attributes of a result, in the order of the table."""
-    values = result.values
+    values, table = result.values, _table(result)
     is_life = "end_criterion" in values
-    table = LIFE if is_life else CASE
     require_known(values, {*table, STRIP_POSITION.name, *TIME})
     scene = _scene(result.attrs.get("scene", "{}"))
-    if is_pair(scene):
-        table = of_pair(table)
     given = {name: stored_data(table[name], values[name]) for name in table if name in values}
     sizes = _sizes(table, given, scene)
     solved = {
@@ -97,6 +94,25 @@ def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     title = {"title": f"{kind} of {scene['name']}" if "name" in scene else kind}
     attrs = common_attributes() | title | result.attrs
     return coordinates | solved, {key: _attribute(value) for key, value in attrs.items()}
+
+
+def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entry], dict[str, Any]]:
+    """`entries_of` results of the same shapes, variables along a new first dimension."""
+    entries, attrs = entries_of(results[0])
+    table, given = _table(results[0]), results[0].values
+    for name, (dims, data, attributes, fill) in entries.items():
+        if name in table:  # no coordinate
+            if name in given:
+                data = stored_data(table[name], [result.values[name] for result in results])
+            else:
+                data = np.repeat(data[None], len(results), axis=0)
+            entries[name] = Entry((dim, *dims), data, attributes, fill)
+    return entries, attrs
+
+
+def _table(result: Result) -> Mapping[str, Variable]:
+    table = LIFE if "end_criterion" in result.values else CASE
+    return of_pair(table) if is_pair(_scene(result.attrs.get("scene", "{}"))) else table
 
 
 @functools.lru_cache(maxsize=4)

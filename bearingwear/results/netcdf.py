@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from bearingwear.atomic import SIGNATURE, reason, whole_file
-from bearingwear.results.entries import SOURCE, Entry, entries_of
+from bearingwear.results.entries import SOURCE, Entry, entries_of, stacked_entries
 from bearingwear.results.labels import named_data
 from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
 
@@ -89,7 +92,21 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     With `by_name` it has names instead of codes, as `labelled` makes them.
     """
     entries, attrs = entries_of(result)
-    attrs["wall_time_s"] = float(result.wall_time_s)
+    return _dataset(entries, attrs | {"wall_time_s": float(result.wall_time_s)}, by_name)
+
+
+def datasets_of(results: Iterable[Result], dim: str) -> list[xr.Dataset]:
+    """Results along a new first dimension, a dataset for neighbours of the same shapes."""
+    runs = (tuple(run) for _, run in itertools.groupby(results, _shapes))
+    return [_dataset(*stacked_entries(run, dim)) for run in runs]
+
+
+def _shapes(result: Result) -> tuple[Any, ...]:
+    shapes = [(name, np.shape(value)) for name, value in result.values.items()]
+    return result.attrs.get("fidelity"), shapes
+
+
+def _dataset(entries: dict[str, Entry], attrs: dict[str, Any], by_name: bool = False) -> xr.Dataset:
     names = [*filter(entries.__contains__, (*COORDINATES, STRIP_POSITION.name))]
     own = {name: entries.pop(name) for name in names}
     made = _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)

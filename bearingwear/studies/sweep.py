@@ -153,7 +153,7 @@ def _compile(points: Sequence[tuple[Scene, str]]) -> None:
 def _solved(jobs: Sequence[Job]) -> xr.Dataset:
     """Some points, along the dimension `point`."""
     from bearingwear.lives.life import life
-    from bearingwear.results.netcdf import dataset
+    from bearingwear.results.netcdf import datasets_of
     from bearingwear.solvers.solve import solve
     from bearingwear.studies.dataset import stacked
 
@@ -161,7 +161,7 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
         life(scene, fidelity) if what == "life" else solve(scene, fidelity)
         for scene, what, fidelity in jobs
     ]
-    made = stacked([dataset(result) for result in results], {_POINT: len(results)})
+    made = stacked(datasets_of(results, _POINT), {_POINT: len(results)}, along=_POINT)
     warnings = gathered_warnings(result.attrs for result in results)
     fidelities = [result.attrs["fidelity"] for result in results]
     return made.assign_attrs(fidelity=fidelities, warnings=warnings)
