@@ -74,7 +74,7 @@ def difference(
                 f"{os.fspath(second)}: got a {other_kind} and a {kind}, expected two files "
                 "of one kind"
             )
-        found = _differences(a, b, tolerance)
+        found = file_differences(a, b, tolerance)
     lines = [f"A {os.fspath(first)}", f"B {os.fspath(second)}", "", *_lines(found)]
     tolerance_text = f" to {tolerance:g} of its largest value" if tolerance else ""
     lines.append(
@@ -86,7 +86,8 @@ def difference(
     return "\n".join(line.rstrip() for line in lines), found.same
 
 
-def _differences(a: Any, b: Any, tolerance: float) -> Differences:
+def file_differences(a: Any, b: Any, tolerance: float = 0.0) -> Differences:
+    """Differences of two open files."""
     scenes = [leaves(json.loads(getattr(file, "scene", "{}"))) for file in (a, b)]
     attributes = _texts(*({k: file.getncattr(k) for k in file.ncattrs()} for file in (a, b)))
     attributes.pop("scene", None)
@@ -161,7 +162,8 @@ def _variable_difference(name: str, a: Any, b: Any, tolerance: float) -> Differe
     else:
         x, y = (np.ma.filled(np.ma.asarray(v[...], dtype=float), np.nan) for v in (one, other))
         missing = np.isnan(x) != np.isnan(y)
-        apart = np.where(missing, math.inf, np.nan_to_num(np.abs(x - y)))
+        with np.errstate(invalid="ignore"):  # infinite in both
+            apart = np.where(missing, math.inf, np.nan_to_num(np.abs(x - y)))
         largest = float(np.max(np.nan_to_num(np.abs([x, y])), initial=0.0))
     if not apart.any():
         return None

@@ -65,14 +65,9 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
             raise CaseFileError(f"{path}: differs from {first} in scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
         raise CaseFileError(f"{first}: has a different limit of the gyroscopic slip share")
-    return whole_map(list(found.values()), limits)
-
-
-def whole_map(parts: Sequence[xr.Dataset], limits: Mapping[str, float]) -> xr.Dataset:
-    """`design_map` of parts that belong together."""
     try:
         whole = xr.combine_by_coords(
-            parts,
+            list(found.values()),
             combine_attrs="drop_conflicts",
             join="exact",
             compat="equals",

@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -299,38 +300,26 @@ def map_part(
     shaft_speed_rpm, preload_N: axes of the map.
     slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
-    axes = method, friction, shaft_speed_rpm, preload_N
+    axes = [method], [friction], shaft_speed_rpm, preload_N
     base = life_scene(scene)
-    points = [followed_point(one, slip_limit) for one in scenes_of_part(base, *axes)]
-    return part_of(base, *axes, slip_limit, points)
+    points = [followed_point(one, slip_limit) for one in scenes_of_map(base, axes)]
+    return map_of(base, axes, slip_limit, points)
 
 
-def scenes_of_part(
+def scenes_of_map(base: Scene, axes: Sequence[Sequence[Any]]) -> list[Scene]:
+    """The scenes of a map, by values along each of `MAP_AXES`, the preload fastest."""
+    return [scene_at(base, *point) for point in itertools.product(*axes)]
+
+
+def map_of(
     base: Scene,
-    method: str,
-    friction: float,
-    shaft_speed_rpm: Sequence[float],
-    preload_N: Sequence[float],
-) -> list[Scene]:
-    """The scenes of a part of the map, the preload fastest."""
-    return [
-        scene_at(base, method, friction, speed, preload)
-        for speed in shaft_speed_rpm
-        for preload in preload_N
-    ]
-
-
-def part_of(
-    base: Scene,
-    method: str,
-    friction: float,
-    shaft_speed_rpm: Sequence[float],
-    preload_N: Sequence[float],
+    axes: Sequence[Sequence[Any]],
     slip_limit: float | None,
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """`map_part` from what `followed_point` gives for its scenes."""
-    values = [PRELOAD_METHODS.index(method)], [friction], shaft_speed_rpm, preload_N
+    """A map from what `followed_point` gives for its scenes."""
+    methods, *numbers = axes
+    values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
     return filled_points(
         {**dict(zip(MAP_AXES.values(), values, strict=True)), LOSS_BASIS: None},
         points,

@@ -5,7 +5,6 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,10 +78,10 @@ class MapAxes:
             raise SceneError("preload_method", "got a method twice, expected each once")
 
     @property
-    def lives(self) -> int:
-        """How many lives the map holds."""
-        axes = (self.preload_method, self.friction, self.shaft_speed_rpm, self.preload_N)
-        return math.prod(map(len, axes))
+    def values(self) -> tuple[Sequence[Any], ...]:
+        """Values along each axis; the methods in the order of their flags."""
+        methods = sorted(self.preload_method, key=PRELOAD_METHODS.index)
+        return methods, self.friction, self.shaft_speed_rpm, self.preload_N
 
 
 def axes_around(

@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +37,8 @@ from bearingwear.studies.design.choice import (
     UNLIMITED,
     limit_margins,
     limits_of,
-    whole_map,
     why_none,
+    with_choices,
 )
 from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.design.machine import MACHINE, machine_answers
@@ -49,9 +48,9 @@ from bearingwear.studies.design.map import (
     POINT,
     filled_points,
     followed_point,
+    map_of,
     new_point,
-    part_of,
-    scenes_of_part,
+    scenes_of_map,
     worst_cases,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
@@ -133,12 +132,7 @@ def mapped(
         solved where these need them, and none is in the map.
     """
     slip_limit = limits.gyroscopic_slip_share
-    parts = [
-        (method, friction, axes.shaft_speed_rpm, axes.preload_N)
-        for method in axes.preload_method
-        for friction in axes.friction
-    ]
-    scenes = [one for part in parts for one in scenes_of_part(scene, *part)]
+    scenes = scenes_of_map(scene, axes.values)
     unlike = len(scene.one_of_alike.sides) == 2
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
         workers, tell = 1, None
@@ -148,10 +142,8 @@ def mapped(
             lives = each(_followed, [(one, slip_limit, False) for one in scenes])
         if not quick and tell is not None:
             lives = told_in_lines(lives, len(scenes), "{} of {} lives of the map", tell=tell)
-        points = iter(list(lives))
-        count = len(scenes) // len(parts)
-        made = [part_of(scene, *part, slip_limit, list(islice(points, count))) for part in parts]
-        design = whole_map(made, limits.given)
+        design = map_of(scene, axes.values, slip_limit, list(lives))
+        design = with_choices(design.assign_attrs(limits=json.dumps(limits.given)))
         return design, recommendation(scene, design, each, tell)
 
 
@@ -248,9 +240,9 @@ class Search:
             line.add(preload, values, exact)
         points = [line.tried[preload].values for preload in line.ahead]
         operation = self.scene.operation
-        place = self.scene.friction.coefficient, [operation.shaft_speed_rpm], line.ahead
+        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], line.ahead
         slip_limit = self.limits.gyroscopic_slip_share
-        made = part_of(self.scene, line.method, *place, slip_limit, points)
+        made = map_of(self.scene, ([line.method], *place), slip_limit, points)
         return made.isel(preload_method=0, friction=0, shaft_speed=0)
 
     def _new(self, method: str, low: float, high: float) -> dict[str, np.ndarray] | None:
