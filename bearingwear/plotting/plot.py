@@ -8,7 +8,7 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure, save
 from bearingwear.results.kinds import Registry, function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.pair_variables import BEARINGS, OF_BEARING
+from bearingwear.results.words import of_bearing
 
 
 def figure_of(
@@ -24,32 +24,12 @@ def figure_of(
     CaseFileError: a kind that cannot be drawn.
     """
     kind = kind_of(dataset)
-    is_pair = OF_BEARING in dataset.dims and not dataset["status"].dims
-    if bearing is not None:
-        if not is_pair or bearing not in BEARINGS:
-            allowed = (
-                " or ".join(BEARINGS) if is_pair else "no bearing, because the file contains one"
-            )
-            raise CaseFileError(f"{name}: got the bearing {bearing}, expected {allowed}")
-        dataset = dataset.isel({OF_BEARING: BEARINGS.index(bearing)}, drop=True)
-    elif is_pair:
-        dataset = _one_of_both(dataset, name)
+    dataset = of_bearing(dataset, name, bearing)
     if kind not in figures:
         known = ", ".join(figures) or "none"
         raise CaseFileError(f"{name}: got a file of the kind {kind}, expected {known}")
     figure: Figure = function(figures[kind])(dataset)
     return figure
-
-
-def _one_of_both(dataset: xr.Dataset, name: str | Path) -> xr.Dataset:
-    """What each of two bearings has, if they are alike."""
-    first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
-    if not first.equals(second):
-        raise CaseFileError(
-            f"{name}: got a file of two different bearings, expected a choice of one: "
-            "--bearing first or second; in Python plot(..., bearing='first')"
-        )
-    return first
 
 
 def plot(

@@ -13,6 +13,7 @@ import numpy as np
 
 from bearingwear.results.netcdf import CaseFileError, header, load
 from bearingwear.results.units import Interval, Rough, key_in_words
+from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
 from bearingwear.scene.scene import COUNTS, WORN
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
@@ -206,13 +207,12 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
 
     Settings of accuracy move a life by far less than it spreads; they may differ.
     """
+    varied: dict[str, Any] = {"operation.preload_method": method}
+    if friction is not None:
+        varied["friction.ball_race"] = friction
+    whole = {key: scene[key] for key in scene if key not in ("name", "description", "model")}
     wear = {"ball_diameter_loss_um": 0.0} | scene["wear"]
-    mu = {} if friction is None else {"ball_race": friction}
-    return {key: scene[key] for key in scene if key not in ("description", "model")} | {
-        "operation": scene["operation"] | {"preload_method": method},
-        "friction": scene["friction"] | mu,
-        "wear": wear,
-    }
+    return with_changes(whole | {"wear": wear}, varied)
 
 
 def spread_at(one: xr.Dataset) -> Spread | None:

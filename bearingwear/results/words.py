@@ -1,10 +1,14 @@
 """Words and numbers of result files as texts and figures have them."""
 
 import json
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
+
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.pair_variables import BEARINGS, OF_BEARING
 
 _Data = TypeVar("_Data", xr.Dataset, xr.DataArray)
 
@@ -16,6 +20,51 @@ def methods(dataset: _Data) -> list[tuple[str, _Data]]:
         (names[int(flag)], dataset.isel(preload_method=k))
         for k, flag in enumerate(dataset["preload_method"].values)
     ]
+
+
+def bearings(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
+    """Slice of each bearing of a pair; None: the only bearing, or either of two that are alike."""
+    if OF_BEARING not in dataset.dims:
+        return {None: dataset}
+    first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
+    if first.equals(second):
+        return {None: first}
+    scene = scene_of(dataset)
+    return {
+        which: one.assign_attrs(
+            scene=json.dumps(scene | {"name": f"{scene['name']}, {which} bearing"})
+        )
+        for which, one in zip(BEARINGS, (first, second), strict=True)
+    }
+
+
+def of_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None) -> xr.Dataset:
+    """What one bearing has: the only one, either of two that are alike, or `first` or `second`.
+
+    Parameters
+    ----------
+    name : path
+        What the error calls the dataset.
+
+    Raises
+    ------
+    CaseFileError
+        Two bearings that differ without a choice of one, or a choice where there is none.
+    """
+    known = bearings(dataset)
+    if None in known:
+        known |= dict.fromkeys(BEARINGS if OF_BEARING in dataset.dims else (), known[None])
+    if bearing in known:
+        return known[bearing]
+    if bearing is None:
+        raise CaseFileError(
+            f"{name}: got a file of two different bearings, expected a choice of one: "
+            "--bearing first or second; in Python plot(..., bearing='first')"
+        )
+    allowed = " or ".join(BEARINGS)
+    if OF_BEARING not in dataset.dims:
+        allowed = "no bearing, because the file contains one"
+    raise CaseFileError(f"{name}: got the bearing {bearing}, expected {allowed}")
 
 
 def in_words(name: str) -> str:

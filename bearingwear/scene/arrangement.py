@@ -186,8 +186,7 @@ def one_bearing(scene: Scene, source: object) -> Scene:
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
-            f"got {scene.arrangement.kind}, expected single, for a study of states of wear (for a "
-            "pair: bearingwear solve, life, recommend)",
+            f"got {scene.arrangement.kind}, expected single, for cases solved dynamically",
             source=str(source),
         )
     return scene

@@ -6,9 +6,12 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from bearingwear.scene.arrangement import METHODS, PAIRS
 from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.scene import key_of_scene
+
+METHOD_KEY, KIND_KEY = "operation.preload_method", "arrangement.kind"
 
 KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 
@@ -47,12 +50,13 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
 def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Copy of a scene's data with values replaced, in new blocks where needed.
 
-    None takes an entry of `materials` or `uncertainty` away.
+    None takes an entry of `materials` or `uncertainty` away. Of a pair, either of preload method
+    and kind of arrangement sets the other.
 
     SceneError where a key is below something that is no block.
     """
     result = dict(data)
-    for key, value in changes.items():
+    for key, value in {**changes, **_joined_keys(data, changes)}.items():
         *blocks, last = key.split(".")
         block: dict[str, Any] = result
         for depth, name in enumerate(blocks, 1):
@@ -70,6 +74,21 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
         else:
             block[last] = value
     return result
+
+
+def _joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Preload method and kind of a pair, as far as a change of the other decides them."""
+    given = data.get("arrangement")
+    a = given if isinstance(given, Mapping) else {}
+    if str(a.get("kind")) not in METHODS:
+        return {}
+    kind = str(changes.get(KIND_KEY, PAIRS.get(str(changes.get(METHOD_KEY)))))
+    if kind not in METHODS:
+        return {}
+    implied = {METHOD_KEY: METHODS[kind], KIND_KEY: kind}
+    if kind == "rigid_pair" and "spring_stiffness_N_um" in a:
+        implied["arrangement.spring_stiffness_N_um"] = 0.0
+    return {key: value for key, value in implied.items() if key not in changes}
 
 
 def blamed(error: SceneError, data: Mapping[str, Any], changes: Sequence[str]) -> SceneError:

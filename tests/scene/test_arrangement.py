@@ -54,7 +54,7 @@ def test_held_by_another_method():
     assert held_by(read(), "fixed_position").arrangement is None
 
 
-def test_studies_of_states_of_wear_take_one_bearing():
+def test_dynamic_cases_of_a_study_are_of_one_bearing():
     assert one_bearing(read(), "x").pair is None
     with pytest.raises(SceneError, match="arrangement.kind: got rigid_pair"):
         one_bearing(read(*RIGID), "mine.yaml")

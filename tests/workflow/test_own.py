@@ -144,8 +144,8 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
 
 
 @pytest.mark.long
-def test_a_pair_is_studied_by_its_map(study, tmp_path):
-    """Spring pair against rigid pair, and no states of wear of one bearing."""
+def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
+    """Spring pair against rigid pair: map, states of wear, lives and their spread."""
     mine = tmp_path / "mine.yaml"
     rotor = "arrangement: {kind: spring_pair, external_axial_N: 1.0}\n"
     mine.write_text(mine.read_text(encoding="utf-8") + rotor, encoding="utf-8")
@@ -157,12 +157,13 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     assert "mine: the best preloads between those of the map" in lines
     assert set(lines) <= set(told.splitlines())
     page = text_of(folder / "index.html")
-    assert re.search("<h1>gyro_s1: take a (spring|rigid) pair ", page)
-    assert "L10 (h)" in page and "L10 and L50 are those of the middle batch" in page
+    assert re.search("<h1>gyro_s1: use a (spring|rigid) pair preloaded with ", page)
+    assert "L10 (h)" in page and "L10 and L50 are those of the median batch" in page
+    assert "gyro_s1 as it wears" in page and "gyro_s1, second bearing: balls and races last" in page
+    assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")
     assert "| recommended | spring pair | rigid pair |" in text
     found = load(folder / "results/mine/preload/recommendation.nc")
     assert float(found["system_axial_stiffness"].min()) >= 4.0e6 * (1.0 - 1e-6)
-    assert not (folder / "results/mine/cases").exists()
     status, told = study("-j2", "--stiffness", "4")
     assert status == 0 and "Nothing to be done" in told

@@ -62,7 +62,7 @@ class DesignStudy(Study):
         studied: Sequence[str] = (),
         spread: Mapping[str, Any] | None = None,
     ) -> None:
-        # of a pair there are no states of wear to study, and its map is the whole study
+        # without states of wear the maps are the whole study
         small = [name for name in plan.small_maps if name in studied or not studied]
         sample = dict(spread or {})
         spread_of = [scene for scene in small if scene in sample.pop("scenes", ())]

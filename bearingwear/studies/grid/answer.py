@@ -14,6 +14,7 @@ from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
     QUOTED_SHARE,
@@ -46,7 +47,7 @@ class MethodLife(NamedTuple):
     """The wear life of one scene, preload method and friction coefficient."""
 
     scene: str
-    method: str
+    method: str  # in words; of a pair, its kind
     friction: float
     hours: dict[str, float]  # by what counts as wear; nan where there is none
     counts: str  # what counts in the scene
@@ -91,7 +92,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
             found.append(
                 MethodLife(
                     scene["name"],
-                    method,
+                    method_words(scene, method),
                     mu,
                     dict(zip(ways, one["life"].values.tolist(), strict=True)),
                     counts,
@@ -99,7 +100,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
                     end,
                     "groove_depth" in one and bool(np.isfinite(one["groove_depth"]).any()),
                     (spreads_of(known, scene, method, mu) or {}).get(counts),
-                    1e6 * float(one["loss_at_end"]),
+                    1e6 * float(one["loss_at_end"].max()),
                     float(one["life_route_difference"][-1]),
                 )
             )

@@ -12,6 +12,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
@@ -197,10 +198,14 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
 
 
 def _compared(value: Any) -> Any:
-    """What cases share, without the description of their scene."""
+    """What cases share: without the description of their scene, and the kind of a pair, which the
+    preload method decides."""
     if not isinstance(value, str) or not value.startswith("{"):
         return value
-    return {key: part for key, part in json.loads(value).items() if key != "description"}
+    scene = {key: part for key, part in json.loads(value).items() if key != "description"}
+    if is_pair(scene):
+        scene["arrangement"] |= {"kind": "pair", "spring_stiffness_N_um": None}
+    return scene
 
 
 def _numbers_of_solved(dataset: xr.Dataset) -> xr.Dataset:

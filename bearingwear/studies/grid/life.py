@@ -14,6 +14,7 @@ import xarray as xr
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.warnings import gathered_warnings
+from bearingwear.results.words import bearings
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import variant
@@ -59,7 +60,10 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
                     holding = bearings_holding(scene.operation.preload_method)
                     line[system] = holding * line[own]
             unknown |= criteria.keys() - known_of(criteria, line).keys()
-            interpolated.append(interpolated_life(line, criteria, scene.operation.preload_N))
+            which, one = next(iter(bearings(line).items()))
+            if which is not None:  # of two that differ, each wears at a rate of its own
+                one = one.isel(ball_diameter_loss=slice(1))
+            interpolated.append(interpolated_life(one, criteria, scene.operation.preload_N))
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
@@ -90,5 +94,6 @@ def _comparable(lives: xr.Dataset, unknown: Collection[str]) -> xr.DataArray:
     """
     found = ~lives["end_criterion"].isin([CRITERIA.index(name) for name in unknown])
     if "history_approach_loss" in lives:  # the grooves were followed
-        found &= lives["history_approach_loss"].isnull().all("step")
+        followed = lives["history_approach_loss"].notnull()
+        found &= ~followed.any([dim for dim in followed.dims if dim not in found.dims])
     return found

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from bearingwear.provenance import text_hash
-from bearingwear.scene.arrangement import one_bearing
+from bearingwear.results.pair_variables import BEARINGS
+from bearingwear.scene.arrangement import Arrangement, one_bearing
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
 from bearingwear.studies.axis import in_name, place_of_errors
@@ -125,7 +126,7 @@ class Plan:
         """
         for scene, grid in self.grids.items():
             path = _scene_file(scene)
-            one_bearing(for_life(load_scene(path), path), path)
+            for_life(load_scene(path), path)
             _check_cases(scene, {case: case.changes for case in grid.every_value()})
         for scene, grid in self.dynamic.items():
             cases = grid.every_value()
@@ -154,6 +155,12 @@ class Plan:
         if not (wanted := sorted(self.config.figures.friction)):
             return [*grid.friction]
         return [mu for mu in wanted if mu in grid.friction] or [grid.friction[0]]
+
+    def bearings(self, scene: str) -> tuple[str | None, ...]:
+        """Bearings of a scene that have figures of their own; None: one, or two that are alike."""
+        given = as_data(_scene_file(scene))[0].get("arrangement")
+        alone = given is None or not (a := record(Arrangement, given)).is_pair or a.is_symmetric
+        return (None,) if alone else BEARINGS
 
     def cases(self, *scenes: str) -> list[str]:
         """Case files of the given scenes, or of all."""

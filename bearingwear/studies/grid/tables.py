@@ -17,7 +17,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.words import bearings, in_words, methods, scene_of
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.grid.answer import lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
@@ -80,13 +80,14 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
 
 def _wear(study: xr.Dataset) -> Block:
     """QV and residual preload at the first and the last loss."""
-    ends = study.isel(ball_diameter_loss=[0, -1])
+    ends = bearings(study.isel(ball_diameter_loss=[0, -1]))
     columns = [
-        (ends[name].isel(ball_diameter_loss=k), f"at {float(loss):g} µm")
+        (one[name].isel(ball_diameter_loss=k), f"{words}at {float(loss):g} µm")
+        for words, one in [(f"{which} bearing, " if which else "", ends[which]) for which in ends]
         for name in ("total_qv", "residual_preload")
-        for k, loss in enumerate(ends["ball_diameter_loss"])
+        for k, loss in enumerate(one["ball_diameter_loss"])
     ]
-    said = ("QV is that of the whole bearing.",)
+    said = ("QV is that of a whole bearing.",)
     return table_of(study, ("preload_method", "friction"), columns, "What wear does", said)
 
 
@@ -96,8 +97,8 @@ def _not_compared(lives: xr.Dataset) -> str:
     said = []
     if bool(lives["life_route_difference"].isnull().any()):
         said.append(
-            "A dash: the life has worn grooves, which interpolation between Hertzian cases "
-            "excludes, or its end is not among the values of these cases."
+            "A dash: the life has worn grooves or two bearings that differ, which interpolation "
+            "between cases excludes, or its end is not among the values of these cases."
         )
     if unknown:
         said.append(f"The cases do not contain: {', '.join(unknown)}.")

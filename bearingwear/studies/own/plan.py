@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.cage.plan import FEWEST
 from bearingwear.studies.design.plan import DesignLimits, axes_around
+
+if TYPE_CHECKING:
+    from bearingwear.solvers.compose import Remembered
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
 """Friction coefficients of the grid over the scene's own."""
@@ -27,15 +31,13 @@ HALF_OF_THE_LIVES = 64
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
     """Configuration files of a study of a scene, as plain data by their paths.
 
-    Of a pair: the map that compares spring and rigid pair, with the spread of the recommended
-    lives, and no states of wear of a bearing. A scene with a film of its cage or a
-    `cage_uncertainty` has a map of cages, too.
+    A single bearing with a film of its cage or a `cage_uncertainty` has a map of cages, too.
 
     SceneError: a friction or a preload that no study can be made around.
     """
     limits.check(scene, source)
     frictions = _frictions(scene, source)
-    losses = _losses(scene) if scene.pair is None else [0.0]
+    losses = _losses(scene)
     axes = axes_around(scene, frictions, source)
     config: dict[str, Any] = {
         "studies": [
@@ -52,8 +54,6 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
             "friction": [scene.friction.coefficient],
         },
     }
-    if scene.pair is not None:
-        config["studies"] = []
     if scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": HALF_OF_THE_LIVES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
@@ -116,7 +116,6 @@ def _losses(scene: Scene) -> list[float]:
 
     Where one of the methods has no solution so far worn, to the sooner of the ends of their lives.
     """
-    from bearingwear.kernels.status import OK
     from bearingwear.scene.arrangement import held_by
     from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
@@ -128,6 +127,12 @@ def _losses(scene: Scene) -> list[float]:
         ends[method] = 1e6 * life_point(one, None).get("loss_at_end", 0.0)
         states.append(solver_of(one))
     last = math.ceil(100.0 * (ends[operation.preload_method] or max(ends.values()))) / 100.0
-    if any(state.at(1e-6 * last).status != OK for state in states):
+    if any(_status_at(one, 1e-6 * last) != OK for one in states):
         last = math.floor(100.0 * min((end for end in ends.values() if end), default=0.0)) / 100.0
     return sorted({round(last * k / STATES_OF_WEAR, 2) for k in range(STATES_OF_WEAR + 1)})
+
+
+def _status_at(solver: Remembered, loss: float) -> int:
+    """Of the bearings, all at a loss of ball diameter [m]."""
+    worn = (one._replace(loss=loss) for one in solver.bearings.start)
+    return next((state.status for state in solver((*worn,)) if state.status != OK), OK)

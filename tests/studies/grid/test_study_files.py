@@ -261,6 +261,46 @@ def test_both_routes_agree(folder):
     assert "history_residual_preload" in lives
 
 
+@pytest.mark.parametrize("force", [0.0, 1.0])
+def test_study_of_a_pair(force, tmp_path, monkeypatch):
+    """Two bearings, alike or not, as single ones; those that differ have figures of their own."""
+    from bearingwear.plotting.plot import figure_of
+    from bearingwear.results.netcdf import write_result
+    from bearingwear.scene.read import load_scene
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.grid.grid import Case
+    from bearingwear.studies.grid.life import study_life
+    from bearingwear.studies.grid.solve import solved_cases
+    from bearingwear.studies.grid.study import PLOTS
+    from bearingwear.studies.grid.tables import study_tables
+
+    pair = {"kind": "spring_pair", "external_axial_N": force}
+    changes = {"arrangement": pair, "wear.counts": "ball"}
+    scene = load_scene(scene_file("gyro_s1")).with_(changes)
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(json.dumps(scene.to_dict()), encoding="utf-8")
+    cases = [Case(method, 0.08, loss) for method in PRELOAD_METHODS for loss in (0.0, 0.35, 0.7)]
+    paths = [tmp_path / f"{case.id}.nc" for case in cases]
+    for path, result in zip(paths, solved_cases(mine, cases), strict=True):
+        write_result(result, path)
+    gathered, lives = tmp_path / "study.nc", tmp_path / "wear_life.nc"
+    write_dataset(study(paths), gathered)
+    write_dataset(study_life(mine, gathered), lives)
+    found = load(lives)
+    assert np.all(found["status"] == OK) and found["loss_at_end"].dims[-1] == "bearing"
+    assert bool(found["life_route_difference"].isnull().all()) == (force > 0.0)
+    assert force or np.all(abs(found["life_route_difference"]) < 0.03)
+    rows, summary = study_tables(gathered, lives)
+    assert "contact_load.second" in rows.partition("\n")[0]
+    assert ("QV, second bearing" in summary) == (force > 0.0) and "| rigid pair |" in summary
+    for bearing in ("first", "second") if force else (None,):
+        for path in (gathered, lives):
+            figure = figure_of(load(path), path, PLOTS, bearing)
+            texts = figure.get_suptitle(), figure.axes[0].get_title(loc="left")
+            said = " ".join(" ".join(texts).split())
+            assert (f"gyro_s1, {bearing} bearing" in said) == (force > 0.0)
+
+
 # verdict, tables, figures
 
 
@@ -427,7 +467,7 @@ def test_figures_show_failed_cases_and_names_as_text(folder, name, tmp_path, mon
         scene = json.loads(dataset.attrs["scene"]) | {"name": HOSTILE}
         return dataset.assign_attrs(scene=json.dumps(scene))
 
-    monkeypatch.setattr(steps, "loaded", renamed)
+    monkeypatch.setattr(steps, "loaded_file", renamed)
     assert draw(name, tmp_path / "figure.svg", folder=folder) == 0
     drawn = ElementTree.parse(tmp_path / "figure.svg")
     assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]

@@ -56,6 +56,19 @@ def test_plan_is_around_the_scene(scene):
     assert yaml.safe_load(yaml.safe_dump(design)) == design
 
 
+def test_plan_of_a_pair(scene):
+    """Methods are pairs of the two kinds; states of wear go to the end of the pair's life."""
+    pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
+    config, _ = plans(pair)
+    (block,) = config["studies"]
+    end = 1e6 * float(max(life(pair).values["loss_at_end"]))
+    assert end <= block["ball_diameter_loss_um"][-1] <= end + 0.01
+    other = pair.with_({"operation.preload_method": "fixed_position"})
+    assert other.arrangement.kind == "rigid_pair"
+    with pytest.raises(SceneError, match="arrangement.kind"):
+        pair.with_({"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"})
+
+
 CARRIED_AWAY = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
 
 

@@ -3,40 +3,57 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import xarray as xr
+
 from bearingwear.plotting.drawing import Figure
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
-from bearingwear.studies.dataset import both_ways, loaded
+from bearingwear.results.words import of_bearing
+from bearingwear.studies.dataset import both_ways
+from bearingwear.studies.dataset import loaded as loaded_file
 from bearingwear.studies.grid.figures import dynamic as dynamic_figures
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.figures.overlay import lives_side_by_side, spread
 
 
-def draw_friction(study: Path, loss_um: float) -> Figure:
+def loaded(path: Path, bearing: str | None = None, **axes: Sequence[float]) -> xr.Dataset:
+    """What one bearing has of a file, as `dataset.loaded`."""
+    return of_bearing(loaded_file(path, **axes), path, bearing)
+
+
+def draw_friction(study: Path, loss_um: float, bearing: str | None = None) -> Figure:
     """QV and contact load against friction at one state of wear."""
-    return quasistatic.friction_figure(loaded(study, ball_diameter_loss=[loss_um]), loss_um)
+    found = loaded(study, bearing, ball_diameter_loss=[loss_um])
+    return quasistatic.friction_figure(found, loss_um)
 
 
-def draw_slip(cases: Sequence[Path]) -> Figure:
+def draw_slip(cases: Sequence[Path], bearing: str | None = None) -> Figure:
     """Slip over the contact ellipse."""
-    return quasistatic.slip_figure([loaded(path, strip=()) for path in cases])
+    return quasistatic.slip_figure([loaded(path, bearing, strip=()) for path in cases])
 
 
-def draw_wear(studies: Sequence[Path], friction: Sequence[float]) -> Figure:
+def draw_wear(
+    studies: Sequence[Path], friction: Sequence[float], bearing: str | None = None
+) -> Figure:
     """QV, preload, angles and rate of wear; a column for each file, or several of one file."""
     paths = [*studies] * len(friction) if len(studies) == 1 else studies
     if len(paths) != len(friction):
         raise CaseFileError(f"friction: got {len(friction)} values, expected {len(paths)}")
     columns = [
-        loaded(path, friction=[mu], ball_diameter_loss=())
+        loaded(path, bearing, friction=[mu], ball_diameter_loss=())
         for path, mu in zip(paths, friction, strict=True)
     ]
     return quasistatic.wear_figure(columns, friction)
 
 
-def draw_life(lives: Path, friction: Sequence[float], uncertainty: Sequence[Path] = ()) -> Figure:
+def draw_life(
+    lives: Path,
+    friction: Sequence[float],
+    uncertainty: Sequence[Path] = (),
+    bearing: str | None = None,
+) -> Figure:
     """Wear and preload over the life."""
-    found = loaded(lives, interpolated_step=(), friction=friction)
+    found = loaded(lives, bearing, interpolated_step=(), friction=friction)
     return quasistatic.life_figure(found, friction, [load_quantiles(path) for path in uncertainty])
 
 

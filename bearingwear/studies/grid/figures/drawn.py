@@ -5,6 +5,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from bearingwear.studies.grid.plan import Plan
@@ -35,19 +36,8 @@ def bundles(plan: Plan) -> list[Bundle]:
 
 def _scene_steps(plan: Plan, scene: str) -> list[Step]:
     lives = {"lives": "wear_life.nc", "uncertainty": plan.spreads_of_lives(scene)}
-    grid, mu = plan.grids[scene], {"friction": plan.frictions(scene)}
-    slip = plan.slip_cases(scene)
-    steps = [
-        _figure(name, "friction", study="study.nc", settings={"loss_um": loss})
-        for name, loss in plan.losses.items()
-        if len(grid.friction) > 1 and loss in grid.ball_diameter_loss_um
-    ]
-    if slip:
-        steps.append(_figure("fig09_slip", "slip", cases=slip))
     return [
-        *steps,
-        _figure("fig10_wear", "wear", studies=["study.nc"], settings=mu),
-        _figure("wear_life", "life", settings=mu, **lives),
+        *(step for one in plan.bearings(scene) for step in _bearing_steps(plan, scene, one, lives)),
         table_step(
             ("cases.csv", "summary.md"),
             "tables.study_tables",
@@ -58,6 +48,22 @@ def _scene_steps(plan: Plan, scene: str) -> list[Step]:
             **lives,
         ),
     ]
+
+
+def _bearing_steps(
+    plan: Plan, scene: str, bearing: str | None, lives: Mapping[str, Any]
+) -> Iterator[Step]:
+    """Figures of the only bearing of a scene, or of one of two that differ."""
+    which, suffix = ({"bearing": bearing}, f"-{bearing}") if bearing else ({}, "")
+    grid, mu = plan.grids[scene], {"friction": plan.frictions(scene), **which}
+    for name, loss in plan.losses.items():
+        if len(grid.friction) > 1 and loss in grid.ball_diameter_loss_um:
+            settings = {"loss_um": loss, **which}
+            yield _figure(name + suffix, "friction", study="study.nc", settings=settings)
+    if slip := plan.slip_cases(scene):
+        yield _figure(f"fig09_slip{suffix}", "slip", cases=slip, settings=which)
+    yield _figure(f"fig10_wear{suffix}", "wear", studies=["study.nc"], settings=mu)
+    yield _figure(f"wear_life{suffix}", "life", settings=mu, **lives)
 
 
 def _dynamic_steps(plan: Plan, scene: str) -> list[Step]:

@@ -31,7 +31,7 @@ from bearingwear.plotting.drawing import (
     race_keys,
 )
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spreads_of
-from bearingwear.results.units import Display, Interval, digits, display
+from bearingwear.results.units import Display, Interval, Rough, display
 from bearingwear.results.words import in_words, methods, mu_is, percent, scene_of
 
 WEAR_RATE = display("m3 s-1")
@@ -64,7 +64,9 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
         figure,
         f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: "
         f"{_friction_message(study['friction'], states)}",
-        method_keys(name for name, _ in states) + race_keys() + failed_keys(failed),
+        method_keys((name for name, _ in states), scene_of(study))
+        + race_keys()
+        + failed_keys(failed),
         columns=5,
     )
     return figure
@@ -125,7 +127,9 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
         figure,
         f"{scenes[0]['name']}, {worn_in_words(loss_um)}: the gyroscopic share of slip reaches "
         f"{reached or '–'}",
-        method_keys(dict.fromkeys(scene["operation"]["preload_method"] for scene in scenes))
+        method_keys(
+            dict.fromkeys(scene["operation"]["preload_method"] for scene in scenes), scenes[0]
+        )
         + dash_keys(styles),
         columns=5,
     )
@@ -156,8 +160,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     loss = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        f"QV in {in_words(name)} after {loss:g} µm of wear, relative to new: {', '.join(shares)}",
-        method_keys(name for name, _ in states)
+        f"QV in {in_words(name)} after {loss:g}\N{NO-BREAK SPACE}µm of wear, relative to new: {', '.join(shares)}",
+        method_keys((name for name, _ in states), scene_of(studies[0]))
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
         columns=2 if columns == 1 else 3,
@@ -227,11 +231,11 @@ def life_figure(
         figure,
         f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
         f"{_spread_said(lives, frictions, known)}",
-        method_keys(name for name, _ in methods(lives))
+        method_keys((name for name, _ in methods(lives)), scene_of(lives))
         + dash_keys(styles)
         + [
             key(_INTERPOLATED[len(shown) > 1], color="0.3", **_OTHER_ROUTE)
-            for _ in range("interpolated_history_time" in lives)
+            for _ in range(_is_interpolated(lives, frictions))
         ]
         + [
             key(END_MARKS[m][1], color="0.3", linestyle="none", marker=END_MARKS[m][0]) for m in met
@@ -239,6 +243,12 @@ def life_figure(
         columns=2 * len(shown),
     )
     return figure
+
+
+def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
+    """Whether a life is drawn that was interpolated from the study."""
+    known = lives.get("interpolated_history_time")
+    return known is not None and bool(known.sel(friction=frictions).notnull().any())
 
 
 _OTHER_ROUTE = {"linestyle": "none", "marker": ".", "markersize": 3}
@@ -287,9 +297,8 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     if not found:
         return "no end of life was found"
     (shortest, which), (longest, _) = min(found), max(found)
-    if len(found) == 1:
-        return f"balls and races last {digits(shortest)} h ({which})"
-    return f"balls and races last {digits(shortest)} h ({which}) to {digits(longest)} h"
+    ends = " to ".join(dict.fromkeys(Rough(life).text for life in (shortest, longest)))
+    return f"balls and races last {ends} h" + (f" ({which})" if len(found) == 1 else "")
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
