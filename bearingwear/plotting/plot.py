@@ -8,7 +8,7 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure, save
 from bearingwear.results.kinds import Registry, function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.words import of_bearing
+from bearingwear.results.words import chosen_bearing
 
 
 def figure_of(
@@ -24,7 +24,7 @@ def figure_of(
     CaseFileError: a kind that cannot be drawn.
     """
     kind = kind_of(dataset)
-    dataset = of_bearing(dataset, name, bearing)
+    dataset = chosen_bearing(dataset, name, bearing)
     if kind not in figures:
         known = ", ".join(figures) or "none"
         raise CaseFileError(f"{name}: got a file of the kind {kind}, expected {known}")

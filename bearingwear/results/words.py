@@ -22,7 +22,7 @@ def methods(dataset: _Data) -> list[tuple[str, _Data]]:
     ]
 
 
-def bearings(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
+def each_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
     """Slice of each bearing of a pair; None: the only bearing, or either of two that are alike."""
     if OF_BEARING not in dataset.dims:
         return {None: dataset}
@@ -38,7 +38,7 @@ def bearings(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
     }
 
 
-def of_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None) -> xr.Dataset:
+def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None) -> xr.Dataset:
     """What one bearing has: the only one, either of two that are alike, or `first` or `second`.
 
     Parameters
@@ -51,7 +51,7 @@ def of_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None
     CaseFileError
         Two bearings that differ without a choice of one, or a choice where there is none.
     """
-    known = bearings(dataset)
+    known = each_bearing(dataset)
     if None in known:
         known |= dict.fromkeys(BEARINGS if OF_BEARING in dataset.dims else (), known[None])
     if bearing in known:

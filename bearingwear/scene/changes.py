@@ -85,7 +85,7 @@ def _joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
     kind = str(changes.get(KIND_KEY, PAIRS.get(str(changes.get(METHOD_KEY)))))
     if kind not in METHODS:
         return {}
-    implied = {METHOD_KEY: METHODS[kind], KIND_KEY: kind}
+    implied: dict[str, Any] = {METHOD_KEY: METHODS[kind], KIND_KEY: kind}
     if kind == "rigid_pair" and "spring_stiffness_N_um" in a:
         implied["arrangement.spring_stiffness_N_um"] = 0.0
     return {key: value for key, value in implied.items() if key not in changes}

@@ -14,7 +14,7 @@ import xarray as xr
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.warnings import gathered_warnings
-from bearingwear.results.words import bearings
+from bearingwear.results.words import each_bearing
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import variant
@@ -60,7 +60,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
                     holding = bearings_holding(scene.operation.preload_method)
                     line[system] = holding * line[own]
             unknown |= criteria.keys() - known_of(criteria, line).keys()
-            which, one = next(iter(bearings(line).items()))
+            which, one = next(iter(each_bearing(line).items()))
             if which is not None:  # of two that differ, each wears at a rate of its own
                 one = one.isel(ball_diameter_loss=slice(1))
             interpolated.append(interpolated_life(one, criteria, scene.operation.preload_N))

@@ -467,7 +467,7 @@ def test_figures_show_failed_cases_and_names_as_text(folder, name, tmp_path, mon
         scene = json.loads(dataset.attrs["scene"]) | {"name": HOSTILE}
         return dataset.assign_attrs(scene=json.dumps(scene))
 
-    monkeypatch.setattr(steps, "loaded_file", renamed)
+    monkeypatch.setattr(steps, "loaded", renamed)
     assert draw(name, tmp_path / "figure.svg", folder=folder) == 0
     drawn = ElementTree.parse(tmp_path / "figure.svg")
     assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]

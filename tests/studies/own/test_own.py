@@ -66,7 +66,9 @@ def test_plan_of_a_pair(scene):
     other = pair.with_({"operation.preload_method": "fixed_position"})
     assert other.arrangement.kind == "rigid_pair"
     with pytest.raises(SceneError, match="arrangement.kind"):
-        pair.with_({"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"})
+        other.with_(
+            {"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"}
+        )
 
 
 CARRIED_AWAY = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}

@@ -8,28 +8,22 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
-from bearingwear.results.words import of_bearing
-from bearingwear.studies.dataset import both_ways
-from bearingwear.studies.dataset import loaded as loaded_file
+from bearingwear.results.words import chosen_bearing
+from bearingwear.studies.dataset import both_ways, loaded
 from bearingwear.studies.grid.figures import dynamic as dynamic_figures
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.figures.overlay import lives_side_by_side, spread
 
 
-def loaded(path: Path, bearing: str | None = None, **axes: Sequence[float]) -> xr.Dataset:
-    """What one bearing has of a file, as `dataset.loaded`."""
-    return of_bearing(loaded_file(path, **axes), path, bearing)
-
-
 def draw_friction(study: Path, loss_um: float, bearing: str | None = None) -> Figure:
     """QV and contact load against friction at one state of wear."""
-    found = loaded(study, bearing, ball_diameter_loss=[loss_um])
+    found = _loaded(study, bearing, ball_diameter_loss=[loss_um])
     return quasistatic.friction_figure(found, loss_um)
 
 
 def draw_slip(cases: Sequence[Path], bearing: str | None = None) -> Figure:
     """Slip over the contact ellipse."""
-    return quasistatic.slip_figure([loaded(path, bearing, strip=()) for path in cases])
+    return quasistatic.slip_figure([_loaded(path, bearing, strip=()) for path in cases])
 
 
 def draw_wear(
@@ -40,7 +34,7 @@ def draw_wear(
     if len(paths) != len(friction):
         raise CaseFileError(f"friction: got {len(friction)} values, expected {len(paths)}")
     columns = [
-        loaded(path, bearing, friction=[mu], ball_diameter_loss=())
+        _loaded(path, bearing, friction=[mu], ball_diameter_loss=())
         for path, mu in zip(paths, friction, strict=True)
     ]
     return quasistatic.wear_figure(columns, friction)
@@ -53,19 +47,19 @@ def draw_life(
     bearing: str | None = None,
 ) -> Figure:
     """Wear and preload over the life."""
-    found = loaded(lives, bearing, interpolated_step=(), friction=friction)
+    found = _loaded(lives, bearing, interpolated_step=(), friction=friction)
     return quasistatic.life_figure(found, friction, [load_quantiles(path) for path in uncertainty])
 
 
 def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
     """Several scenes overlaid."""
-    found = [loaded(path, friction=[friction], ball_diameter_loss=()) for path in studies]
+    found = [_loaded(path, None, friction=[friction], ball_diameter_loss=()) for path in studies]
     return spread(found, friction)
 
 
 def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
     """Lives of several scenes overlaid."""
-    found = [loaded(path, interpolated_step=(), friction=[friction]) for path in lives]
+    found = [_loaded(path, None, interpolated_step=(), friction=[friction]) for path in lives]
     return lives_side_by_side(found, friction)
 
 
@@ -80,3 +74,7 @@ def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     if found.attrs.get("fidelity") != "dynamic" or "status" not in found or found["status"].dims:
         raise CaseFileError(f"{case}: not a case solved dynamically")
     return dynamic_figures.running_average_figure(found, reference)
+
+
+def _loaded(path: Path, bearing: str | None, **axes: Sequence[float]) -> xr.Dataset:
+    return chosen_bearing(loaded(path, **axes), path, bearing)
