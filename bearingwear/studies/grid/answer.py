@@ -14,7 +14,7 @@ from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
-from bearingwear.results.pair_variables import method_words
+from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
     QUOTED_SHARE,
@@ -26,6 +26,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import Rough, in_print, span
 from bearingwear.results.words import in_words, methods, mu_is, percent_in_text, scene_of
+from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
@@ -47,7 +48,7 @@ class MethodLife(NamedTuple):
     """The wear life of one scene, preload method and friction coefficient."""
 
     scene: str
-    method: str  # in words; of a pair, its kind
+    method: str  # of a pair, its kind
     friction: float
     hours: dict[str, float]  # by what counts as wear; nan where there is none
     counts: str  # what counts in the scene
@@ -92,7 +93,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
             found.append(
                 MethodLife(
                     scene["name"],
-                    method_words(scene, method),
+                    PAIRS[method] if is_pair(scene) else method,
                     mu,
                     dict(zip(ways, one["life"].values.tolist(), strict=True)),
                     counts,
