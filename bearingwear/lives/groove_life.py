@@ -153,7 +153,7 @@ def half_lengths(point: WornPoint) -> np.ndarray:
 def pressures(bearing: WornBearing, point: WornPoint) -> np.ndarray:
     """Pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
     g, rows = point.problem.g, []
-    for k, force in enumerate(bearing.forces(point)):
+    for k, force in enumerate(point.forces):
         places = point.x[k] + bearing.shift(k, force.alpha, g)
         middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
         rows.append(np.interp(bearing.arc[k], places, middle, left=0.0, right=0.0))

@@ -14,7 +14,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import largest_loss
 from bearingwear.lives.follow import Node, States
-from bearingwear.lives.surfaces import FilmWear
+from bearingwear.lives.surfaces import Coating, FilmWear
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
@@ -27,9 +27,6 @@ from bearingwear.solvers.rotor import half_of_pair
 from bearingwear.solvers.state import State, case_state
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.warm import warm_scene, warmth_of
-
-BEARING_FILMS = 3
-"""Those of the inner and the outer race, and of the balls; those of the cage follow."""
 
 
 @dataclass(frozen=True)
@@ -181,18 +178,20 @@ class Motion:
     def wears(self, node: Node) -> bool:
         return bool(run_at(node).rates.any())
 
+    def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
+        """Films of races and balls, and those of the cage, with the depths there [m]."""
+        of_bearing = self.films.coating, self.films.depths(self.depths(worn))
+        return [of_bearing, (self.parts.coating, self.parts.cage_depths(worn))]
+
     def events(self, node: Node) -> np.ndarray:
-        left = self.films.coating.left(self.films.depths(self.depths(node.worn)))
-        return np.append(left, self.parts.coating.left(self.parts.cage_depths(node.worn)))
+        return np.concatenate([films.left(deep) for films, deep in self.films_at(node.worn)])
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
-        if event < BEARING_FILMS:
-            depths = self.films.depths(self.depths(node.worn))
-            self.films.coating.wear_through(event, depths)
-        else:
-            depths = self.parts.cage_depths(node.worn)
-            self.parts.coating.wear_through(event - BEARING_FILMS, depths)
+        part = event
+        for films, depths in self.films_at(node.worn):
+            films.wear_through(part, depths)
+            part -= films.cover.size
         self.gone.append(event)
         self._since = node.x, node.worn
         return True
@@ -246,7 +245,7 @@ class Motion:
 
     def _film_depths(self, worn: np.ndarray) -> np.ndarray:
         """Depths of whatever may have a film: races, balls, pockets, land (5,) [m]."""
-        return np.append(self.films.depths(self.depths(worn)), self.parts.cage_depths(worn))
+        return np.concatenate([depths for _, depths in self.films_at(worn)])
 
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
         """A part of the way to the end, or `FilmWear.running_in_time` [s]; reports progress.

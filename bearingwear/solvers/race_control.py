@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.contact.points import Rule, point_buffers
-from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary
+from bearingwear.kernels.contact.summary import ANGLE, COLUMNS, HEAT, LOAD, QV, contact_summary
 from bearingwear.kernels.contact.verification import polygon_residual
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
@@ -23,7 +23,7 @@ from bearingwear.solvers.bearing.outputs import (
     contact_values,
     depth_peak,
     loss_per_wear,
-    stiffness_matrix,
+    stiffness_of_loads,
     wear_values,
 )
 from bearingwear.solvers.bearing.race_control_problem import (
@@ -232,7 +232,7 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     values |= {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
-        "stiffness_matrix": stiffness_matrix(g, D, rows),
+        "stiffness_matrix": stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE]),
         "quasistatic_axial_stiffness": radially_free(K),
         "quasistatic_stiffness_matrix": K,
         "shaft_torque": torque_of_heat(problem, rows),

@@ -24,7 +24,7 @@ from bearingwear.solvers.bearing.outputs import (
     friction_used,
     loss_per_wear,
     slips_across,
-    stiffness_matrix,
+    stiffness_of_loads,
     wear_rates,
     wear_values,
 )
@@ -266,7 +266,9 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "drag_power": drag_power(problem, D, case),
         "axial_stiffness": n * case.S_xx,
         "quasistatic_axial_stiffness": n * case.S_quasistatic,
-        "stiffness_matrix": stiffness_matrix(g, np.array([D]), case.contacts[None]),
+        "stiffness_matrix": stiffness_of_loads(
+            g, np.array([D]), case.contacts[:, summary.LOAD], case.contacts[:, summary.ANGLE]
+        ),
         "quasistatic_stiffness_matrix": quasistatic_matrix(g, D, case),
         "centrifugal_force": np.array([case.P_r]),
         "skid_ratio": case.skid,

@@ -31,7 +31,7 @@ def further_solves(side, now):
     """Slope of the axial force over the place in two more states beside one [N/m]."""
     bearing, point, forces = side.bearing, point_of(now.states[0]), []
     bearing.reference = bearing.worn_reference
-    step = STEP * max(force.approach for force in bearing.forces(point))
+    step = STEP * max(force.approach for force in point.forces)
     for way in (step, -step):
         held = point.problem.preload._replace(
             constant_force=False, delta_a=point.seat.delta_a + way

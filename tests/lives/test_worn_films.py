@@ -104,7 +104,7 @@ def test_friction_of_a_film_rises_as_the_contact_widens(marched):
         worn = point_of(found.states[-1]).pressure[k]
         area = np.count_nonzero(worn) / np.count_nonzero(cells)
         load = worn.sum() / cells.sum()
-        force = found.wearing.sides[0].bearing.forces(point_of(found.states[-1]))[k]
+        force = point_of(found.states[-1]).forces[k]
         hertz = 24.8e6 * np.pi * force.a * force.b / (force.Q / load)
         assert last["friction_coefficient"][k] == pytest.approx(
             hertz * area / load + 0.001, rel=0.03
@@ -115,7 +115,7 @@ def test_friction_of_a_film_rises_as_the_contact_widens(marched):
 def test_check_has_its_own_sums(marched):
     found = marched(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
     point, bearing = point_of(found.states[-1]), found.wearing.sides[0].bearing
-    for k, force in enumerate(bearing.forces(point)):
+    for k, force in enumerate(point.forces):
         cells = bearing.races[k].cells.fresh
         law = plain_law(bearing.problem.op.law_i, force.hertz.K * force.approach**1.5,
                         force.a, force.b)  # fmt: skip

@@ -108,7 +108,7 @@ class UniformWear(Grooves):
     def rates(self, now):
         (found,) = super().rates(now)
         volume = found.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
-        forces = self.sides[0].bearing.forces(point_of(now.states[0]))
+        forces = point_of(now.states[0]).forces
         depth = volume / (2.0 * np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]))
         grooves = np.ones_like(found.grooves) * depth[:, None]
         return (WornDepths(found.ball, grooves, found.band),)
@@ -170,7 +170,7 @@ def test_the_numbers_of_other_programs(row):
 
     assert 1e3 * when([s["qv"].sum() for s in states]) == pytest.approx(qv, rel=2e-2)
     new = side.bearing.case.contacts[:, PRESSURE]
-    peaks = [[f.peak for f in side.bearing.forces(p)] for p in points]
+    peaks = [[f.peak for f in p.forces] for p in points]
     found_pressures = [np.interp(0.7, at, np.array(peaks)[:, k]) / new[k] for k in range(2)]
     assert found_pressures == pytest.approx(pressures, rel=2e-2)
     halves = np.array([half_lengths(p) for p in points]) / side.bearing.major

@@ -96,11 +96,6 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
         return np.where(moment > 0.0, moment / most, 0.0)
 
 
-def stiffness_matrix(g: Geometry, D: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Stiffness (5, 5) of the n balls solved, from their rows of `kernels.contact.summary`."""
-    return stiffness_of_loads(g, D, rows[..., summary.LOAD], rows[..., summary.ANGLE])
-
-
 def stiffness_of_loads(
     g: Geometry, D: np.ndarray, load: np.ndarray, angle: np.ndarray
 ) -> np.ndarray:
@@ -117,21 +112,16 @@ def stiffness_of_loads(
 
 
 def wear_values(
-    scene: Scene,
-    D: np.ndarray,
-    qv: np.ndarray,
-    a: np.ndarray,
-    track: np.ndarray,
-    parts: Factors | None = None,
+    scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Archard wear rates and the loss of ball diameter; without `parts` as when new.
+    """Archard wear rates and the loss of ball diameter, as when new.
 
     ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s], mean over
     the balls, counting the balls alone, and balls and races: from worn diameters (n,) [m], and QV
     [W], semi-major axis and track radius [m] of each contact (n, 2).
     """
     n = scene.bearing.ball_count
-    ball_rate, race_rate = wear_rates(scene, qv, a, parts)
+    ball_rate, race_rate = wear_rates(scene, qv, a)
     in_contact = a.min(axis=1) > 0.0  # balls off a race loosen no fit
     each = D, ball_rate, race_rate, a, track
     losses = diameter_loss_rates(

@@ -15,7 +15,7 @@ from bearingwear.kernels.equilibrium.kinematics import (
     OUTER_CONTROL,
     race_control,
 )
-from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
 from bearingwear.kernels.steady.balance import LAST_BIT
 from bearingwear.kernels.steady.thrust import MOST_ROUNDING
@@ -98,15 +98,8 @@ class RaceControlProblem:
 
     def load(self, model: int, Omega: float = 0.0) -> BallLoad:
         """Load of a ball by its kinematics model, of ORBIT at Omega [rad/s]."""
-        return BallLoad(
-            kinematics_model=int(model),
-            Omega=Omega,
-            omega_i=self.op.omega_i,
-            omega_o=self.op.omega_o,
-            P_x=0.0,
-            P_r=0.0,
-            T_i=0.0,
-            T_o=0.0,
+        return orbit_load(Omega, 0.0, 0.0)._replace(
+            kinematics_model=int(model), omega_i=self.op.omega_i, omega_o=self.op.omega_o
         )
 
     def thrust_balance(self, load: BallLoad) -> Balance:

@@ -40,7 +40,7 @@ def _maps_across(R_i: float, n: int) -> np.ndarray:
 
 
 def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
-    """Quasi-static stiffness (5, 5) of a steady state, as `stiffness_matrix` [N/m, N, N m].
+    """Quasi-static stiffness (5, 5) of a steady state, as `stiffness_of_loads` [N/m, N, N m].
 
     Displacements across the axis are fixed in space: a ball meets them once an orbit, and answers
     at that rate. NaN across the axis where the balls do not orbit.

@@ -13,7 +13,7 @@ from bearingwear.kernels.contact.summary import ANGLE, MAJOR
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
-from bearingwear.kernels.worn.balance import Arc, WornForce, WornRace, latitude
+from bearingwear.kernels.worn.balance import Arc, WornRace, latitude
 from bearingwear.kernels.worn.cells import contact_buffers
 from bearingwear.kernels.worn.friction import FrictionWork, friction_work, worn_dissipation
 from bearingwear.kernels.worn.pressure import contact_cells
@@ -289,7 +289,7 @@ class WornBearing:
         self.reference = np.array(
             [
                 reference + force.approach - contact_approach(force.hertz.K, force.Q)
-                for reference, force in zip(self.reference, self.forces(point), strict=True)
+                for reference, force in zip(self.reference, point.forces, strict=True)
             ]
         )
 
@@ -302,7 +302,7 @@ class WornBearing:
         R = 0.5 * D
         grooves, band = np.zeros_like(self.arc), np.zeros_like(self.latitude)
         beta, off_ball = pitch(point.u), point.slip[:, 0].copy()
-        for k, (force, sigma) in enumerate(zip(self.forces(point), SIDES, strict=True)):
+        for k, (force, sigma) in enumerate(zip(point.forces, SIDES, strict=True)):
             x, qv = point.x[k], point.qv_along[k]
             places = x + self.shift(k, force.alpha, g)
             wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
@@ -326,11 +326,6 @@ class WornBearing:
         even = 0.0 if self.bands else 2.0 * ball * off_ball.sum() / (np.pi * D * D)
         return WornDepths(float(even), grooves, band)
 
-    @staticmethod
-    def forces(point: WornPoint) -> tuple[WornForce, WornForce]:
-        """Forces of both contacts, inner and outer."""
-        return point.seat.inner, point.seat.outer
-
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
         g, seat, R = point.problem.g, point.seat, 0.5 * point.D
@@ -341,7 +336,7 @@ class WornBearing:
     def gap_at_edge(self, point: WornPoint) -> np.ndarray:
         """A a^2 of both contacts, (2,): gap of the unworn bodies at the edge of the ellipse [m]."""
         gaps = []
-        for race, force in zip(self.races, self.forces(point), strict=True):
+        for race, force in zip(self.races, point.forces, strict=True):
             s = elliptic_integrals(float(np.exp(-race.cells.log_kappa)))[2]
             gaps.append(s * force.approach)
         return np.array(gaps)

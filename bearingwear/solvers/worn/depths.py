@@ -61,6 +61,11 @@ class WornPoint:
     track: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2,) radius [m]
     D: float = np.nan  # ball diameter, its even loss taken off [m]
 
+    @property
+    def forces(self) -> tuple[WornForce, WornForce]:
+        """Of the contacts with inner and outer race."""
+        return self.seat.inner, self.seat.outer
+
 
 def seat_force(g: Geometry, seat: WornSeat) -> float:
     """Axial force of the inner race on all balls [N]."""

@@ -1,9 +1,8 @@
 """One bearing whose grooves are followed as they wear (section 21)."""
 
-import copy
 import functools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -64,11 +63,6 @@ class Worn(Steady):
         deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
         return Condition(wear.ball + deepest, depths=wear)
 
-    def at(self, scene: Scene) -> "Worn":
-        warm = copy.copy(self)  # with the same bearing, which goes on from its last state
-        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
-        return warm
-
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         assert condition.depths is not None
         point = self.bearing.solve(condition.depths, self.held(condition))
@@ -93,7 +87,12 @@ class Worn(Steady):
         return found
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
-        return heat_of_point(solution.answer)
+        point: WornPoint = solution.answer
+        g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
+        r, Omega = g.R_o + point.seat.X2, float(point.u[3])
+        drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
+        inner, outer = (float(n * heat) for heat in point.slip[:, 1])
+        return HeatFlow(inner, outer, drag=float(n * drag))
 
     def rate(self, point: WornPoint) -> WornDepths:
         return self.bearing.rate(point, *self.factors)
@@ -101,7 +100,7 @@ class Worn(Steady):
     def approach_loss(self, point: WornPoint) -> float:
         """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
         loss = self.start.loss + point.wear.ball
-        for k, force in enumerate(self.bearing.forces(point)):
+        for k, force in enumerate(point.forces):
             depth = self.bearing.lengths(point)[k]
             loss += depth - contact_approach(force.hertz.K, force.Q)
         return loss
@@ -147,14 +146,16 @@ class Worn(Steady):
     def state(self, solution: SolvedBearing) -> State:
         """State of a point; its rate of loss, and stiffnesses, are not known from it alone."""
         point = solution.answer
-        return State(point.status, self._values(point) | self._of_films(point), solution)
+        values = self._values(point) | self._of_films(point)
+        values["friction_power"] = self.heat(solution).total
+        return State(point.status, values, solution)
 
     def _of_films(self, point: WornPoint) -> dict[str, Any]:
         """What of a state films and running in decide; nothing without any."""
         films, D, shares = self.bearing.films, point.D, []
         if films is None:
             return {}
-        for k, force in enumerate(self.bearing.forces(point)):
+        for k, force in enumerate(point.forces):
             bare = self.bearing.bare(point.wear, k)
             g = point.problem.g
             bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha, g)
@@ -172,7 +173,7 @@ class Worn(Steady):
 
     def _values(self, point: WornPoint) -> dict[str, Any]:
         g, op, D = point.problem.g, point.problem.op, point.D
-        forces, r = self.bearing.forces(point), g.R_o + point.seat.X2
+        forces, r = point.forces, g.R_o + point.seat.X2
         alpha = np.array([f.alpha for f in forces])
         qv, _, share, _, mu = point.slip.T
         ball, race = self.factors
@@ -191,18 +192,9 @@ class Worn(Steady):
             "skid_ratio": skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
             "maximum_pressure": max(f.peak for f in forces),
             "greatest_depth": float(point.wear.grooves.max()),
-            "friction_power": heat_of_point(point).total,
             "ball_wear_rate": float(ball * qv.sum()),
             "race_wear_rate": g.n_balls * race * qv,
             "axial_displacement": point.seat.delta_a,
             "friction_used_by_gyroscopic_moment": float(used[0]),
             "friction_coefficient": mu,
         }
-
-
-def heat_of_point(point: WornPoint) -> HeatFlow:
-    g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
-    r, Omega = g.R_o + point.seat.X2, float(point.u[3])
-    drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
-    inner, outer = (float(n * heat) for heat in point.slip[:, 1])
-    return HeatFlow(inner, outer, drag=float(n * drag))
