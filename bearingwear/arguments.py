@@ -95,59 +95,34 @@ def command_parser() -> argparse.ArgumentParser:
     return parser
 
 
+# fmt: off
 def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
-    calibrate.add_argument(
-        "tests",
-        metavar="TESTS.csv",
+    calibrate.add_argument("tests", metavar="TESTS.csv",
         help="a line of column names, then a line per test: keys of the scene, and one of "
-        f"{', '.join(SEEN)}",
-    )
-    calibrate.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        metavar="CALIBRATED.yaml",
-        type=Path,
+        f"{', '.join(SEEN)}")
+    calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
         help="the scene to write; an .nc file of the same name contains the values before and "
-        "after",
-    )
+        "after")
     _add_formats(calibrate)
 
 
 def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
     cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
-    cage.add_argument(
-        "--within",
-        type=_share,
-        metavar="SHARE",
+    cage.add_argument("--within", type=_share, metavar="SHARE",
         help="relative half-width of the 90 %% interval of the mean work at which the ensemble "
-        "ends; default 0.1",
-    )
+        "ends; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
-    cage.add_argument(
-        "--least-turns",
-        type=int,
-        metavar="N",
+    cage.add_argument("--least-turns", type=int, metavar="N",
         help="minimum shaft turns of a run; default 30; a cage that hangs may change its motion "
-        "after hundreds",
-    )
-    cage.add_argument(
-        "--turns",
-        dest="most_turns",
-        type=int,
-        metavar="N",
-        help="maximum shaft turns of a run that has not settled; default 150",
-    )
-    cage.add_argument(
-        "--life",
-        action="store_true",
-        help="compute the wear life of the cage, from ensembles stored with the file",
-    )
-    cage.add_argument(
-        "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
-    )
+        "after hundreds")
+    cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
+        help="maximum shaft turns of a run that has not settled; default 150")
+    cage.add_argument("--life", action="store_true",
+        help="compute the wear life of the cage, from ensembles stored with the file")
+    cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
+        help="the file to write")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
 
 
@@ -161,67 +136,40 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:
-    new.add_argument(
-        "names",
-        nargs="*",
-        metavar="[MYBEARING.yaml] DESIGNATION",
+    new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
         help="the scene to write, else named by the designation; an existing file is never "
         "replaced. 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, 62xx, 63xx, 6xx: "
-        "7008C, 608; with --maker one of its catalogue",
-    )
-    new.add_argument(
-        "--maker",
-        choices=tuple(MAKERS),
-        help="use balls, grooves, preload classes and speed limits of this maker's bearing",
-    )
-    new.add_argument(
-        "--list",
-        nargs="+",
-        metavar=("MAKER", "SERIES"),
-        help="list the known bearings of a maker, or those that begin with SERIES, and exit",
-    )
-    new.add_argument(
-        "--bore", type=float, metavar="MM", help="bore diameter, without a designation"
-    )
-    new.add_argument(
-        "--outside", type=float, metavar="MM", help="outside diameter, without a designation"
-    )
+        "7008C, 608; with --maker one of its catalogue")
+    new.add_argument("--maker", choices=tuple(MAKERS),
+        help="use balls, grooves, preload classes and speed limits of this maker's bearing")
+    new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
+        help="list the known bearings of a maker, or those that begin with SERIES, and exit")
+    new.add_argument("--bore", type=float, metavar="MM",
+        help="bore diameter, without a designation")
+    new.add_argument("--outside", type=float, metavar="MM",
+        help="outside diameter, without a designation")
     for option, key, metavar, text in OPTIONS:
         kind = int if key == "bearing.ball_count" else float
         text = f"{text}; assumed if omitted"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
-    new.add_argument(
-        "--preload-class",
-        choices=CLASSES,
-        help="instead of --preload; default light. With --maker, a class of the maker: EL, L, M, "
-        "H for NSK, L, M, F for SNFA; default L",
-    )
+    new.add_argument("--preload-class", choices=CLASSES,
+        help="instead of --preload; default light. With --maker, a class of the maker: EL, L, M, H "
+        "for NSK, L, M, F for SNFA; default L")
     clearance = new.add_mutually_exclusive_group()
-    clearance.add_argument(
-        "--clearance",
-        choices=CLEARANCES,
+    clearance.add_argument("--clearance", choices=CLEARANCES,
         help="radial clearance group of a deep groove bearing, which determines its free contact "
-        "angle; default CN",
-    )
-    clearance.add_argument(
-        "--radial-clearance-um",
-        dest="clearance",
-        type=float,
-        metavar="UM",
-        help="the radial clearance itself, instead of its group",
-    )
+        "angle; default CN")
+    clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
+        help="the radial clearance itself, instead of its group")
     _add_rubbing(new)
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 
 
 def _add_rubbing(new: argparse.ArgumentParser) -> None:
-    new.add_argument(
-        "--pair",
-        choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
+    new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
         help="materials of balls and races, with wear and friction from the table of sources "
-        "(docs/coefficients.md); assumed if omitted",
-    )
+        "(docs/coefficients.md); assumed if omitted")
     new.add_argument("--film", choices=FILMS, help="a film between them, from the same table")
 
 
@@ -232,13 +180,8 @@ def _add_scene(sub: argparse.ArgumentParser) -> None:
 
 def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    setting = sub.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
-    )
+    setting = sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+        help="replace a value of the scene, as in operation.preload_N=9; may be repeated")
     setting.completer = _scene_keys  # type: ignore[attr-defined]
 
 
@@ -248,34 +191,18 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
         unit, metavar = f", {one.unit}", one.unit.upper().replace("/", "_")
         if one.unit == "%":
             unit, metavar = "", "SHARE"
-        sub.add_argument(
-            one.option,
-            dest=key,
-            type=_not_negative if one.base else _positive,
-            metavar=metavar,
-            help=f"{text}{unit}",
-        )
+        sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
+            metavar=metavar, help=f"{text}{unit}")
     sub.add_argument("--system-stiffness", type=_now_stiffness, help=argparse.SUPPRESS)
 
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE.nc",
-        type=_file_name,
-        help="the file to write; a missing folder is created",
-    )
-    sub.add_argument(
-        "--record-timing",
-        action="store_true",
-        help="store the duration of the solve (two files of one case then differ)",
-    )
-    sub.add_argument(
-        "--record-failures",
-        action="store_true",
-        help="exit with 0 even if the solver fails, which the status of the file reports",
-    )
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
+        help="the file to write; a missing folder is created")
+    sub.add_argument("--record-timing", action="store_true",
+        help="store the duration of the solve (two files of one case then differ)")
+    sub.add_argument("--record-failures", action="store_true",
+        help="exit with 0 even if the solver fails, which the status of the file reports")
 
 
 def _add_formats(sub: argparse.ArgumentParser) -> Any:
@@ -288,129 +215,94 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    sub.add_argument(
-        "--friction",
-        type=float,
-        metavar="MU",
-        help="friction of ball and race; default: the scene's",
-    )
-    sub.add_argument(
-        "--method",
-        nargs="+",
-        choices=PRELOAD_METHODS,
-        metavar="METHOD",
-        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the scene's",
-    )
-    sub.add_argument(
-        "--samples",
-        type=int,
-        metavar="N",
-        help="base samples, a power of two; 2 N lives are sampled",
-    )
-    sub.add_argument(
-        "--seed", type=int, default=1, metavar="N", help="seed of the sample; default 1"
-    )
-    sub.add_argument(
-        "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
-    )
+    sub.add_argument("--friction", type=float, metavar="MU",
+        help="friction of ball and race; default: the scene's")
+    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
+        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the scene's")
+    sub.add_argument("--samples", type=int, metavar="N",
+        help="base samples, a power of two; 2 N lives are sampled")
+    sub.add_argument("--seed", type=int, default=1, metavar="N",
+        help="seed of the sample; default 1")
+    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
+        help="the file to write")
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
-    study.add_argument(
-        "name",
-        nargs="?",
-        default="all",
-        type=_study_name,
+    study.add_argument("name", nargs="?", default="all", type=_study_name,
         metavar="SCENE.yaml | NAME | FILE",
         help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
         f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; or one of its "
-        f"results, results/..., which is then computed again; default: the main study",
-    )
-    study.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FOLDER",
-        help="folder of the study of a scene; default: named after the scene's file",
-    )
-    study.add_argument(
-        "-j", "--jobs", type=int, metavar="N", help="jobs at a time; default: one for each core"
-    )
+        f"results, results/..., which is then computed again; default: the main study")
+    study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
+        help="folder of the study of a scene; default: named after the scene's file")
+    study.add_argument("-j", "--jobs", type=int, metavar="N",
+        help="jobs at a time; default: one for each core")
     _add_limits(study)
     study.epilog = (
         "Further arguments are passed to Snakemake; they follow a name, as in `bearingwear study "
-        "all "
-        "--configfile other.yaml`."
+        "all --configfile other.yaml`."
     )
 
 
 def _add_launch(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
     for way, words in (("axial", "along the axis"), ("radial", "across it")):
-        sub.add_argument(
-            f"--{way}", type=_not_negative, metavar="G", help=f"{words}; sets launch.{way}_g"
-        )
+        sub.add_argument(f"--{way}", type=_not_negative, metavar="G",
+            help=f"{words}; sets launch.{way}_g")
     _add_formats(sub)
 
 
 def _add_margin(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
-    sub.add_argument(
-        "--drive", type=_positive, metavar="N_M", help="torque of the drive; sets drive.torque_Nm"
-    )
-    sub.add_argument(
-        "--standard",
-        choices=("ecss", "nasa", "own"),
-        help="rule of the margin; sets drive.standard; ecss if neither does",
-    )
-    sub.add_argument(
-        "--data",
-        choices=("analysis", "test", "extremes"),
-        help="where the torques come from; sets drive.data; analysis if neither does",
-    )
+    sub.add_argument("--drive", type=_positive, metavar="N_M",
+        help="torque of the drive; sets drive.torque_Nm")
+    sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
+        help="rule of the margin; sets drive.standard; ecss if neither does")
+    sub.add_argument("--data", choices=("analysis", "test", "extremes"),
+        help="where the torques come from; sets drive.data; analysis if neither does")
     _add_formats(sub)
 
 
 def _add_export(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
-    sub.add_argument(
-        "--speeds",
-        type=_speeds,
-        required=True,
-        metavar="LOW:HIGH:COUNT",
-        help="shaft speeds, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS requires five "
-        "or more",
-    )
-    sub.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        metavar="FILE",
-        type=_file_name,
-        help=".csv: 5 x 5 of each bearing; .toml: one bearing as ross.BearingElement.load reads it",
-    )
-    sub.add_argument(
-        "--bearing", type=int, choices=(1, 2), default=1, help="bearing of a pair; default 1"
-    )
-    sub.add_argument(
-        "--tilt",
-        choices=("held", "released"),
-        default="held",
-        help="tilt of the shaft in the bearing, which ROSS does not model; default held",
-    )
-    sub.add_argument(
-        "--damping", type=_positive, metavar="N_S_M", help="damping in x, y, z; default 0, assumed"
-    )
-    sub.add_argument(
-        "--node", type=int, default=0, metavar="N", help="node of the rotor; default 0"
-    )
-    sub.add_argument(
-        "--ross",
-        type=int,
-        choices=(2, 3),
-        default=2,
-        help="major version of ROSS, which determines the name of the speeds; default 2",
-    )
+    sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
+        help="shaft speeds, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS requires five or "
+        "more")
+    sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
+        help=".csv: 5 x 5 of each bearing; .toml: one bearing as ross.BearingElement.load reads it")
+    sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
+        help="bearing of a pair; default 1")
+    sub.add_argument("--tilt", choices=("held", "released"), default="held",
+        help="tilt of the shaft in the bearing, which ROSS does not model; default held")
+    sub.add_argument("--damping", type=_positive, metavar="N_S_M",
+        help="damping in x, y, z; default 0, assumed")
+    sub.add_argument("--node", type=int, default=0, metavar="N",
+        help="node of the rotor; default 0")
+    sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
+        help="major version of ROSS, which determines the name of the speeds; default 2")
+
+
+def _add_show(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
+    sub.add_argument("--all", action="store_true",
+        help="also print residuals, error estimates, steps and versions")
+    _add_formats(sub)
+
+
+def _add_plot(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
+    sub.add_argument("-o", "--output", nargs="+", default=[], metavar="FIGURE", type=Path,
+        help="SVG, PNG or PDF by the suffix; default: FILE.svg in the folder of the file")
+    sub.add_argument("--bearing", choices=("first", "second"),
+        help="bearing of a pair; required if they differ")
+
+
+def _add_compare(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("first", metavar="A.nc", help="a result file")
+    sub.add_argument("second", metavar="B.nc", help="another one of the same kind")
+    sub.add_argument("--tolerance", type=_share, default=0.0, metavar="SHARE",
+        help="relative tolerance, over the largest value of the variable")
+# fmt: on
 
 
 def _speeds(text: str) -> list[float]:
@@ -427,46 +319,6 @@ def _speeds(text: str) -> list[float]:
         raise argparse.ArgumentTypeError(
             f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers, 1000,2000,5000"
         ) from None
-
-
-def _add_show(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
-    sub.add_argument(
-        "--all",
-        action="store_true",
-        help="also print residuals, error estimates, steps and versions",
-    )
-    _add_formats(sub)
-
-
-def _add_plot(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
-    sub.add_argument(
-        "-o",
-        "--output",
-        nargs="+",
-        default=[],
-        metavar="FIGURE",
-        type=Path,
-        help="SVG, PNG or PDF by the suffix; default: FILE.svg in the folder of the file",
-    )
-    sub.add_argument(
-        "--bearing",
-        choices=("first", "second"),
-        help="bearing of a pair; required if they differ",
-    )
-
-
-def _add_compare(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("first", metavar="A.nc", help="a result file")
-    sub.add_argument("second", metavar="B.nc", help="another one of the same kind")
-    sub.add_argument(
-        "--tolerance",
-        type=_share,
-        default=0.0,
-        metavar="SHARE",
-        help="relative tolerance, over the largest value of the variable",
-    )
 
 
 def _study_name(text: str) -> str:

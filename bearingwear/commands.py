@@ -204,7 +204,7 @@ def calibrate(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
-    from bearingwear.studies.life_scene import life_scene
+    from bearingwear.studies.solve import life_scene
 
     scene = life_scene(args.scene, args.set)
     from bearingwear.studies.design.document.sheets import recommended_sheet

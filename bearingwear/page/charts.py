@@ -12,7 +12,7 @@ from html import escape
 
 from markupsafe import Markup
 
-from bearingwear.results.chart import Chart, ChartLine
+from bearingwear.document.chart import Chart, ChartLine
 from bearingwear.results.units import digits
 
 LARGE_CHART, SMALL_CHART = (660.0, 350.0), (400.0, 230.0)

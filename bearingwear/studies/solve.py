@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.read import for_life, variant
+from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
 NONE: Mapping[str, Any] = MappingProxyType({})
@@ -43,3 +46,30 @@ def told(result: Result, scene: str | Path) -> Result:
 def _report(text: str) -> None:
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
+
+
+def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = False) -> Scene:
+    """A scene with an end of life and a steady state; `films` says whether it may have any.
+
+    May raise SceneError.
+    """
+    from bearingwear.scene.read import for_life, load_scene
+    from bearingwear.solvers.effects.choice import choice_for_life
+
+    scene = for_life(load_scene(path, settings), os.fspath(path))
+    if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
+        raise SceneError(
+            "friction.film",
+            "got a film, or materials with one or with running_in, expected, for a study, one "
+            f"friction.ball_race (for its own life: bearingwear life {os.fspath(path)})",
+            source=os.fspath(path),
+        )
+    fidelity = choice_for_life(scene).fidelity
+    if fidelity != "steady":
+        raise SceneError(
+            "",
+            f"got a scene whose life is found by {fidelity}, expected one with a steady "
+            f"state (for its own life: bearingwear life {os.fspath(path)} --fidelity dynamic)",
+            source=os.fspath(path),
+        )
+    return scene

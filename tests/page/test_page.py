@@ -24,11 +24,11 @@ from small_study import (
 )
 from support import scene_file, step
 
+from bearingwear.document.chart import load_charts
 from bearingwear.document.document import load_document
 from bearingwear.page import figures
 from bearingwear.page.charts import LARGE_CHART, MARGINS, SMALL_CHART, ChartAxis
 from bearingwear.page.sketch import section_of, sketch
-from bearingwear.results.chart import load_charts
 from bearingwear.results.netcdf import load
 from bearingwear.studies.launch import own_page
 

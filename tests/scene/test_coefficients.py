@@ -5,15 +5,16 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file
+from support import ROOT, benchmark, scene_file
 
-from bearingwear.scene import coefficients
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.strict_yaml import data_of
-from bearingwear.scene.coefficients import ASSUMED, M2_PER_N, MEASURED_WEAR, RUBBING
+from bearingwear.scene.coefficients import M2_PER_N, MEASURED_WEAR, RUBBING
 from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.bearing.films import Films
+
+coefficients_page = benchmark("coefficients_page")
 
 
 def test_a_cubic_millimetre_per_newton_metre():
@@ -25,8 +26,8 @@ def test_a_cubic_millimetre_per_newton_metre():
 
 def test_the_page_is_that_of_the_table():
     text = (ROOT / "docs/coefficients.md").read_text(encoding="utf-8")
-    again = "run: python -m bearingwear.scene.coefficients docs/coefficients.md"
-    assert coefficients.page_of_coefficients() == text, again
+    again = "run: python benchmarks/coefficients_page.py docs/coefficients.md"
+    assert coefficients_page.page_of_coefficients() == text, again
 
 
 @pytest.mark.parametrize("name", MEASURED_WEAR)
@@ -51,7 +52,7 @@ def test_each_row_has_a_source_and_a_number(name):
 )
 def test_what_no_source_has_is_called_assumed(surface, name, material):
     """Each stands in the list with what its scenes take, and no row of the table claims it."""
-    (one,) = (one for one in ASSUMED if one.surface == surface)
+    (one,) = (one for one in coefficients_page.ASSUMED if one.surface == surface)
     taken = load_scene(scene_file(name)).materials[material]
     K = taken.wear_coefficient / (1e9 * taken.brinell_hardness_GPa)
     assert_allclose(one.wear, K, rtol=0.02)

@@ -2,13 +2,15 @@
 
 import pytest
 import yaml
-from support import ROOT
+from support import ROOT, benchmark
 
 from bearingwear import studies
 from bearingwear.studies.protocol import Step, Study
 from bearingwear.studies.protocol import step as study_step
-from bearingwear.studies.seconds import NOT_MEASURED, JobTime, benchmarked, job_times, seconds_of
-from bearingwear.studies.slurm import in_a_job, minutes, with_settings
+from bearingwear.studies.seconds import NOT_MEASURED, JobTime, job_times, seconds_of
+
+slurm_profile, job_seconds = benchmark("slurm_profile"), benchmark("job_seconds")
+in_a_job, minutes = slurm_profile.in_a_job, slurm_profile.minutes
 
 PROFILE = ROOT / "workflow" / "profiles" / "slurm" / "profile.yaml"
 
@@ -36,12 +38,12 @@ def test_a_slurm_job_takes_three_minutes_and_has_forty_times_that(seconds, jobs,
 
 
 def test_the_profile_is_current(monkeypatch):
-    """`python -m bearingwear.studies.slurm workflow/profiles/slurm/profile.yaml` renews it."""
+    """`python benchmarks/slurm_profile.py workflow/profiles/slurm/profile.yaml` renews it."""
     monkeypatch.chdir(ROOT)
     config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     made = studies.read(config)
     text = PROFILE.read_text(encoding="utf-8")
-    assert with_settings(text, made) == text
+    assert slurm_profile.with_settings(text, made) == text
     profile = yaml.safe_load(text)
     rules = {f"{name}_{step.name}" for name, study in made.items() for step in study.steps}
     grouped = dict(pair.split("=") for pair in profile["groups"])
@@ -58,6 +60,6 @@ def test_seconds_of_a_rule_are_the_median_of_its_benchmarks(tmp_path):
         file = tmp_path / "logs" / "toy" / "solve_2" / "toy" / "cases" / f"{speed}.tsv"
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(f"s\th:m:s\n{seconds}\t0:00:01\n")
-    assert benchmarked({"toy": study}, tmp_path) == {"toy_solve": JobTime(1.25, 2)}
+    assert job_seconds.benchmarked({"toy": study}, tmp_path) == {"toy_solve": JobTime(1.25, 2)}
     rule, known = next(iter(job_times().items()))
     assert seconds_of(f"{rule}_2", 3.0) == 3.0 * known.seconds

@@ -23,7 +23,7 @@ from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
-from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.solve import life_scene
 
 _KIND = "beside"
 _WORDS = "words"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
+from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
 from bearingwear.studies.design.map import SLIP_SHARE
@@ -214,3 +216,46 @@ def front(design: xr.Dataset, basis: int) -> xr.DataArray:
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
     best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
     return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignFiles:
+    """Design map, recommendation and, if its lives were sampled, uncertainty of one scene."""
+
+    design: xr.Dataset
+    recommendation: xr.Dataset
+    uncertainty: xr.Dataset | None = None
+
+
+def design_files(
+    design: Path, recommendation: Path, uncertainty: Path | None = None
+) -> DesignFiles:
+    """Read the files of one scene.
+
+    CaseFileError: a file of another kind, or not of the scene or the preload methods of the
+    map.
+    """
+    kinds = {design: "design map", recommendation: "recommendation"}
+    if uncertainty is not None:
+        kinds[uncertainty] = "uncertainty"
+    found = {path: load(path) for path in kinds}
+    for path, kind in kinds.items():
+        if found[path].attrs.get("kind") != kind:
+            raise CaseFileError(f"{path}: not a file of the kind {kind}")
+        if found[path].attrs["scene"] != found[design].attrs["scene"]:
+            raise CaseFileError(f"{path}: not of the scene of {design}")
+        if not found[path]["preload_method"].equals(found[design]["preload_method"]):
+            raise CaseFileError(f"{path}: not of the preload methods of {design}")
+    return DesignFiles(
+        design=found[design],
+        recommendation=found[recommendation],
+        uncertainty=None if uncertainty is None else found[uncertainty],
+    )
+
+
+def at_scene(design: xr.Dataset) -> xr.Dataset:
+    """The line of a map at the scene's own friction and speed."""
+    scene = scene_of(design)
+    return design.sel(
+        friction=scene["friction"]["ball_race"], shaft_speed=scene["operation"]["shaft_speed_rpm"]
+    )

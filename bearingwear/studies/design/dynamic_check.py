@@ -15,7 +15,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.recommend import best_method, recommended_for
-from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.solve import life_scene
 
 TURNS = 200.0
 """Most shaft turns: impacts of a cage take longer to average out than contacts to settle.

@@ -35,7 +35,7 @@ from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import LOSS_BASIS, filled
-from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.solve import life_scene
 
 SLIP_SHARE = "gyroscopic_slip_share"
 

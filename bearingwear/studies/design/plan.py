@@ -16,7 +16,7 @@ from bearingwear.scene.checking.records import Key, keyed, optional_numbers, set
 from bearingwear.scene.read import for_life, variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.axis import MOST_DECIMALS, RisingAxis, in_name, place_of_errors
-from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.solve import life_scene
 
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
 """Preloads of a map around a scene's own, over that one: an eighth to 32 times."""

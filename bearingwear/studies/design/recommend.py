@@ -59,14 +59,15 @@ from bearingwear.studies.design.room import (
     Assumption,
     criteria_room,
     friction_room,
+    held,
     limit_end,
     lives_by_track,
     longer,
+    verdict_on,
 )
 from bearingwear.studies.design.search import Found, Request, answered, search
-from bearingwear.studies.design.verdict import held, verdict_on
-from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
+from bearingwear.studies.solve import life_scene
 
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}

@@ -21,8 +21,8 @@ from bearingwear.atomic import UNFINISHED, reason, write_text
 from bearingwear.console import UsageError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.own.plan import plan_of
+from bearingwear.studies.solve import life_scene
 
 
 def write_study(

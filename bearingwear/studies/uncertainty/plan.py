@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
-from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.solve import life_scene
 
 OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
 """The preloads at which lives are sampled: the scene's own, and the design study's."""

@@ -8,12 +8,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from SALib.analyze import sobol as sobol_analysis
 from scipy import stats
 
 from bearingwear.kernels.status import OK
@@ -32,8 +34,9 @@ from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,
     PROBABILITIES,
     Batches,
+    names_of,
+    of_class,
 )
-from bearingwear.studies.uncertainty.indices import class_indices, indices
 from bearingwear.studies.uncertainty.plan import (
     AS_RECOMMENDED,
     OWN,
@@ -45,6 +48,8 @@ from bearingwear.studies.uncertainty.sample import (
     STATED,
     independent_rows,
     lives,
+    problem,
+    sample,
     with_preload,
     worse,
 )
@@ -386,3 +391,43 @@ def quantiles(
                 test = stats.quantile_test(known, p=p + share)
                 found[2, k] = test.confidence_interval(CONFIDENCE).high * (1.0 + error)
     return found[0], found[1], found[2]
+
+
+CLASS_SAMPLES = 256
+"""Most base samples of the indices within a class."""
+
+RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
+
+
+def indices(scene: Scene, y: np.ndarray, seed: int) -> dict[str, np.ndarray]:
+    """Sobol indices (values,) of an answer y (samples, values + 2) in the order of `sample`."""
+    found = sobol_analysis.analyze(
+        problem(scene), y.ravel(), calc_second_order=False, num_resamples=RESAMPLES,
+        conf_level=CONFIDENCE, seed=seed,
+    )  # fmt: skip
+    names = {"first_index": "S1", "total_index": "ST"}
+    return {name: np.asarray(found[key]) for name, key in names.items()} | {
+        f"{name}_error": np.asarray(found[f"{key}_conf"]) for name, key in names.items()
+    }
+
+
+def class_indices(scene: Scene, plan: Sampling) -> np.ndarray:
+    """Total indices (values, 2) of log life, each value among those of its class."""
+    names = list(scene.uncertainty or {})
+    found = np.full((len(names), 2), np.nan)
+    for of_batch in (False, True):
+        own = names_of(scene, of_batch)
+        if not own:
+            continue
+        one = of_class(scene, of_batch)
+        fewer = replace(plan, samples=min(plan.samples, CLASS_SAMPLES), chunks=1)
+        rows = sample(one, fewer)
+        of_rows = lives(one, rows.reshape(-1, len(own)))
+        life = of_rows.life.reshape(*rows.shape[:2], 2)
+        usable = (np.isfinite(life) & (life > 0.0)).all(axis=(1, 2))
+        for c in range(2):
+            y = np.log(life[usable, :, c])
+            if y.size and np.ptp(y) > 0.0:
+                of_each = indices(one, y, plan.seed)["total_index"]
+                found[[names.index(name) for name in own], c] = of_each
+    return found

@@ -14,7 +14,7 @@ from bearingwear.results.units import Rough, digits
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.plan import DesignPlan
-from bearingwear.studies.design.verdict import NEITHER_LONGER
+from bearingwear.studies.design.room import NEITHER_LONGER
 
 CASES = {
     "same": {"words": "nothing", "set": {}},

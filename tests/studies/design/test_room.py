@@ -10,11 +10,14 @@ from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, LIM
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import best_method, mapped
-from bearingwear.studies.design.room import Assumption, criteria_room, friction_room, printed_life
-from bearingwear.studies.design.verdict import (
+from bearingwear.studies.design.room import (
     NEITHER_LONGER,
     NO_COMPARISON,
     ONE_LONGER,
+    Assumption,
+    criteria_room,
+    friction_room,
+    printed_life,
     verdict_on,
 )
 

@@ -31,8 +31,7 @@ from bearingwear.studies.uncertainty.batches import (
     sizes,
 )
 from bearingwear.studies.uncertainty.grooves import found_lives
-from bearingwear.studies.uncertainty.indices import class_indices
-from bearingwear.studies.uncertainty.quantiles import longest_shares, own_quantiles
+from bearingwear.studies.uncertainty.quantiles import class_indices, longest_shares, own_quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample
 from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
 

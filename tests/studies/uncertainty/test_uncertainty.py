@@ -17,8 +17,7 @@ from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling, perturbed
-from bearingwear.studies.uncertainty.indices import indices
-from bearingwear.studies.uncertainty.quantiles import own_quantiles, quantiles
+from bearingwear.studies.uncertainty.quantiles import indices, own_quantiles, quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample, sample_part
 
 PLAN = Sampling(samples=1024, chunks=1, seed=1)

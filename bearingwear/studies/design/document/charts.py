@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.chart import Chart, ChartLine, Charts
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
-from bearingwear.results.chart import Chart, ChartLine, Charts
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.units import scale_of
@@ -19,10 +19,9 @@ from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
-from bearingwear.studies.design.choice import limit_margins, limits_of
+from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
 from bearingwear.studies.design.document.sheets import brief_rows
 from bearingwear.studies.design.document.words import end_words, limit_text
-from bearingwear.studies.design.files import at_scene, design_files
 
 X_LABEL = "initial preload (N)"
 _DECADES = 30.0

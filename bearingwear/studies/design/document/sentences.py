@@ -30,7 +30,7 @@ from bearingwear.studies.design.document.words import (
     limit_text,
     without_limits,
 )
-from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
+from bearingwear.studies.design.room import CLAIMED, NEITHER_LONGER
 
 TAKE = {
     "constant_force": "a spring preload of {} N (constant force)",

@@ -36,7 +36,13 @@ from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
-from bearingwear.studies.design.choice import ACTIVE, NO_LIFE_SOLVED, limits_of
+from bearingwear.studies.design.choice import (
+    ACTIVE,
+    NO_LIFE_SOLVED,
+    at_scene,
+    design_files,
+    limits_of,
+)
 from bearingwear.studies.design.document.sentences import (
     by_ball_track,
     by_life,
@@ -59,14 +65,12 @@ from bearingwear.studies.design.document.words import (
     held_words,
     limit_text,
 )
-from bearingwear.studies.design.files import at_scene, design_files
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.recommend import WORST_CASES, best_method, mapped
-from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
+from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST, VERDICTS
 from bearingwear.studies.design.sampled import sampled_blocks
-from bearingwear.studies.design.verdict import VERDICTS
 from bearingwear.studies.pool import Tell
 
 SHORT_TABLE = [one for one in LIMITED.values() if one.brief]

@@ -33,6 +33,7 @@ from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
     UNLIMITED,
+    at_scene,
     front,
     limit_margins,
     limits_of,
@@ -40,7 +41,6 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.document.sentences import headline
 from bearingwear.studies.design.document.words import LIMIT_WORDS
-from bearingwear.studies.design.files import at_scene
 from bearingwear.studies.design.map import WORN_GROOVE
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from bearingwear.plotting.drawing import Figure
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.studies.design.choice import design_files
 from bearingwear.studies.design.figures import choice, map_figure, uncertainty_figure
-from bearingwear.studies.design.files import design_files
 
 
 def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:

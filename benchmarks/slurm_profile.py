@@ -1,6 +1,6 @@
 """Writes the part of a Slurm profile on single rules: cases per job, and time limits.
 
-`python -m bearingwear.studies.slurm PROFILE.yaml`, in the folder of a study, renews the part of the
+`python benchmarks/slurm_profile.py PROFILE.yaml`, in the folder of a study, renews the part of the
 profile between the two marks.
 """
 
@@ -17,7 +17,7 @@ from bearingwear.studies import read
 from bearingwear.studies.launch import CONFIG
 from bearingwear.studies.protocol import Step, Study
 
-FIRST_LINE = "# Written by `python -m bearingwear.studies.slurm`: from here"
+FIRST_LINE = "# Written by `python benchmarks/slurm_profile.py`: from here"
 LAST_LINE = "# to here."
 
 SECONDS_OF_A_JOB = 180.0
