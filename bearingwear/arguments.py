@@ -38,8 +38,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
-        epilog="Exit status: 0, 1 where compared files differ, 2 for bad input, 3 where no "
-        "verified answer was reached.",
+        epilog="Exit status: 0; 1 if compared files differ; 2 for bad input; 3 if no verified "
+        "solution was found.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
@@ -54,7 +54,7 @@ def command_parser() -> argparse.ArgumentParser:
     check = command("check", "check a scene; report which model would be used, and why")
     solve = command("solve", "solve a scene and print the sheet; -o writes a case file")
     launch = command("launch", "compute gaps and dents of a rotor's bearings at launch")
-    life = command("life", "follow wear to its end and print the sheet; -o writes a life file")
+    life = command("life", "compute the wear life and print the sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
@@ -84,13 +84,13 @@ def command_parser() -> argparse.ArgumentParser:
     _add_formats(recommend)
     _add_launch(launch)
     _add_margin(command("margin", "compute the torque margin of a drive: cold to hot, new to worn"))
-    _add_export(command("export", "write the stiffness of bearings over speed: CSV, ROSS's TOML"))
+    _add_export(command("export", "write bearing stiffness over speed as CSV, or as TOML for ROSS"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
-        command("compare", "list what differs between two result files; exit 1 if anything does")
+        command("compare", "list the differences between two result files; exit 1 if there are any")
     )
     _add_plot(command("plot", "draw a result file"))
-    _add_study(command("study", "run the study of a scene, or one of the current folder"))
+    _add_study(command("study", "run the study of a scene, or a study of the current folder"))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -99,7 +99,8 @@ def command_parser() -> argparse.ArgumentParser:
 def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
     calibrate.add_argument("tests", metavar="TESTS.csv",
-        help="a line of column names, then a line per test: keys of the scene, and one of "
+        help="a table with a line of column names and a line per test; columns: keys of the "
+            "scene, and one of "
         f"{', '.join(SEEN)}")
     calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
         help="the scene to write; an .nc file of the same name contains the values before and "
@@ -115,8 +116,8 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
         "ends; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
-        help="minimum shaft turns of a run; default 30; a cage that hangs may change its motion "
-        "after hundreds")
+        help="minimum shaft turns of a run; default 30; a hanging cage may change its motion "
+            "after hundreds of turns")
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
         help="maximum shaft turns of a run that has not settled; default 150")
     cage.add_argument("--life", action="store_true",
@@ -143,17 +144,18 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("--maker", choices=tuple(MAKERS),
         help="use balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
-        help="list the known bearings of a maker, or those that begin with SERIES, and exit")
+        help="list the known bearings of a maker, or only those of SERIES, and exit")
     new.add_argument("--bore", type=float, metavar="MM",
-        help="bore diameter, without a designation")
+        help="bore diameter, if no designation is given")
     new.add_argument("--outside", type=float, metavar="MM",
-        help="outside diameter, without a designation")
+        help="outside diameter, if no designation is given")
     for option, key, metavar, text in OPTIONS:
         kind = int if key == "bearing.ball_count" else float
         text = f"{text}; assumed if omitted"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
-        help="instead of --preload; default light. With --maker, a class of the maker: EL, L, M, H "
+        help="preload class, instead of --preload; default light. With --maker, a class of the "
+            "maker: EL, L, M, H "
         "for NSK, L, M, F for SNFA; default L")
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument("--clearance", choices=CLEARANCES,
@@ -170,7 +172,8 @@ def _add_rubbing(new: argparse.ArgumentParser) -> None:
     new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
         help="materials of balls and races, with wear and friction from the table of sources "
         "(docs/coefficients.md); assumed if omitted")
-    new.add_argument("--film", choices=FILMS, help="a film between them, from the same table")
+    new.add_argument("--film", choices=FILMS, help="solid film between balls and races, from the "
+        "same table")
 
 
 def _add_scene(sub: argparse.ArgumentParser) -> None:
@@ -202,7 +205,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--record-timing", action="store_true",
         help="store the duration of the solve (two files of one case then differ)")
     sub.add_argument("--record-failures", action="store_true",
-        help="exit with 0 even if the solver fails, which the status of the file reports")
+        help="exit with status 0 even if the solver fails; the file contains the reason")
 
 
 def _add_formats(sub: argparse.ArgumentParser) -> Any:
@@ -216,7 +219,7 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     sub.add_argument("--friction", type=float, metavar="MU",
-        help="friction of ball and race; default: the scene's")
+        help="ball-race friction coefficient; default: value of the scene")
     sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
         help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the scene's")
     sub.add_argument("--samples", type=int, metavar="N",
@@ -230,16 +233,17 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all", type=_study_name,
         metavar="SCENE.yaml | NAME | FILE",
-        help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
-        f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; or one of its "
-        f"results, results/..., which is then computed again; default: the main study")
+        help=f"a scene, for its own study (wear states, lives and their spread, recommended "
+            f"preload, page); a study of the current folder: {', '.join(NAMES)}; or one of its "
+        f"results, results/..., to compute it again; default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
         help="folder of the study of a scene; default: named after the scene's file")
     study.add_argument("-j", "--jobs", type=int, metavar="N",
-        help="jobs at a time; default: one for each core")
+        help="number of parallel jobs; default: one per core")
     _add_limits(study)
     study.epilog = (
-        "Further arguments are passed to Snakemake; they follow a name, as in `bearingwear study "
+        "Further arguments are passed to Snakemake; they follow the name of a study, as in "
+        "`bearingwear study "
         "all --configfile other.yaml`."
     )
 
@@ -257,9 +261,9 @@ def _add_margin(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--drive", type=_positive, metavar="N_M",
         help="torque of the drive; sets drive.torque_Nm")
     sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
-        help="rule of the margin; sets drive.standard; ecss if neither does")
+        help="standard for the margin; sets drive.standard; default ecss")
     sub.add_argument("--data", choices=("analysis", "test", "extremes"),
-        help="where the torques come from; sets drive.data; analysis if neither does")
+        help="source of the torques; sets drive.data; default analysis")
     _add_formats(sub)
 
 
@@ -269,7 +273,8 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
         help="shaft speeds, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS requires five or "
         "more")
     sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
-        help=".csv: 5 x 5 of each bearing; .toml: one bearing as ross.BearingElement.load reads it")
+        help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format of "
+            "ross.BearingElement.load")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
         help="bearing of a pair; default 1")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",
@@ -299,9 +304,9 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
 
 def _add_compare(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("first", metavar="A.nc", help="a result file")
-    sub.add_argument("second", metavar="B.nc", help="another one of the same kind")
+    sub.add_argument("second", metavar="B.nc", help="another result file of the same kind")
     sub.add_argument("--tolerance", type=_share, default=0.0, metavar="SHARE",
-        help="relative tolerance, over the largest value of the variable")
+        help="tolerance relative to the largest value of the variable")
 # fmt: on
 
 

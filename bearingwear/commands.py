@@ -54,7 +54,7 @@ def new(args: argparse.Namespace) -> int:
     names = "bore outside clearance ball_material preload_method preload_class maker pair film"
     others = {name: getattr(args, name) for name in names.split()}
     lines = write_scene(path, given=known, designation=designation, **others)
-    print(f"{path}: written; assumed or of a catalogue, and marked so in it:")
+    print(f"{path}: written; these values are assumed or from a catalogue, and marked in the file:")
     for line in lines:
         print(f"  {line}")
     for line in _tried(path):
@@ -103,7 +103,7 @@ def check(args: argparse.Namespace) -> int:
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
-    print(f"{args.scene}: valid; {scene.name} would be solved with {chosen.fidelity}")
+    print(f"{args.scene}: valid; {scene.name} would be solved with the {chosen.fidelity} model")
     for reason in chosen.reasons:
         print(f"  {reason}")
     print(f"  {accuracy_sentence(scene, chosen)}")
@@ -237,7 +237,7 @@ def margin(args: argparse.Namespace) -> int:
     args.set += [f"drive.{key}={value}" for key, value in given.items() if value is not None]
     scene = _scene(args)
     if scene.drive is None:
-        raise UsageError(f"{args.scene}: drive: got nothing, expected it, or --drive N_M")
+        raise UsageError(f"{args.scene}: drive: got nothing, expected a drive, or --drive N_M")
     from bearingwear.document.margin import margin_document
     from bearingwear.lives.margin import torque_corners
 
@@ -369,14 +369,17 @@ def _tried(path: str) -> list[str]:
     from bearingwear.solvers.effects.choice import LARGEST_KERNEL
 
     if not is_compiled(LARGEST_KERNEL["steady"]):
-        return [f"not solved: the first solve compiles the kernels, for up to {compile_time()}"]
+        return [
+            f"not solved yet: the first solve compiles the solver, which takes up to "
+            f"{compile_time()}"
+        ]
     from bearingwear.scene.read import load_scene
     from bearingwear.solvers.solve import solve as solved
 
     scene = load_scene(path)
     result = solved(scene)
     if result.status != "ok":
-        return [f"does not solve: {result.status}: {result.reason}"]
+        return [f"cannot be solved: {result.status}: {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     lines = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
     if scene.bearing.maker is not None:
@@ -385,8 +388,9 @@ def _tried(path: str) -> list[str]:
         pair = RestingPair.of(scene)
         axial, radial = (1e-6 * one for one in pair.rigidity)
         lines.append(
-            f"a rigid pair of these at rest: {axial:.3g} N/um axial, {radial:.3g} radial; an axial "
-            f"force of {pair.lift_off:.3g} N unloads one"
+            f"a rigid pair of these bearings at rest: {axial:.3g} N/um axial, {radial:.3g} "
+            f"radial; an axial "
+            f"force of {pair.lift_off:.3g} N unloads one bearing"
         )
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 

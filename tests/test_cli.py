@@ -137,7 +137,7 @@ def test_life(tmp_path, capsys):
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith("warning: a loss of 0.49") and err.count("\n") == 2
+    assert out == "" and err.startswith("warning: a wear depth of 0.49") and err.count("\n") == 2
     assert "\nwarning: temperature is neglected" in err
     life = load(tmp_path / "life.nc")
     assert int(life["status"]) == code.OK
@@ -162,7 +162,7 @@ def test_failed_life(tmp_path, monkeypatch):
 def test_check(capsys):
     assert main(["check", str(SCENE)]) == 0
     out, err = capsys.readouterr()
-    assert "gyro_s1 would be solved with steady" in out.splitlines()[0] and not err
+    assert "gyro_s1 would be solved with the steady model" in out.splitlines()[0] and not err
     assert main(["check", str(SCENE), "--set", "operation.radial_load_N=[0, 1]"]) == 0
     out = capsys.readouterr().out
     assert "solved with dynamic" in out and "radial load" in out
@@ -414,7 +414,7 @@ def test_warnings_are_printed_once(capsys):
     told, error = capsys.readouterr()
     assert told.count("gap between ball and groove") == 1 and error == ""
     assert main([*worn, "--quiet"]) == 0
-    assert capsys.readouterr().err.startswith("warning: a loss of 0.3 um")
+    assert capsys.readouterr().err.startswith("warning: a wear depth of 0.3 um")
 
 
 def test_a_new_folder_is_told(tmp_path, capsys):
@@ -447,9 +447,9 @@ def test_recommend_at_a_cliff(capsys):
     told = capsys.readouterr().out
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
     (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
-    assert re.search(r"limited by +a sudden drop of the life +a change in what ends the life", told)
+    assert re.search(r"limited by +a sudden drop of the life +a change of the end", told)
     assert re.search(r"^ +Constant force: at [\d.]+ N, [\d.]+ % less, the life falls", told, re.M)
-    assert "A loss of 0.7 um is" in told
+    assert "A wear depth of 0.7 um is" in told
     lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
     counted = float(lived.life.sel(counts="ball_and_races"))
     assert counted == pytest.approx(float(hours), rel=0.01)

@@ -210,7 +210,7 @@ def test_a_case_beyond_an_end_is_marked(name):
     for variable in measure.variables:
         if variable not in CASE:
             continue
-        for ratio, note in ((0.9, ""), (1.1, "passed")):
+        for ratio, note in ((0.9, ""), (1.1, "violated")):
             file = File({variable: [at(measure, ratio)]}, "none", plain)
             row = row_of(variable, [at(measure, ratio)], limits_of_rows(file)[variable])
             assert [one.note for one in marked([row], file)] == [note]

@@ -65,7 +65,7 @@ def _arrangement(arrangement: Mapping[str, Any]) -> str:
 
 def _warmth(scene: Mapping[str, Any]) -> str:
     if scene.get("thermal"):
-        return "warmed by its friction"
+        return "heated by its own friction"
     given = scene.get("temperature") or {}
     parts = [
         f"{name.removesuffix('_C').replace('_', ' ')} {value:g}\N{NO-BREAK SPACE}°C"

@@ -19,8 +19,8 @@ _ROUNDING = 1e-9
 _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
     ("axial load", "N", "axial_load", lambda one: one.axial),
     ("radial load", "N", "radial_load", lambda one: one.radial),
-    ("largest ball load", "N", "largest_ball_load", lambda one: float(one.load.max())),
-    ("least ball load", "N", "least_ball_load", lambda one: float(one.load.min())),
+    ("maximum ball load", "N", "largest_ball_load", lambda one: float(one.load.max())),
+    ("minimum ball load", "N", "least_ball_load", lambda one: float(one.load.min())),
     ("balls without load", "", "loose_balls", lambda one: int((one.load == 0.0).sum())),
     ("peak pressure, inner", "GPa", "pressure_inner", lambda one: _GPA * one.pressure[:, 0].max()),
     ("peak pressure, outer", "GPa", "pressure_outer", lambda one: _GPA * one.pressure[:, 1].max()),
@@ -31,7 +31,7 @@ _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...]
 def launch_document(scene: Scene, found: Launched) -> Document:
     """Report on the bearings of a scene at launch."""
     columns = tuple(load.name for load in found.loads)
-    blocks = [Block("to the limits, along the axis alone", (), _limits(found))]
+    blocks = [Block("axial acceleration at the limits", (), _limits(found))]
     if found.loads:
         blocks += [Block("rotor", columns, tuple(_rotor_rows(found.loads)))]
         blocks += [
@@ -61,12 +61,12 @@ def launch_verdict(found: Launched) -> list[str]:
     ]
     if opened:
         gap, k, name = max(opened)
-        said.append(f"gaps: bearing {k} opens by {digits(_UM * gap)} um, {name}")
+        said.append(f"gap: bearing {k} opens by {digits(_UM * gap)} um, {name}")
     elif found.loads and not said:
         said.append("no gap: every bearing remains loaded")
     if found.loads:
         share = 100.0 * found.pressure_share
-        verb = "dents" if share > 100.0 else "does not dent"
+        verb = "dents" if share > 100.0 else "no dents"
         said.append(
             f"{verb}: peak pressure is {digits(share)} % of {digits(_GPA * found.pressure)} GPa, "
             f"{found.source}"
@@ -79,9 +79,9 @@ def _asked(scene: Scene, found: Launched) -> list[str]:
     assert a is not None
     parts = [f"at rest, rotor of {a.rotor_mass_kg:g} kg"]
     parts += (
-        [f"centre of mass {a.rotor_offset_mm:g} mm from the middle"] if a.rotor_offset_mm else []
+        [f"centre of mass {a.rotor_offset_mm:g} mm from the midpoint"] if a.rotor_offset_mm else []
     )
-    for way, g in (("along", found.axial_g), ("across", found.radial_g)):
+    for way, g in (("axial", found.axial_g), ("radial", found.radial_g)):
         parts += [f"{digits(g)} g {way}"] if g else []
     lines = [", ".join(parts)]
     if found.frequencies is not None and (
@@ -90,7 +90,7 @@ def _asked(scene: Scene, found: Launched) -> list[str]:
         axial, radial, _ = found.frequencies
         lines.append(
             f"by Miles' equation, three sigma, Q = {asked.amplification:g}, at "
-            f"{digits(axial)} Hz along, {digits(radial)} Hz across"
+            f"{digits(axial)} Hz axial, {digits(radial)} Hz radial"
         )
     return lines
 
@@ -112,12 +112,12 @@ def _limits(found: Launched) -> tuple[Row, ...]:
 def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
     held = [load.rotor for load in loads]
     rows = [
-        Row("force along", "N", tuple(load.axial for load in loads), "axial_force"),
-        Row("force across", "N", tuple(load.radial for load in loads), "radial_force"),
+        Row("axial force", "N", tuple(load.axial for load in loads), "axial_force"),
+        Row("radial force", "N", tuple(load.radial for load in loads), "radial_force"),
     ]
     for label, unit, name, value_of in (
-        ("shift along", "um", "shift", lambda one: _UM * one.shift),
-        ("shift across", "um", "across", lambda one: _UM * one.across),
+        ("axial shift", "um", "shift", lambda one: _UM * one.shift),
+        ("radial shift", "um", "across", lambda one: _UM * one.across),
         ("tilt", "mrad", "tilt", lambda one: _MM * one.tilt),
         ("spring extends by", "um", "slide", lambda one: _UM * one.slide),
         ("force on the stop", "N", "on_stop", lambda one: one.on_stop),

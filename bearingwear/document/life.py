@@ -92,8 +92,8 @@ def _of_each(file: Any) -> list[Block]:
         if rate.ndim:
             loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1], counted])
             ends += (loss_rate._replace(name="history_ball_diameter_loss_rate"),)
-        blocks.append(Block("along the life", ("start", "end"), ends))
-        blocks.append(Block("what may end it", ("start", "end"), _criteria(file, scene)))
+        blocks.append(Block("during the life", ("start", "end"), ends))
+        blocks.append(Block("end-of-life criteria", ("start", "end"), _criteria(file, scene)))
     return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]
 
 
@@ -211,4 +211,4 @@ def _worn(file: Any) -> list[Block]:
         row = worn(WORN_RACES, volume)
         rows.append(row._replace(label=f"{race} race", name=f"{WORN_RACES}.{race}"))
     rows += [worn(name, at_end[name]) for name in WORN_WHOLE if name in at_end]
-    return [Block("worn since the start", ("mean", "least", "most"), tuple(rows))]
+    return [Block("wear since the start", ("mean", "least", "most"), tuple(rows))]

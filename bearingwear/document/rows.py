@@ -134,6 +134,6 @@ def marked(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
         if row.limit is not None:
             measure, limit, preload = criteria[row.name]
             value = measure.value(values(file, row.name), preload)
-            row = row._replace(note="passed" if measure.is_passed(value, limit) else "")
+            row = row._replace(note="violated" if measure.is_passed(value, limit) else "")
         found.append(row)
     return tuple(found)

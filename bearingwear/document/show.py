@@ -265,7 +265,7 @@ def _diagnostics(file: Any) -> list[Block]:
     attributes = tuple(f"{name}: {_short(file.getncattr(name))}" for name in names)
     blocks = (
         Block("accuracy of the solution", (), tuple(row for row in rows if row.values)),
-        Block("what was modelled", lines=tuple(json.loads(getattr(file, "modelled", "[]")))),
+        Block("modelled effects", lines=tuple(json.loads(getattr(file, "modelled", "[]")))),
         Block("provenance", lines=attributes),
     )
     return [block for block in blocks if block.rows or block.lines]

@@ -97,11 +97,11 @@ def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
         "star: best of its method": any(line.star for line in chart.lines),
-        "vertical bar: 90 % of bearings": any(line.band for line in chart.lines),
+        "vertical bar: life of 90 % of bearings": any(line.band for line in chart.lines),
         "dashed, shaded, bar below: that method violates a limit": any(
             line.beyond for line in chart.lines
         ),
-        "diamond: from here something else ends the life": any(
+        "diamond: from here, another criterion ends the life": any(
             len(set(line.ends)) > 1 for line in chart.lines
         ),
     }

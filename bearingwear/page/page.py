@@ -35,14 +35,14 @@ _TEMPLATE, _STYLE, _SCRIPT = (
 )
 UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
-    "QV": "Load times slip speed, summed over a contact (W): twice the QV, twice the wear.",
-    "constant force, fixed position": "Preload by a spring, whose force is "
-    "constant as parts wear, or by a spacer, whose force decreases with wear.",
-    "residual preload": "The axial force that remains when worn and at speed.",
+    "QV": "Load times slip speed, integrated over a contact (W). Wear is proportional to QV.",
+    "constant force, fixed position": "Preload by a spring, whose force remains constant as parts "
+    "wear, or by a spacer, whose force decreases with wear.",
+    "residual preload": "The axial force that remains at speed and after wear.",
     "slip, gyroscopic share": "The share of ball slip perpendicular to the rolling direction.",
-    "skid ratio": "The lag of a ball's orbit behind pure rolling.",
-    "interference loss": "How much interference of balls and grooves wear removes: the loss of "
-    "ball diameter plus, where races count, the depth worn off the grooves.",
+    "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",
+    "total wear depth": "The loss of ball diameter plus, if the races count, the wear depth of "
+    "both grooves; both reduce the interference between balls and grooves.",
     "wear life": "Hours until wear reaches the first limit; not a fatigue life.",
 }
 """Words that a reader of the page may not know."""

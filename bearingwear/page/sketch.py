@@ -109,7 +109,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
     way = "spring" if spring else "spacer"
     known = "" if first.sized else ", ring thickness"
     text = (
-        f"{'Both bearings' if pair else 'The bearing'} in section, to scale, as new and unloaded; "
+        f"{'Both bearings' if pair else 'The bearing'} in section, to scale, new and unloaded; "
         f"preload{'' if load is None else f' {load:.4g} N'} by a {way}. "
         f"Assumed: ring width, shoulders{known}."
     )
@@ -220,7 +220,7 @@ def _words(
     foot = size[1] - 36.0
     reach = 0.95 * one.ball * scale
     lines = [
-        f"ball ø {one.ball:.4g} mm, pitch ø {one.pitch:.4g} mm",
+        f"ball ø {one.ball:.4g} mm, pitch circle ø {one.pitch:.4g} mm",
         f"grooves {one.grooves[0] / one.ball:.4g} (inner), {one.grooves[1] / one.ball:.4g} (outer)",
     ]
     if one.sized:

@@ -47,13 +47,13 @@ INTERVAL = (0.05, 0.95)
 QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
-NO_QUANTILES = "no spread computed"
+NO_QUANTILES = "the spread of life was not computed"
 SEE = "the command bearingwear uncertainty computes it"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""
 
-BY_WEAR = f"  {BEARINGS_BETWEEN}, by wear"
+BY_WEAR = f"  {BEARINGS_BETWEEN}, wear only"
 """Label of `band_by_wear`."""
 
 
@@ -73,14 +73,14 @@ class Spread(NamedTuple):
         low, high = self.bearings.text.split(" to ")
         text = f"{BEARINGS_BETWEEN} between {low} and {high} h".replace(" %", "\N{NO-BREAK SPACE}%")
         if self.bearings.low == 0.0:
-            text += " (0: beyond a limit when new)"
+            text += " (0: a limit is exceeded when new)"
         share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"
         return text + (share if self.solved < 1.0 else "")
 
     @property
     def rows(self) -> dict[str, Interval | float | str]:
         """Rows of a sheet or a table, by label."""
-        parts = {"scatter within a batch": self.scatter, "unknown for a batch": self.unknown}
+        parts = {"scatter within a batch": self.scatter, "uncertainty of the batch": self.unknown}
         return {
             BEARINGS_BETWEEN: self.bearings,
             **{f"  {label}": part or "none" for label, part in parts.items()},
@@ -109,7 +109,7 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
 def hours_in_words(scene: Mapping[str, Any], life: float) -> str:
     """A life that stands alone: `0.66 h (by wear 0.11 to 4 h)`."""
     band, _ = band_by_wear(scene, life)
-    return f"{Rough(life).text} h" + (f" (by wear {band.text} h)" if band else "")
+    return f"{Rough(life).text} h" + (f" ({band.text} h if only wear is uncertain)" if band else "")
 
 
 def spread_text(spread: Spread | None) -> str:
@@ -133,7 +133,7 @@ def load_quantiles(path: str | Path) -> xr.Dataset:
         not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
         or not np.isin(INTERVAL, found["probability"]).all()
     ):
-        raise CaseFileError(f"{path}: got a file of an earlier version, expected one made again")
+        raise CaseFileError(f"{path}: got a file of an earlier version, expected a recomputed file")
     return found
 
 
@@ -185,7 +185,7 @@ def spreads_of(
 def causes_told(scene: Mapping[str, Any]) -> str:
     """Uncertain values of a scene, by the labels of `Spread.rows`."""
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
-    parts = (("Scatter within a batch", False), ("Unknown for a batch", True))
+    parts = (("Scatter within a batch", False), ("Uncertainty of the batch", True))
     found = [
         (
             text,
@@ -193,12 +193,12 @@ def causes_told(scene: Mapping[str, Any]) -> str:
         )
         for text, cause in parts
     ]
-    middle = "L10 and L50 are those of the median batch. " if all(name for _, name in found) else ""
+    middle = "L10 and L50 refer to the median batch. " if all(name for _, name in found) else ""
     return middle + " ".join(f"{text}: {names}." for text, names in found if names)
 
 
 def _cause(key: str) -> str:
-    words = "friction of ball and race" if key == "ball_race" else key_in_words(key)[0]
+    words = "ball-race friction" if key == "ball_race" else key_in_words(key)[0]
     return words.replace("brinell", "Brinell")
 
 

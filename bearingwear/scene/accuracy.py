@@ -167,17 +167,17 @@ class Model:
         "as a preset or as a target error of total QV. With cage_results or a limit of a "
         f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}", within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")
-    strips: int = setting("Points or strips along each contact ellipse (split: the most points, a "
-        "quarter of them on each side of a pure-rolling point, and never fewer than 20)", "1",
+    strips: int = setting("Points or strips along each contact ellipse (split: the maximum "
+        "number, with a quarter of them on each side of a pure-rolling point, at least 20)", "1",
         "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
         "Points across each strip, where slip is evaluated over the ellipse", "1", "[1, 200]",
         default_by=ACCURACY, default=STANDARD.over_ellipse[1])
-    quadrature: str = setting("Rule over the contact ellipse, Gauss-Legendre on each half of the "
-        "major axis, Gauss-Legendre split at the pure-rolling points and gathered there, or equal "
-        "strips", choices=("gauss", "split", "strips"), default_by=ACCURACY, default="split")
-    steady_starts: int = setting("Most starts of the search for other steady states, where the "
-        "force along the orbit allows one (0 searches none), steady only", "1", "[0, 10000]",
+    quadrature: str = setting("Quadrature over the contact ellipse: Gauss-Legendre on each half "
+        "of the major axis, Gauss-Legendre split at the pure-rolling points and refined there, or "
+        "equal strips", choices=("gauss", "split", "strips"), default_by=ACCURACY, default="split")
+    steady_starts: int = setting("Maximum number of starts of the search for other steady states, "
+        "if the force along the orbit permits them (0: no search), steady only", "1", "[0, 10000]",
         default_by=ACCURACY, default=STANDARD.steady_starts)
     simulated_turns: float = setting("Shaft turns simulated, dynamic only", "1", "(0, 1e6]",
         default_by=ACCURACY, default=STANDARD.simulated_turns)
@@ -196,8 +196,8 @@ class Model:
     dynamic_tolerance: float = setting(
         "Allowed error of slip velocities in one time step, over the mean slip, dynamic only", "1",
         "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
-    settled_drift: float = setting("Largest relative change of QV and wear still to come at which "
-        "a run counts as settled and ends, dynamic only", "1", "(0, 1]", default_by=ACCURACY,
+    settled_drift: float = setting("Maximum relative change of QV and wear still expected at "
+        "which a run counts as settled and ends, dynamic only", "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(
         "Factor on the assumed stiffness of the guiding land, to show its influence", "1",

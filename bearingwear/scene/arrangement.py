@@ -59,13 +59,13 @@ class Arrangement:
     rotor_mass_kg: float | None = setting("Mass of the rotor of a pair, for its frequencies", "kg",
         "(0, 1e6]", default=None)
     span_mm: float | None = setting(
-        "Distance of the two bearings' centres, for the rotor's frequencies", "mm", "(0, 1e5]",
-        default=None)
+        "Distance between the centres of the two bearings, for the rotor's frequencies", "mm",
+        "(0, 1e5]", default=None)
     rotor_transverse_inertia_kg_mm2: float | None = setting("Moment of inertia of the rotor about "
-        "a transverse axis through its centre of mass (that of a slender rod of that mass and "
-        "span, assumed if omitted)", "kg mm2", "(0, 1e12]", default=None)
+        "a transverse axis through its centre of mass (if omitted, a slender rod of the same mass "
+        "and span is assumed)", "kg mm2", "(0, 1e12]", default=None)
     rotor_offset_mm: float = setting(
-        "Distance of the rotor's centre of mass from the middle between the bearings, towards +X",
+        "Distance of the rotor's centre of mass from the midpoint between the bearings, towards +X",
         "mm", "[-1e5, 1e5]", default=0.0)
     stop_um: float | None = setting("Travel of the preload spring at launch, to its stop or to a "
         "snubber (unlimited if omitted)", "um", "[0, 1e5]", default=None)

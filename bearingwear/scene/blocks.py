@@ -54,15 +54,15 @@ class Bearing:
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
     bore_mm: float | None = setting(
-        "Bore of the inner ring, for its growth at speed and the warning of hoop stress", "mm",
+        "Bore of the inner ring, used for its growth at speed and the hoop-stress warning", "mm",
         _RING, default=None)
     outside_diameter_mm: float | None = setting(
-        "Outside diameter of the outer ring, for its growth if it rotates", "mm", _RING,
+        "Outside diameter of the outer ring, used for its growth if it rotates", "mm", _RING,
         default=None)
-    inner_shoulder_mm: float | None = setting("Diameter of the inner ring's shoulder on the loaded "
-        "side, for the warning of an ellipse beyond it", "mm", _RING, default=None)
+    inner_shoulder_mm: float | None = setting("Shoulder diameter of the inner ring on the loaded "
+        "side, used to warn of a contact ellipse beyond it", "mm", _RING, default=None)
     outer_shoulder_mm: float | None = setting(
-        "Diameter of the outer ring's shoulder on the loaded side, for the same warning", "mm",
+        "Shoulder diameter of the outer ring on the loaded side, used for the same warning", "mm",
         _RING, default=None)
     # fmt: on
 
@@ -79,12 +79,12 @@ class Material:
         "GPa", "[0.001, 100]", example="6.6")
     wear_coefficient: float = setting("Dimensionless wear coefficient, the K_s of Archard's law",
         "1", "(0, 1]", example="5.0e-6")
-    yield_pressure_GPa: float | None = setting("Largest contact pressure without a dent, for a "
-        "warning (4.2 if omitted, from ISO 76 for steel, assumed for other materials)", "GPa",
+    yield_pressure_GPa: float | None = setting("Maximum contact pressure without denting, used "
+        "for a warning (4.2 if omitted, from ISO 76 for steel, assumed for other materials)", "GPa",
         "(0, 100]", default=None)
     thermal_expansion_1_K: float | None = setting(
-        f"Linear thermal expansion ({STEEL_EXPANSION:g}, that of bearing steel, assumed if "
-        f"omitted, required for different materials with temperatures)", "1/K", "[0, 1e-4]",
+        f"Linear thermal expansion ({STEEL_EXPANSION:g}, bearing steel, assumed if omitted, "
+        f"required for different materials with temperatures)", "1/K", "[0, 1e-4]",
         default=None)
     film: Film | None = setting(
         "A solid film on the balls or races of this material, none if omitted", default=None)
@@ -111,8 +111,9 @@ class Cage:
     outer_diameter_mm: float = setting("Outer diameter of the cage ring, larger than the inner one",
         "mm", "(0, 10000]")
     width_mm: float = setting("Axial width of the cage", "mm", "(0, 1000]")
-    pocket_clearance_mm: float = setting("Diametral clearance of ball and pocket", "mm", "[0, 50]")
-    guide_clearance_mm: float = setting("Diametral clearance of cage and guiding land", "mm",
+    pocket_clearance_mm: float = setting("Diametral clearance between ball and pocket", "mm",
+        "[0, 50]")
+    guide_clearance_mm: float = setting("Diametral clearance between cage and guiding land", "mm",
         "[0, 50]")
     imbalance_um: float = setting(
         "Distance of the centre of mass from the cage's centre, towards its first pocket", "um",
@@ -211,7 +212,7 @@ class Wear:
         allowed="a number from 0 to 50000, or a list of one such number for each ball",
         default=(0.0,))
     counts: str = setting(
-        "Wear included in the interference loss of the reported life (files contain both)",
+        "Wear included in the total wear depth of the reported life (files contain both)",
         choices=COUNTS, default=COUNTS[1])
     ball_track: str = setting("Wear of balls in a life with worn grooves: evenly, because their "
         "axes wander (spread), or in bands about fixed axes", choices=BALL_TRACKS,

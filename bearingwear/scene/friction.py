@@ -21,10 +21,11 @@ class Film:
     thickness_um: float = setting("Thickness of the film when new", "um", _THICKNESS)
     # fmt: off
     wear_coefficient: float | None = setting(
-        "Wear coefficient of the film, that of friction.film if omitted (of a cage, its own)", "1",
+        "Wear coefficient of the film (if omitted, the value of friction.film, for a cage, its "
+        "own)", "1",
         _SHARE, default=None)
-    brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, that of "
-        "friction.film or of the material below, for a cage its own)", "GPa", "[0.001, 100]",
+    brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, the value of "
+        "friction.film or of the material below, for a cage, its own)", "GPa", "[0.001, 100]",
         default=None)
     # fmt: on
 
@@ -35,9 +36,10 @@ class RunningIn:
 
     # fmt: off
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface, which approaches that of the material", "1", _SHARE)
+        "Wear coefficient of the new surface, which approaches the value of the material", "1",
+        _SHARE)
     # fmt: on
-    depth_um: float = setting("Wear depth at which 1/e of the difference is left", "um", _THICKNESS)
+    depth_um: float = setting("Wear depth at which 1/e of the difference remains", "um", _THICKNESS)
 
 
 @keyed
@@ -47,21 +49,24 @@ class FilmFriction:
     # fmt: off
     shear_strength_MPa: float = setting("Shear strength S_0 of the film without pressure", "MPa",
         "[0, 10000]")
-    pressure_coefficient: float = setting("Rise alpha_S of its shear strength with pressure", "1",
+    pressure_coefficient: float = setting("Increase alpha_S of its shear strength with pressure",
+        "1",
         "[0, 2]", default=0.0)
     thickness_um: float | None = setting("Thickness of the film on each race when new "
         "(materials.NAME.film for balls), never worn through if omitted", "um", _THICKNESS,
         default=None)
     wear_coefficient: float | None = setting(
-        "Wear coefficient of both surfaces while a film remains, that of the materials if omitted",
+        "Wear coefficient of both surfaces while a film remains (if omitted, the values of the "
+        "materials)",
         "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film (if omitted, that of the material below)", "GPa", "[0.001, 100]",
+        "Hardness of the film (if omitted, the value of the material below)", "GPa", "[0.001, 100]",
         default=None)
     bare_ball_race: float | None = setting(
-        "Coulomb coefficient where the film is worn through, that of the film if omitted", "1",
+        "Coulomb coefficient where the film is worn through (if omitted, the value of the film)",
+        "1",
         "[0, 2]", default=None)
-    pressure_exponent: float | None = setting("Exponent of the film's wear over mean contact "
+    pressure_exponent: float | None = setting("Exponent of the film wear rate over mean contact "
         "pressure, relative to reference_pressure_GPa (none if omitted)", "1", "[0, 10]",
         default=None)
     reference_pressure_GPa: float | None = setting(
@@ -83,7 +88,7 @@ class Friction:
     cage: float = setting("Coulomb coefficient of ball and cage, and of cage and land", "1",
         "[0, 2]", default=0.05)
     slip_regularisation_m_s: float = setting(
-        "Slip speed below which friction is smoothed, an accuracy setting", "m/s", "[1e-9, 1]",
+        "Slip speed below which friction is regularised, an accuracy setting", "m/s", "[1e-9, 1]",
         default_by=ACCURACY, default=STANDARD.slip_regularisation_m_s)
     # fmt: on
 

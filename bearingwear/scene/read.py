@@ -106,7 +106,7 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
     if end is None or not end.criteria:
         names = ", ".join(whole(EndOfLife).below)
         raise SceneError(
-            "wear.end_of_life", f"got no criterion, expected for a life one of {names}", (), source
+            "wear.end_of_life", f"got no criterion, expected one of {names} for a life", (), source
         )
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(
@@ -126,11 +126,11 @@ class BasedOn:
     """A scene file that is another one with some keys changed."""
 
     name: str = setting("Name of the scene", pattern=NAME)
-    description: str = setting("Replaces that of the other scene", default="")
+    description: str = setting("Replaces the description of the other scene", default="")
     # fmt: off
-    based_on: str = setting("The other scene, a file beside this one, without its .yaml",
+    based_on: str = setting("The other scene, a file in the same folder, without .yaml",
         pattern=NAME)
-    changes: Mapping[str, Any] = setting("Keys of the other scene and their values here",
+    changes: Mapping[str, Any] = setting("Changed keys of the other scene and their new values",
         name="set", allowed="KEY: VALUE", default_factory=dict)
     # fmt: on
 

@@ -59,7 +59,7 @@ its motorization factor of 2 on all but the dynamic and the output torque."""
 STANDARDS = {
     "ecss": "ECSS-E-ST-33-01C (6 March 2009) 4.7.5.3, read in this edition, not in Rev. 1 and 2",
     "nasa": "NASA-STD-5017B (6 December 2022) eq. 4-1 and table 1, by a secondary text",
-    "own": "factors of the scene",
+    "own": "factors defined in the scene",
 }
 """Rules of a torque margin, their editions and what was read of them."""
 
@@ -71,8 +71,10 @@ _TORQUE = "(0, 1e6]"
 class Drive:
     """Drive of the shaft, and the rule of its torque margin."""
 
-    torque_Nm: float = setting("Least torque of the drive", "N m", _TORQUE)
-    standard: str = setting("Rule of the torque margin", choices=tuple(STANDARDS), default="ecss")
+    torque_Nm: float = setting("Minimum torque of the drive", "N m", _TORQUE)
+    standard: str = setting(
+        "Standard for the torque margin", choices=tuple(STANDARDS), default="ecss"
+    )
     # fmt: off
     data: str = setting("Source of the torques: analysis, test, or tests at the extremes of the "
         "environment (ecss: analysis or extremes)", choices=("analysis", "test", "extremes"),
@@ -81,10 +83,10 @@ class Drive:
         "Class of resistance of the bearing torque (if omitted friction for ecss, fixed for nasa)",
         longest=40, default=None)
     resistances_Nm: Mapping[str, float] = setting(
-        "Other resisting torques, under the names of the rule", each="A torque", unit="N m",
+        "Other resisting torques, under the names of the standard", each="A torque", unit="N m",
         within="[0, 1e6]", default_factory=dict)
     factors: Mapping[str, float] = setting(
-        "Factors of a user-defined rule, under names of your choice", each="A factor", unit="1",
+        "Factors of a user-defined standard, under names of your choice", each="A factor", unit="1",
         within="(0, 1000]", default_factory=dict)
     # fmt: on
 
@@ -92,7 +94,7 @@ class Drive:
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
-            problem = "expected them with standard own, and with that alone"
+            problem = "expected them only with standard own"
             given = "some" if self.factors else "none"
             raise SceneError(
                 "factors", f"got {given} with {self.standard}, {problem}", ("standard",)

@@ -97,18 +97,19 @@ class Scene:
     cage: Cage | None = setting(
         "The cage, none if omitted (a cage alone does not require the dynamic model)", default=None)
     operation: Operation = setting("Speeds, preload and loads")
-    arrangement: Arrangement | None = setting("Bearings of the rotor, a single one if omitted",
+    arrangement: Arrangement | None = setting("Bearings of the rotor, a single bearing if omitted",
         default=None)
     launch: Launch | None = setting(
         "Accelerations of the stationary rotor at launch, none if omitted", default=None)
     drive: Drive | None = setting("Drive of the shaft, for its torque margin, none if omitted",
         default=None)
-    temperature: Temperature | None = setting("Temperatures of the parts, as mounted if omitted",
+    temperature: Temperature | None = setting("Temperatures of the parts, mounting temperature if "
+        "omitted",
         default=None)
     thermal: Thermal | None = setting(
         "Network that computes the temperatures of rings and balls from the friction heat",
         default=None)
-    fits: Fits | None = setting("Fits of the rings on their seats, rings grow freely if omitted",
+    fits: Fits | None = setting("Fits of the rings on their seats, rings expand freely if omitted",
         default=None)
     friction: Friction = setting("Friction")
     lubricant: Lubricant = setting("Lubricant, no drag if omitted", default_factory=Lubricant)
@@ -121,14 +122,14 @@ class Scene:
         "values of the cage for `bearingwear cage`, assumed if omitted (none if {})",
         names=tuple(UNCERTAIN_CAGE), each="Distribution of one value of the cage", default=None)
     calibrated: Calibrated | None = setting(
-        "Tests from which `bearingwear calibrate` derived friction and wear coefficients",
+        "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
         default=None)
-    cases: Mapping[str, Mapping[str, Any]] | None = setting("Other conditions under which the "
-        "bearing has to do its work, each a few keys of the scene with their values there, under "
-        "the name of the case", least=1,
+    cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions of the "
+        "bearing, each a few keys of the scene with their values, under the name of the case",
+        least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
-    model: Model = setting("Choice of model and accuracy, overrides what the program would choose",
+    model: Model = setting("Choice of model and accuracy, overrides the choice of the program",
         default_factory=Model)
     # fmt: on
 
@@ -418,7 +419,7 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
     guided = cage.guiding_race != "ball"
     for name in ("pocket_clearance_mm", *(("guide_clearance_mm",) if guided else ())):
         if not getattr(cage, name) > 0.0:
-            raise SceneError(f"cage.{name}", "got 0, expected a number > 0: a cage needs room")
+            raise SceneError(f"cage.{name}", "got 0, expected a number > 0: a cage needs clearance")
     pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
     if b.ball_count > most_balls(pocket, b.pitch_diameter_mm):
         widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm

@@ -80,25 +80,25 @@ class Distribution:
     # fmt: off
     distribution: str = setting("Kind of distribution, truncated to possible values",
         choices=tuple(PARAMETERS))
-    mean: float | None = setting("Mean of a normal distribution, the scene's own value if omitted",
+    mean: float | None = setting("Mean of a normal distribution, the value of the scene if omitted",
         "as the value", default=None)
     standard_deviation: float | None = setting("Standard deviation of a normal distribution",
         "as the value", within="(0, inf)", default=None)
     median: float | None = setting(
-        "Median of a lognormal distribution, the scene's own value if omitted", "as the value",
+        "Median of a lognormal distribution, the value of the scene if omitted", "as the value",
         within="(0, inf)", default=None)
     factor: float | None = setting("Geometric standard deviation of a lognormal distribution: two "
         "thirds of the values lie between median/factor and median*factor", "1", "(1, 100]",
         default=None)
-    low: float | None = setting("Least value of a uniform distribution", "as the value",
+    low: float | None = setting("Lower end of a uniform distribution", "as the value",
         default=None)
-    high: float | None = setting("Largest value of a uniform distribution", "as the value",
+    high: float | None = setting("Upper end of a uniform distribution", "as the value",
         default=None)
     same_for_batch: bool | None = setting("Whether the value is common to all bearings of a batch "
         "(true if omitted for hardness, wear coefficient, friction and drag), or scatters from "
         "bearing to bearing", default=None)
     friction_correlation: float | None = setting("Correlation of the wear coefficient with the "
-        "uncertain friction, of their logarithms where both are lognormal (none if omitted)", "1",
+        "uncertain friction, of their logarithms if both are lognormal (none if omitted)", "1",
         "(-1, 1)", default=None)
     # fmt: on
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = "[-273.15, 1000]"
 _CONDUCTANCE = "[1e-6, 1e6]"
-_AS_REFERENCE = "that of mounting if omitted"
+_AS_REFERENCE = "mounting temperature if omitted"
 
 LARGEST_STRAIN = 0.01
 """Thermal expansion of a part, relative, beyond which a scene is refused."""
@@ -38,7 +38,7 @@ class Temperature:
     housing_C: float | None = setting("Temperature of the housing (if omitted, as for the shaft)",
         "degC", _DEGREES, default=None)
     # fmt: on
-    reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
+    reference_C: float = setting("Mounting temperature", "degC", _DEGREES, default=20.0)
 
 
 @keyed
@@ -64,7 +64,7 @@ class Thermal:
     housing_C: float = setting(
         "Constant temperature of the housing", "degC", _DEGREES, default=20.0
     )
-    reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
+    reference_C: float = setting("Mounting temperature", "degC", _DEGREES, default=20.0)
 
     def parts(self, inner_ring: float, balls: float, outer_ring: float) -> Temperature:
         """Temperatures of rings and balls between its shaft and housing [degC]."""
@@ -84,17 +84,19 @@ class Fits:
 
     # fmt: off
     shaft_interference_um: float = setting(
-        "Shaft diameter less bore, at rest and at mounting temperature", "um", "[-5000, 5000]",
+        "Shaft diameter minus bore, at rest and at mounting temperature", "um", "[-5000, 5000]",
         default=0.0)
     housing_interference_um: float = setting(
-        "Outside diameter less that of the housing, at rest and at mounting temperature", "um",
+        "Outside diameter minus housing bore, at rest and at mounting temperature", "um",
         "[-5000, 5000]", default=0.0)
     shaft_bore_mm: float = setting("Bore diameter of the shaft, 0 if solid", "mm", "[0, 20000]",
         default=0.0)
-    shaft_material: str | None = setting("Material of the shaft, that of the races if omitted",
+    shaft_material: str | None = setting("Material of the shaft, the material of the races if "
+        "omitted",
         pattern=NAME, default=None)
     housing_material: str | None = setting(
-        "Material of the (thick) housing, that of the races if omitted", pattern=NAME, default=None)
+        "Material of the (thick) housing, the material of the races if omitted", pattern=NAME,
+        default=None)
     # fmt: on
 
 
@@ -176,7 +178,7 @@ def _check_expansions(scene: Scene) -> None:
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
-                    "got nothing, with temperatures and parts of unlike materials, expected a "
+                    "got nothing, with temperatures and parts of different materials, expected a "
                     "number from 0 to 1e-4",
                     (key, "temperature", "thermal"),
                 )
@@ -186,7 +188,8 @@ def _check_expansions(scene: Scene) -> None:
             most = LARGEST_STRAIN / alpha
             raise SceneError(
                 key,
-                f"got a temperature {abs(kelvin):g} K from that of mounting, expected at most "
+                f"got a temperature {abs(kelvin):g} K from the mounting temperature, expected at "
+                f"most "
                 f"{most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )

@@ -67,7 +67,7 @@ class StiffnessOverSpeed:
 
         scene, speeds = as_scene(source), tuple(map(float, speeds_rpm))
         if not speeds or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
-            problem = f"got {list(speeds)}, expected numbers that rise"
+            problem = f"got {list(speeds)}, expected increasing numbers"
             raise SceneError("", problem, source="speeds")
         found = []
         if choice(scene).fidelity == "dynamic":

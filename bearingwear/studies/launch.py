@@ -57,7 +57,7 @@ def launch(
     May raise NoStudy.
     """
     if not (folder / CONFIG).is_file():
-        raise NoStudy(f"study: got a folder without {CONFIG}, expected one that holds a study")
+        raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     if not TOLD & set(more):  # of a dry run the table of jobs; never the files of each
         more = [*more, "--quiet", "host", "reason", *(["rules"] if DRY_RUN & set(more) else [])]
@@ -163,7 +163,7 @@ def only_run(folder: Path) -> Iterator[int]:
                 break
             except BlockingIOError:
                 if time.monotonic() > last:
-                    problem = "got a study that is running, expected one that is done"
+                    problem = "got a running study, expected a finished one"
                     raise NoStudy(f"{folder}: {problem}") from None
             time.sleep(0.1)
         yield held.fileno()

@@ -54,7 +54,7 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
         fault = damage(path) if path.endswith(".nc") else None
         if fault:
             os.replace(path, path + SET_ASIDE)
-            yield f"{fault}; set aside as {path}{SET_ASIDE}, to be made again"
+            yield f"{fault}; set aside as {path}{SET_ASIDE} and computed again"
         elif os.path.getmtime(path) > time.time():
             os.utime(path)
             redated += 1

@@ -30,7 +30,7 @@ def printed(capsys, *argv) -> str:
 def test_a_case_says_what_was_solved(capsys):
     text = printed(capsys, "solve", SCENE)
     assert text.startswith("gyro_s1: 9 balls of 2 mm\n30000 r/min, constant force preload 7 N")
-    assert "model steady (thrust alone), status ok: solved and verified" in text
+    assert "model steady (pure thrust load), status ok: solved and verified" in text
     for line in (
         r"maximum pressure +MPa +980 +943",
         r"gyroscopic slip share +% +8\.49 +2\.29  limit 50",
@@ -38,7 +38,7 @@ def test_a_case_says_what_was_solved(capsys):
         r"dynamic axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
-        r"interference loss +um/1000 h +29\.7 +528",
+        r"total wear depth +um/1000 h +29\.7 +528",
     ):
         assert re.search(rf"^  {line}$", text, re.M), line
     assert "residual  " not in text and "source_hash" not in text
@@ -63,7 +63,7 @@ def test_a_life_says_what_ends_it(capsys):
     assert re.search(r"^  ended by +residual preload$", text, re.M)
     assert re.search(r"^  residual preload +% +105 +40  limit 40, ends the life$", text, re.M)
     assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  limit 50$", text, re.M)
-    assert re.search(r"^  interference loss +um/1000 h +\d+ +\d+$", text, re.M)
+    assert re.search(r"^  total wear depth +um/1000 h +\d+ +\d+$", text, re.M)
 
 
 @pytest.mark.parametrize("command", ["solve", "life"])

@@ -196,7 +196,7 @@ def test_a_figure_says_what_it_shows(small_project, whole):
     message = " ".join(message.split())
     assert texts[0].startswith(f"{message}. ") and message in captions
     for what in (
-        "interference loss (µm)",
+        "total wear depth (µm)",
         "running time (h)",
         "fixed position",
         "end: residual preload",

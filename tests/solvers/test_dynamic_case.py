@@ -295,7 +295,7 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
 @pytest.mark.parametrize(
     "settings, fidelity, why",
     [
-        ([], "steady", "thrust alone"),
+        ([], "steady", "pure thrust load"),
         (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load: no steady state"),
         (["operation.rotating_load_N=1"], "dynamic", "rotating load: no steady state"),
         (["operation.tilt_mrad=1"], "dynamic", "tilt: no steady state"),

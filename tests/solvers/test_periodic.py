@@ -78,7 +78,7 @@ def test_the_estimate_covers_what_tight_steps_change(found, name, load):
         ({"model.cage_results": True}, "a cage"),
         ({"wear.ball_diameter_loss_um": [0.1] * 8 + [0.2]}, "unequal ball diameters"),
         ({"operation.rotating_load_N": 1.0}, "stationary loads together with a rotating one"),
-        ({"operation.radial_load_N": [0.0, 0.0], "model.fidelity": "dynamic"}, "thrust alone"),
+        ({"operation.radial_load_N": [0.0, 0.0], "model.fidelity": "dynamic"}, "pure thrust"),
     ],
 )
 def test_where_there_is_none(scene, changes, why):
@@ -97,7 +97,7 @@ def test_where_none_is_found(scene, monkeypatch):
     assert failed.status == "not_converged" and "no periodic motion" in failed.attrs["residual"]
     marched = solve(scene("gyro_s1", RADIAL).without_cage)
     assert marched.status == "ok" and marched.attrs["start"] == (
-        "the steady state under the thrust alone"
+        "the steady state under pure thrust"
     )
 
 

@@ -239,7 +239,7 @@ def _free_angle(
     if not deep_groove:
         if size.angle is not None:
             return size.angle, size.angle_rule
-        return 15.0, "usual of high-speed bearings"
+        return 15.0, "usual for high-speed bearings"
     if clearance is None or isinstance(clearance, str):
         group = clearance or size.clearance or "CN"
         ends = clearance_range(group, size.bore)
@@ -255,7 +255,7 @@ def _free_angle(
     if not 0.0 < um <= widest:
         raise refused_option("--radial-clearance-um", um, f"a number > 0 and <= {widest:.4g}")
     angle = math.degrees(math.acos(1.0 - um / play))
-    return rounded_to(angle, 4), f"what a radial clearance of {um:g} um{rule} leaves"
+    return rounded_to(angle, 4), f"from a radial clearance of {um:g} um{rule}"
 
 
 def refused_option(option: str, value: float | str, what: str) -> SceneError:

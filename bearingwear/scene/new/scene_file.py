@@ -147,7 +147,7 @@ def _assumed(
     (inner, outer), groove_rule = grooves_of(size.entry)
     lines = []
     if size.ignored:
-        lines.append(f"designation: read as {size.name}; not used: {size.ignored}")
+        lines.append(f"designation: interpreted as {size.name}; ignored: {size.ignored}")
         if "HC" in size.ignored:
             lines.append("designation: HC is for ceramic balls: --ball-material silicon_nitride")
     lines += [

@@ -42,7 +42,7 @@ class PeriodicMotion:
 
     @property
     def sentence(self) -> str:
-        return self.growth.sentence if self.growth else "stability not known"
+        return self.growth.sentence if self.growth else "stability unknown"
 
 
 class Passing:

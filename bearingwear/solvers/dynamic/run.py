@@ -55,7 +55,9 @@ def solve_dynamic(
             longest /= TIGHTER ** (1.0 / ROSENBROCK.order)
         if progress is not None:
             error = values["energy_account_error"]
-            progress(f"energy account {error:.1e} of the heat: again, with tolerance {tolerance:g}")
+            progress(
+                f"energy account {error:.1e} of the heat; repeated with tolerance {tolerance:g}"
+            )
 
 
 def begin(
@@ -192,16 +194,17 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} a turn"
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
+        f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes the place of the next "
+        f"one, to "
         f"{motion.error:.1e} of the largest speed; {motion.sentence}{drift}"
     )
 
 
 def settled_sentence(last: LastWindow) -> str:
     if last.slopes is None:
-        return "not known: fewer than three whole turns were evaluated"
+        return "unknown: fewer than three whole turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turn limit was reached"
     said = f"{verdict}: QV drifts {last.slopes[0]:+.1e}, wear {last.slopes[1]:+.1e} a turn"
     if last.to_land <= FAR_FROM_LAND:
-        said += f"; the cage drifts towards its land, which is {last.to_land:.0f} turns away"
+        said += f"; the cage drifts towards its land and would reach it in {last.to_land:.0f} turns"
     return said

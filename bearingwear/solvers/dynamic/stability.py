@@ -30,7 +30,7 @@ def why_not_periodic(scene: Scene) -> str:
     if standing and operation.rotating_load_N:
         return "stationary loads together with a rotating one"
     if not standing and not operation.rotating_load_N:
-        return "thrust alone"
+        return "pure thrust"
     return ""
 
 
@@ -90,8 +90,8 @@ class GrowthRates:
             else "do not grow"
         )
         return (
-            f"disturbances die out e-fold in {_turns(self.other)}; those of the balls' "
-            f"even spacing {spacing}"
+            f"disturbances decay e-fold in {_turns(self.other)}; disturbances of the balls' even "
+            f"spacing {spacing}"
         )
 
 
@@ -107,8 +107,8 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
         return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (
-            "nothing keeps the balls apart, and disturbances of their even spacing grow e-fold in "
+            "nothing separates the balls, and disturbances of their even spacing grow e-fold in "
             f"{_turns(spacing)}"
         )
-        return {"said": said, "advice": "give the scene its cage"}
+        return {"said": said, "advice": "add a cage to the scene"}
     return None

@@ -85,7 +85,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
         return _chosen(scene, "race_control", why)
     if found:
         return _chosen(scene, "dynamic", f"{found}: no steady state exists")
-    return _chosen(scene, "steady", "thrust alone")
+    return _chosen(scene, "steady", "pure thrust load")
 
 
 def _check(scene: Scene, wanted: str) -> None:

@@ -114,7 +114,7 @@ def temperature(chosen: Choice) -> Iterator[str]:
         yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"
     else:
         size = _effect(scene, lambda one: change_by_warm_ring(one, 1.0))
-        per_kelvin = " per K that the inner ring is warmer" if held else ""
+        per_kelvin = " per kelvin of excess temperature of the inner ring" if held else ""
         yield f"temperature: neglected; {size}{per_kelvin}"
 
 

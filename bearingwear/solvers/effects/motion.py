@@ -140,7 +140,7 @@ def balls(chosen: Choice) -> Iterator[str]:
 
 def _forces(scene: Scene) -> Iterator[str]:
     """Always included, because neglecting one saves no time (benchmarks/reductions.py)."""
-    share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
+    share, size = centrifugal_share(scene), "its size is unknown before the solve"
     if not math.isnan(share):
         times = f"{100.0 * share:.2g} % of" if share < 1.0 else f"{share:.2g} times"
         size = f"about {times} the contact load under the preload at rest"

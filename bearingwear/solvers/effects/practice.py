@@ -165,9 +165,10 @@ def inner_load(e: Evidence) -> Finding | None:
     known = e.state.values.get("unloaded_share", load == 0.0)
     lifted = float(np.max(known[:, INNER_SIDE]))
     if lifted > LONGEST_LIFTED:
-        said = f"a ball is off the inner race {lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
+        time = f"{lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
+        said = f"a ball is separated from the inner race for {time}"
         return {"excess": lifted / LONGEST_LIFTED, "said": said}
-    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
+    said = f"a ball's inner load is {share:.2g} of its outer load, below {LIGHTEST_INNER:g}"
     return {"excess": LIGHTEST_INNER / share, "said": said}
 
 
@@ -184,7 +185,7 @@ def friction_beyond(e: Evidence) -> Finding | None:
     value, (least, most) = e.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
-    excess, said = least / value, f"below {least:g}, the least that was measured"
+    excess, said = least / value, f"below {least:g}, the lowest measured value"
     if value > most:
         excess, said = value / most, f"above {most:g}, at which metals seize"
     return {"value": value, "said": said, "excess": excess}

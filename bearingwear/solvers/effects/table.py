@@ -116,7 +116,7 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 
 EFFECTS = (
-    Effect("over_limit_when_new", _when_new, "over the limit {new}: {said}", "{advice}"),
+    Effect("over_limit_when_new", _when_new, "limit exceeded {new}: {said}", "{advice}"),
     Effect("limit_passed", _limit_passed, "a life would end at once: {said}", "{advice}"),
     Effect(
         "criterion_not_watched",
@@ -204,7 +204,7 @@ EFFECTS = (
         practice.grown_preload,
         "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
         "(rule of thumb: at most three times)",
-        "a spring, or cooler inner rings, would avoid that",
+        "a spring, or cooler inner rings, would avoid this",
     ),
     Effect(
         "temperature_beyond_practice",
@@ -222,7 +222,8 @@ EFFECTS = (
     Effect(
         "groove_worn",
         _groove,
-        "a loss of {loss:.3g} um is {value:.2g} times the gap between ball and groove at the edge "
+        "a wear depth of {loss:.3g} um is {value:.2g} times the gap between ball and groove at "
+        "the edge "
         "of the ellipse; above {limit:g} the contact is no longer Hertzian",
         "pressure, slip and wear are estimates",
     ),

@@ -55,21 +55,22 @@ NODE = Variable("node", ("node",), "1", "number of the ensemble", "i8")
 
 CAGE_LIFE = table(
     Variable("cage_life", (), "1", "shaft turns to the end"),
-    Variable("cage_life_interval", END.dims, "1", "90 % interval of the life by the runs"),
+    Variable("cage_life_interval", END.dims, "1", "90 % interval of the life due to the scatter "
+                                                  "of the runs"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
-        "90 % interval of the life with that of the cage's wear coefficient"),
+        "90 % interval of the life including the uncertainty of the cage's wear coefficient"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
-    Variable("cage_end", (), "", "what ends the life", "i1", flags=CRITERIA),
+    Variable("cage_end", (), "", "criterion that ends the life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
-    Variable("motion_changes", END.dims, "1", "shaft turns of a change of the main motion"),
+    Variable("motion_changes", END.dims, "1", "shaft turns until the dominant motion changes"),
     Variable("node_turns", NODE.dims, "1", "shaft turns at an ensemble"),
-    Variable("node_depth", (*NODE.dims, *PART.dims), "m", "depth worn off"),
-    Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work in a shaft turn"),
+    Variable("node_depth", (*NODE.dims, *PART.dims), "m", "wear depth"),
+    Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work per shaft turn"),
     Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),
     Variable("other_hours", (), "h", "life of balls and races, steady", scale=HOURS_PER_SECOND),
     Variable("other_hours_interval", END.dims, "h",
-        "90 % interval of that by wear coefficient and hardness", scale=HOURS_PER_SECOND),
-    Variable("other_end", (), "", "what ends that", "i1", flags=CRITERIA),
+        "90 % interval of that life due to wear coefficient and hardness", scale=HOURS_PER_SECOND),
+    Variable("other_end", (), "", "criterion that ends that life", "i1", flags=CRITERIA),
 )  # fmt: skip
 
 

@@ -94,16 +94,16 @@ class CagePlan:
     # fmt: off
     changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set",
         default_factory=dict)
-    gravity_m_s2: tuple[float, ...] = setting("Weights, gravity along -Z", "m/s2",
-        within="[0, inf)", least=1)
-    guiding_race: tuple[str, ...] = setting("What guides the cage", choices=GUIDES, least=1,
+    gravity_m_s2: tuple[float, ...] = setting("Gravity along -Z, for the weight of the cage",
+        "m/s2", within="[0, inf)", least=1)
+    guiding_race: tuple[str, ...] = setting("Guiding surface of the cage", choices=GUIDES, least=1,
         default=("outer",))
-    imbalance_um: tuple[float, ...] = setting("Distances of the centre of mass", "um",
-        within="[0, inf)", least=1, default=(0.0,))
+    imbalance_um: tuple[float, ...] = setting("Distances of the centre of mass from the centre of "
+        "the cage", "um", within="[0, inf)", least=1, default=(0.0,))
     pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
     guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")
     cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
-    ensemble: Ensemble = setting("The ensemble of each", default_factory=Ensemble)
+    ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
     in_main_study: bool = setting(
         "Whether a plain `snakemake` computes the map and reports it on its page", default=False)
     # fmt: on

@@ -34,7 +34,7 @@ _ROWS = (
     ("pocket_force_99", "force of a pocket, 99 %"),
     ("land_force", "force of the land, mean"),
     ("land_force_99", "force of the land, 99 %"),
-    ("shaft_torque", "torque of the shaft"),
+    ("shaft_torque", "shaft torque"),
     ("torque_noise", "its turn-to-turn noise"),
     ("whirl_ratio", "whirl over the shaft"),
 )
@@ -67,7 +67,7 @@ def ensemble_sheet(file: Any) -> Document:
         lines.append(f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no motion")
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
-            "a cage that hangs may change its motion after hundreds of turns: use --least-turns "
+            "a hanging cage may change its motion after hundreds of turns: use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
         )
     if tolerance := getattr(file, "dynamic_tolerance", 0.0):
@@ -148,7 +148,7 @@ def _life(file: Any) -> Iterator[Block]:
     lines.append(
         "another motion becomes dominant: not before the end"
         if math.isnan(low)
-        else f"another motion prevails: after {low:.3g} to {high:.3g} turns"
+        else f"another motion becomes dominant: after {low:.3g} to {high:.3g} turns"
     )
     if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]

@@ -76,14 +76,14 @@ def cage_document(motions: xr.Dataset) -> Document:
         column("torque noise", means("torque_noise", noise), noise.unit),
     )  # fmt: skip
     lines = [
-        "Work: normal force times slip in a shaft turn, mean and its 90 % interval. Times "
-        "K_s/H of the cage material, it is the volume worn off.",
+        "Work is normal force times slip per shaft turn: its mean and 90 % interval. Multiplied "
+        "by K_s/H of the cage material, it gives the wear volume.",
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
-        lines.append("A cage that hangs may change its motion after hundreds of turns.")
+        lines.append("A hanging cage may change its motion after hundreds of turns.")
     scene = scene_of(motions)
     said = Block(
-        "Which cage to take",
+        "Choice of a cage",
         lines=(f"{recommended_cage(motions)}.", f"{quiet_region(motions)}."),
         place="lead",
     )

@@ -40,7 +40,7 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
             first, *_, last = launch_verdict(found)
             sentence = first if not said or "launch" not in said[-1] else last
             where = "" if name == NOMINAL else f" ({name})"
-            g = f"{found.axial_g:.3g} g along, {found.radial_g:.3g} g across"
+            g = f"{found.axial_g:.3g} g axial, {found.radial_g:.3g} g radial"
             said.append(f"launch, {g}{where}: {sentence}")
     return {"said": said, "corners": [asdict(one) for one in corners]} if said else {}
 
@@ -59,5 +59,5 @@ def machine_blocks(found: xr.Dataset) -> list[Block]:
             block = margin_block(scene_from_dict(data), corners)
             title = f"torque margin, {words}, {float(found['preload'][k]):.7g} N"
             blocks.append(Block(title, block.columns, block.rows, block.lines, place="open"))
-    asked = Block("What the machine asks", lines=tuple(said), place="lead")
+    asked = Block("Requirements of the machine", lines=tuple(said), place="lead")
     return ([asked] if said else []) + blocks

@@ -68,8 +68,8 @@ class DesignLimits(_LIMITS):
 class MapAxes:
     """Axes of a map of lives."""
 
-    preload_method: tuple[str, ...] = setting("Method of preload", choices=PRELOAD_METHODS, least=1)
-    friction: RisingAxis = setting("Friction coefficients of ball and race", "1")
+    preload_method: tuple[str, ...] = setting("Preload method", choices=PRELOAD_METHODS, least=1)
+    friction: RisingAxis = setting("Ball-race friction coefficients", "1")
     shaft_speed_rpm: RisingAxis = setting("Shaft speeds", "rpm")
     preload_N: RisingAxis = setting("Initial axial preloads", "N")
 
@@ -114,7 +114,7 @@ def axes_around(
 class Beside:
     """Bearing under another assumption."""
 
-    words: str = setting("What is assumed, in words")
+    words: str = setting("The assumption, in words")
     changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set")
 
 
@@ -125,8 +125,9 @@ class Design:
     map: MapAxes | None = setting("Axes of the map of lives", default=None)
     # fmt: off
     small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives, a part of "
-        "the main study if that has the scene", default=None)
-    limits: DesignLimits = setting("Hold from new to the end of life", default_factory=DesignLimits)
+        "the main study if it includes the scene", default=None)
+    limits: DesignLimits = setting("Limits, which apply from new to the end of life",
+        default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(
         "Assumptions under which lives at the recommended preloads are computed again",
         default_factory=dict)

@@ -213,7 +213,7 @@ class Search:
         for (k, one), more in zip(there.items(), self.each(_printed, scenes), strict=True):
             rows[k] = _row(known[k], one, self.limits) | more
         if self.limits.given:
-            self.tell("how far the choice holds")
+            self.tell("robustness of the choice")
         return rows, none, self._held(known, rows)
 
     def _at(self, method: str, preload: float) -> Scene:

@@ -362,10 +362,10 @@ NO_COMPARISON, ONE_LONGER, NEITHER_LONGER = range(len(VERDICTS))
 
 HELD = table(
     Variable("assumed", ("assumption",), "", "value of an assumption, in the unit of its key"),
-    Variable("holds_from", ("assumption",), "", "least value with the same method as the better"),
-    Variable("holds_to", ("assumption",), "", "largest value with the same method as the better"),
+    Variable("holds_from", ("assumption",), "", "lowest value at which the same method is better"),
+    Variable("holds_to", ("assumption",), "", "highest value at which the same method is better"),
     Variable("life_by_ball_track", ("preload_method", "ball_track"), "h",
-        "wear life at the recommended preload, by what is assumed of the track of a ball",
+        "wear life at the recommended preload, by the assumed track of the balls",
         scale=HOURS_PER_SECOND),
     Variable("verdict", (), "", "whether one method is preferred to the other", dtype="i1",
         flags=VERDICTS,

@@ -24,8 +24,8 @@ from bearingwear.studies.dataset import counted
 
 INDEX_WORDS = (
     "Total Sobol index of log life: the share of its variance due to the value, including "
-    "interactions. Preload as recommended; the scene defines the distributions. A distribution "
-    "without a mean or median uses the value of the scene."
+    "interactions. The preload is the recommended one; the scene defines the distributions. A "
+    "distribution without a mean or median uses the value of the scene."
 )
 
 

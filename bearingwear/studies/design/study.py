@@ -156,7 +156,7 @@ def _small(
             "studies.uncertainty.quantiles.recommended_life_quantiles",
             spread_of,
             settings=sample,
-            label="{scene}: how lives at the recommended preload spread",
+            label="{scene}: spread of the lives at the recommended preload",
             work=1.0,
             **found,
         ),

@@ -31,7 +31,7 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
 WORDS = {"ball_and_races": "balls and races", "ball": "the balls alone"}
-NO_END = "no end of life is met"
+NO_END = "no end-of-life criterion is reached"
 RANK = 1
 """Of the answer: one that recommends a preload comes before it."""
 
@@ -86,7 +86,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
                 end = f"not solved: {in_words(STATUS_NAMES[status])}"
             elif criterion in ENDS:
                 met = ENDS[criterion]
-                way = "down to" if met.falls else "up to"
+                way = "falls to" if met.falls else "reaches"
                 end = f"{met.words} {way} {in_print(met.limit_text(limits[criterion]))}"
             counts = wear.get("counts", COUNTS[-1])
             error = one.get("life_error_estimate", one["life"] * math.nan)
@@ -119,15 +119,15 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
     name = lives[0].scene
     here = [life for life in lives if life.scene == name]
     others = [life for life in lives if life.scene != name]
-    points = [("What ends it", _what_ends(here))]
+    points = [("What ends the life", _what_ends(here))]
     contests = _contests(here)
     if contests:
         verdicts = [_compared(here, scene), *_verdicts(contests)]
-        points.insert(0, ("Which preload method", verdicts))
+        points.insert(0, ("Comparison of preload methods", verdicts))
     if at_once := _at_once(here):
         points.append(("Uncertainty", [at_once]))
     if others:
-        points.append(("On the other bearings", _elsewhere(others)))
+        points.append(("Other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]
     return Document(
         (_headline(f"{name} at {preload:g} N", here, contests),),
@@ -182,10 +182,10 @@ def _headline(name: str, lives: Sequence[MethodLife], contests: Sequence[_Contes
         return f"{name}: neither preload method can be used"
     winners.discard("")
     if winners == {None}:
-        return f"{name}: both preload methods last equally long"
+        return f"{name}: both preload methods give the same life"
     if len(winners) == 1:
-        return f"{name}: {in_words(str(*winners))} lasts longest"
-    return f"{name}: which method lasts longest depends on friction"
+        return f"{name}: {in_words(str(*winners))} gives the longest life"
+    return f"{name}: the better preload method depends on friction"
 
 
 def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
@@ -193,10 +193,10 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     worn = {life.worn for life in lives}
     grooves = "with worn grooves" if True in worn else "with Hertzian grooves"
     if len(worn) > 1:
-        grooves += " where the loss is large"
+        grooves += " where wear is deep"
     return (
-        f"At the {scene['operation']['preload_N']:g} N of the scene, {grooves}; at the preloads "
-        "recommended for each method the order may differ."
+        f"The comparison applies to the {scene['operation']['preload_N']:g} N of the scene, "
+        f"{grooves}; at the preloads recommended for each method, the order may differ."
     )
 
 
@@ -225,7 +225,7 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
         if not winner:
             frictions = dict(of_frictions)[str(winner)]
             equal = f"No difference beyond the numerical error at {frictions}."
-            none = f"Neither can be used at {frictions}: both are beyond a limit when new."
+            none = f"Neither can be used at {frictions}: both exceed a limit when new."
             said.append(equal if winner is None else none)
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
@@ -236,7 +236,7 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
 
 def _margin(ratio: float) -> str:
     if ratio == math.inf:
-        return "it alone is within the limits when new"
+        return "it alone satisfies the limits when new"
     if ratio < 1.1:
         return f"by {percent_in_text(ratio - 1.0)}"
     return f"{ratio:.2g} times as long"
@@ -250,7 +250,7 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
         if life.spread and life.spread.bearings.low == 0.0
     ]
     where = ", ".join(f"{method} at {frictions}" for method, frictions in _grouped(found))
-    text = f"one bearing in twenty or more is beyond a limit when new: {where}"
+    text = f"at least one bearing in twenty exceeds a limit when new: {where}"
     return _sentence(text) if found else ""
 
 
@@ -258,11 +258,11 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
     counts = f"Life counts the wear of {WORDS[lives[0].counts]}."
     if not any(life.spread for life in lives):
-        return f"{counts} {_sentence(f'{NO_QUANTILES}, {SEE}')}"
+        return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}f"
     return (
-        f"{counts} {QUOTED_SHARE} of bearings have a life in the interval, over all that the scene "
-        f"calls uncertain. {causes_told(scene)}"
-        + ("" if all(life.spread for life in lives) else f" Where there is none, {SEE}.")
+        f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which includes all "
+        f"uncertain values of the scene. {causes_told(scene)}"
+        + ("" if all(life.spread for life in lives) else f" If no interval is given, {SEE}.")
     )
 
 
@@ -280,10 +280,12 @@ def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
 
 def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
     contests = _contests(lives)
-    said = [f"{_hours([life.counted for life in lives])}, each in its scene's way of counting wear"]
+    said = [
+        f"{_hours([life.counted for life in lives])}, with wear counted as each scene specifies"
+    ]
     for winner in dict.fromkeys(contest.longest for contest in contests):
         count = sum(contest.longest == winner for contest in contests)
-        name = f"{in_words(winner)} lasts longer" if winner else _NOT_LONGER[winner]
+        name = f"{in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
         said.append(f"{name} in {count} of {len(contests)} comparisons")
     return [_sentence(text) for text in said]
 
@@ -305,7 +307,7 @@ def lives_block(
         Row("life", "h", tuple(life.counted for life in known), "life"),
         *spread_rows([life.spread.rows if life.spread else {} for life in known]),
         Row(
-            f"life if {WORDS[other]} count",
+            f"life, counting {WORDS[other]}",
             "h",
             tuple(life.hours[other] for life in known),
             f"life.{other}",
@@ -316,8 +318,8 @@ def lives_block(
     if every:
         routes = tuple(100.0 * life.route_difference for life in known)
         rows += (
-            Row("at a loss of", "um", tuple(life.loss for life in known), "loss_at_end"),
-            Row("interpolated against solved", "%", routes, "life_route_difference"),
+            Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
+            Row("difference of interpolated life", "%", routes, "life_route_difference"),
         )
     return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2)
 

@@ -20,7 +20,7 @@ class GridBlock:
     """Scenes that share a grid."""
 
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names")
-    preload_method: tuple[str, ...] = setting("Method of preload", choices=PRELOAD_METHODS, least=1)
+    preload_method: tuple[str, ...] = setting("Preload method", choices=PRELOAD_METHODS, least=1)
     friction: tuple[float, ...] = setting(
         "Ball/race friction coefficients", "", "[0, inf)", least=1
     )

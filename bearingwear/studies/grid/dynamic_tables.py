@@ -75,23 +75,23 @@ def _text(solved: xr.Dataset) -> str:
             [*AXES],
             [
                 *((f"total_qv.{way}", way) for way in WAYS),
-                (change, "dynamic over steady less one"),
+                (change, "relative difference, dynamic from steady"),
                 *((f"residual_preload.{way}", way) for way in WAYS),
             ],
             "QV and preload",
-            ("QV is that of the whole bearing.",),
+            ("QV refers to the whole bearing.",),
         ),
         table_of(solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)),
         table_of(
             solved,
             [*AXES],
             [(name, "") for name in drift if name in solved],
-            "How settled the means are",
+            "Convergence of the means",
             tuple(_unsettled(solved)) or (still,),
         ),
         Block("Not solved", lines=unsolved or (ALL_SOLVED,)),
     )
-    title = f"{scene_of(solved)['name']}: solved dynamically, beside the steady state"
+    title = f"{scene_of(solved)['name']}: dynamic solution compared with the steady state"
     return as_markdown(Document((title,), blocks=blocks))
 
 

@@ -232,7 +232,7 @@ def _axis_variables(
     methods: Sequence[int], friction: Sequence[float], loss_um: Sequence[float]
 ) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
     """Values along the axes of a study, and their attributes."""
-    method_flags = flags("method of preload", PRELOAD_METHODS)
+    method_flags = flags("preload method", PRELOAD_METHODS)
     return {
         "preload_method": (np.array(methods, dtype=np.int8), method_flags),
         "friction": (np.array(friction), attrs("ball/race friction coefficient", "1")),

@@ -24,11 +24,11 @@ _FROM_THE_STUDY = "interpolated from the study"
 INTERPOLATED = table(
     Variable("interpolated_life", ("counts",), "h", f"wear life, {_FROM_THE_STUDY}"),
     Variable("interpolated_loss_at_end", (), "m",
-        f"interference loss at the end, {_FROM_THE_STUDY}"),
+        f"total wear depth at the end, {_FROM_THE_STUDY}"),
     Variable("interpolated_end_criterion", (), "", f"criterion met first, {_FROM_THE_STUDY}", "i1",
         flags=CRITERIA),
     Variable("interpolated_history_ball_diameter_loss", ("interpolated_step",), "m",
-        f"interference loss, {_FROM_THE_STUDY}"),
+        f"total wear depth, {_FROM_THE_STUDY}"),
     Variable("interpolated_history_time", ("interpolated_step", "counts"), "h",
         f"running time, {_FROM_THE_STUDY}"),
     Variable("interpolated_history_residual_preload", ("interpolated_step",), "N",

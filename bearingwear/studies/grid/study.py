@@ -169,7 +169,7 @@ def _lived(plan: Plan) -> list[Step]:
                 "samples": plan.uncertain_lives.samples,
                 "seed": plan.uncertain_lives.seed,
             },
-            label="{scene}: how its lives spread, mu {mu}",
+            label="{scene}: spread of its lives, mu {mu}",
             work=1.0,
         ),
     ]

@@ -65,7 +65,7 @@ def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> str:
-    """What wear does to QV and preload, the wear life, and what could not be solved, as Markdown.
+    """Effect of wear to QV and preload, the wear life, and what could not be solved, as Markdown.
 
     `known` are files of the study of uncertainty, if there are any.
     """
@@ -87,8 +87,8 @@ def _wear(study: xr.Dataset) -> Block:
         for name in ("total_qv", "residual_preload")
         for k, loss in enumerate(one["ball_diameter_loss"])
     ]
-    said = ("QV is that of a whole bearing.",)
-    return table_of(study, ("preload_method", "friction"), columns, "What wear does", said)
+    said = ("QV refers to a whole bearing.",)
+    return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said)
 
 
 def _not_compared(lives: xr.Dataset) -> str:
@@ -97,8 +97,9 @@ def _not_compared(lives: xr.Dataset) -> str:
     said = []
     if bool(lives["life_route_difference"].isnull().any()):
         said.append(
-            "A dash: the life has worn grooves or two bearings that differ, which interpolation "
-            "between cases excludes, or its end is not among the values of these cases."
+            "A dash means that the life has worn grooves or two different bearings, which cannot "
+            "be interpolated between cases, or that these cases do not contain its end-of-life "
+            "criterion."
         )
     if unknown:
         said.append(f"The cases do not contain: {', '.join(unknown)}.")

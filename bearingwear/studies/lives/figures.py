@@ -173,7 +173,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         panels[2, 1].axis("off")
         panels[2, 1].legend(handles=keys, loc="center", fontsize="large")
     lost = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
-    title = f"{scene_of(life)['name']}: grooves up to an interference loss of {lost:.2g} µm"
+    title = f"{scene_of(life)['name']}: grooves up to a total wear depth of {lost:.2g} µm"
     frame(figure, title, [] if banded else keys, columns=5)
     return figure
 

@@ -16,9 +16,9 @@ from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import counted, loaded
 
 COLUMN_WORDS = (
-    "Error bound: from the steps and the scatter of the runs. Balls' wear: lost by each since the "
-    "start, over the mean. The steady life is that of the same scene under its thrust alone, "
-    "without the cage, at the mean loss."
+    "Error bound: from the steps and the scatter of the runs. Ball wear is the loss of each ball "
+    "since the start, relative to the mean. The steady life is computed for the same scene under "
+    "thrust only, without the cage, at the mean loss."
 )
 
 
@@ -42,7 +42,7 @@ def lives_table(lives: Sequence[Path]) -> str:
         ),
         quantity_row("loss", "m", [_number(one, "loss_at_end") for one in found]),
         *(
-            Row(f"balls' wear, {word}", "", tuple(_share(one, word) for one in found))
+            Row(f"ball wear, {word}", "", tuple(_share(one, word) for one in found))
             for word in ("least", "most")
         ),
         *(
@@ -51,7 +51,7 @@ def lives_table(lives: Sequence[Path]) -> str:
         ),
     )
     block = Block(rows=rows, axes=1, lines=(COLUMN_WORDS,))
-    return as_markdown(Document(("Wear life, followed dynamically",), blocks=(block,)))
+    return as_markdown(Document(("Wear life by the dynamic model",), blocks=(block,)))
 
 
 def _counted(life: xr.Dataset, name: str) -> float:

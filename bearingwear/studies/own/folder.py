@@ -51,8 +51,8 @@ def write_study(
     head = f"# Written by `bearingwear study {file.name}`"
     _check_folder(folder, head)
     texts = {
-        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that "
-        f"again; or edit this, and run `bearingwear study` here.\n{body}"
+        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that command again; or "
+        f"edit this file, and run `bearingwear study` here.\n{body}"
         for path, body in bodies.items()
     }
     for path in texts:
@@ -107,8 +107,8 @@ def _check_unedited(path: Path, head: str, folder: Path) -> None:
         first, _, rest = text.partition("\n")
         if not first.startswith(head) or _hash(rest) not in first:
             raise UsageError(
-                f"{path}: got an edited file, expected one as it was written, or none (the study "
-                f"as it is edited: `bearingwear study`, run in {folder})"
+                f"{path}: got an edited file, expected an unchanged file, or none (for the edited "
+                f"study, run `bearingwear study` in {folder})"
             )
 
 

@@ -94,7 +94,7 @@ def _beside(scene: Scene) -> dict[str, Any]:
     from bearingwear.solvers.effects.growth import WARMER
 
     if scene.temperature or scene.thermal:
-        words = "all parts at the temperature of mounting"
+        words = "all parts at mounting temperature"
         return {"cold": {"words": words, "set": {"temperature": None, "thermal": None}}}
     inner = Temperature().reference_C + WARMER
     words = f"an inner ring {WARMER:g} K warmer"

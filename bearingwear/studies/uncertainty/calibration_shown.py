@@ -64,7 +64,8 @@ def calibration_sheet(file: Any) -> Document:
         f"Lives scatter by a factor of {digits(float(np.exp(scatter)))} within a batch (two "
         "thirds of them).",
         f"Lives are interpolated over friction to {100 * error:.1g} %.",
-        "Probability: of a test as far from the model or farther, the others known.",
+        "Probability: of a test that deviates at least this much from the model, given the other "
+        "tests.",
     )
     return Document(
         heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=summary))
@@ -76,7 +77,9 @@ def conflicts(file: Any) -> list[str]:
     found = []
     for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
         if p < _UNLIKELY:
-            found.append(f"{label} has a probability of {100 * p:.2g} % by the model and the rest")
+            found.append(
+                f"{label} has a probability of {100 * p:.2g} % given the model and the other tests"
+            )
     scene = json.loads(file.scene)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
         moved = float(getattr(file, name))

@@ -16,7 +16,7 @@ UNCERTAINTY_AXES = table(
         dtype="i1", flags=("all", "all_but_wear")),
     Variable("probability", ("probability",), "1", "share of bearings that have failed"),
     Variable("batch_probability", ("batch_probability",), "1",
-        "share of batches, by what is not known of them, with a lower value"),
+        "share of batches with a lower value, over the uncertainty of the batch"),
 )  # fmt: skip
 METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
 
@@ -27,28 +27,30 @@ ANALYSED = table(
     Variable("preload", (), "N", "initial axial preload, middle of its spread"),
     Variable("evaluations", (), "1", "lives evaluated", dtype="i8"),
     Variable("solved_share", (), "1", "share of the lives that were solved"),
-    Variable("index_share", (), "1", "share of the base samples that the indices are taken from"),
+    Variable("index_share", (), "1", "share of the base samples used for the indices"),
     Variable("solved_lives", (), "1", "lives that were solved, with Hertzian grooves"),
     Variable("interpolation_error", (), "1",
-        "largest relative error of the other lives, which are interpolated, but for a share",
-        comment="95 % confidence, by solved lives that the fit had not seen; 0: all were solved"),
-    Variable("interpolation_share", (), "1", "that share: lives that may be worse"),
+        "largest relative error of the other lives, which are interpolated, except for a share",
+        comment="95 % confidence, from solved lives that were not used in the fit; 0: all were "
+        "solved"),
+    Variable("interpolation_share", (), "1", "that share: lives whose error may be larger"),
     Variable("followed_lives", (), "1", "lives solved with worn grooves"),
     Variable("groove_error", (), "1",
-        "largest relative error of other lives with worn grooves, but for a share",
-        comment="as interpolation_error; 0: all were followed, NaN: none"),
-    Variable("groove_share", (), "1", "that share: lives that may be worse"),
+        "largest relative error of other lives with worn grooves, except for a share",
+        comment="as interpolation_error; 0: all were solved with worn grooves, NaN: none"),
+    Variable("groove_share", (), "1", "that share: lives whose error may be larger"),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
     Variable("batch_life_quantile", (BATCH, PROBABILITY, BASIS), "h",
-        "quantile of the life over the bearings of a batch, by what is not known of the batch",
-        comment="L10 at probability 0.1; scatter at the middle of batch_probability, what is not "
-        "known of a batch between its ends"),
+        "quantile of the life over the bearings of a batch, for quantiles of the uncertainty of "
+        "the batch",
+        comment="L10 at probability 0.1; scatter within a batch at the middle of "
+        "batch_probability, uncertainty of the batch between its ends"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
-        "half the confidence interval of that quantile, by the sample",
+        "half the confidence interval of that quantile, from sampling",
         comment="by resampling of batches and bearings; widened by the error of interpolated "
-        "lives, with as many unknown ones in each batch"),
+        "lives"),
     Variable("life_quantile", QUANTILE, "h",
-        "quantile of the life over scatter and over what is not known of a batch",
+        "quantile of the life over scatter and uncertainty of the batch",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable("life_quantile_high", QUANTILE, "h",
@@ -64,10 +66,12 @@ ANALYSED = table(
     Variable("first_index_error", INDEX, "1", "half its confidence interval"),
     Variable("class_index", ("quantity", BASIS), "1",
         "total Sobol index of log life within the class of the value",
-        comment="what is the same for a batch, or what scatters; the other class as in the scene"),
+        comment="classes: values common to a batch, and values that scatter; the other class as "
+        "in the scene"),
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half its confidence interval"),
     Variable("life_sample", (INPUTS, "member", BASIS), "h",
-        "sampled lives, independent ones, sorted", comment="of very many evenly spaced ones"),
+        "sampled lives, independent ones, sorted", comment="of very many lives, evenly spaced "
+        "ones"),
 )  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

@@ -92,7 +92,7 @@ def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
 
 
 def test_quick_lives_are_those_of_life(scene):
-    """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the least stiffness."""
+    """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the minimum stiffness."""
     for method in METHODS:
         at = held_by(scene, method, 7.0)
         quick, whole = (followed_point(at, 0.12, q) for q in (True, False))

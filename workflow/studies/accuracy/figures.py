@@ -240,8 +240,8 @@ SIMPLER = (
     ("across", "1", "slip on the centre line of the ellipse"),
     ("normal_balance", "with traction", "traction in the normal balance"),
     ("fidelity", "race control", "race control for the dynamic model"),
-    ("fidelity", "steady", "steady, thrust alone"),
-    ("fidelity", "three balls", "three balls, dynamic, thrust alone"),
+    ("fidelity", "steady", "steady, pure thrust"),
+    ("fidelity", "three balls", "three balls, dynamic, pure thrust"),
     ("fidelity", "no cage", "all balls, dynamic, no cage"),
     ("hertz", "fit", "Hamrock and Brewe's fit"),
 )

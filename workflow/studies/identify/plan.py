@@ -16,14 +16,14 @@ from bearingwear.studies.axis import RisingAxis, check_rising
 class Statements:
     """What a text states about a bearing; all at fixed position."""
 
-    preload_loss: float = setting("Share of the initial preload that wear takes", within="(0, inf)")
+    preload_loss: float = setting("Share of the initial preload removed by wear", within="(0, inf)")
     preload_loss_at_um: float = setting("Loss of ball diameter for preload_loss", "um", "(0, inf)")
     high_friction: float = setting("High friction coefficient", within="(0, inf)")
     low_friction: float = setting("Low friction coefficient", within="(0, inf)")
     qv_least_um: tuple[float, float] = setting(
-        "QV is least between these losses, at the low friction", "um", "(0, inf)"
+        "QV is lowest between these losses, at the low friction", "um", "(0, inf)"
     )
-    qv_rise: float = setting("Share by which QV then rises at least", within="(0, inf)")
+    qv_rise: float = setting("Minimum share by which QV then rises", within="(0, inf)")
     qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", "(0, inf)")
 
     def __post_init__(self) -> None:
@@ -38,12 +38,12 @@ class IdentifyPlan:
     """Everything in config/identify.yaml."""
 
     scene: str = setting("Scene with all values that are not varied")
-    marks: tuple[str, ...] = setting("Scenes that are drawn as well")
+    marks: tuple[str, ...] = setting("Scenes that are also drawn")
     pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
     ball_count: tuple[int, ...] = setting("Numbers of balls", within="[1, inf)", least=1)
     inner_groove_factor: RisingAxis = setting("Inner groove radii over ball diameter", "1")
-    contact_angle_deg: RisingAxis = setting("Steps of the search for the angle", "degree")
-    drag_density_kg_m3: RisingAxis = setting("Drag densities that are tried", "kg/m3")
+    contact_angle_deg: RisingAxis = setting("Angles at which the search is started", "degree")
+    drag_density_kg_m3: RisingAxis = setting("Drag densities to be tried", "kg/m3")
     statements: Statements = setting("Statements of the text")
 
     def __post_init__(self) -> None:

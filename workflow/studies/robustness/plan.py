@@ -53,18 +53,18 @@ def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None
     for name, ends in (("log", log), ("even", even)):
         if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
             positive = " > 0" if name == "log" else ""
-            raise SceneError(name, f"got {list(ends)}, expected two rising ends{positive}")
+            raise SceneError(name, f"got {list(ends)}, expected two increasing ends{positive}")
 
 
 @keyed
 class Draw:
     """Where a value is drawn from: between two ends, or from a list."""
 
-    log: tuple[float, float] | None = setting("Two rising ends", default=None)
-    even: tuple[float, float] | None = setting("Two rising ends", default=None)
+    log: tuple[float, float] | None = setting("Lower and upper end", default=None)
+    even: tuple[float, float] | None = setting("Lower and upper end", default=None)
     of: tuple[Any, ...] = setting("Values, one of which is drawn", default=())
     share: float | None = setting(
-        "How often one of `of` is drawn, if not always", within="[0, 1]", default=None
+        "Share of the scenes that draw from `of`, if not all", within="[0, 1]", default=None
     )
 
     def __post_init__(self) -> None:
@@ -91,9 +91,9 @@ class SceneClass:
     fidelity: str = setting("Model that solves them", choices=RANDOM_FIDELITIES)
     scenes: int = setting("How many", within="[1, inf)")
     draw: Mapping[str, Any] = setting(
-        "What is drawn: keys of a scene, and values that stand for some"
+        "Quantities to be drawn: keys of a scene, and values from which some keys follow"
     )
-    like: str = setting("Class before it, whose draws it takes over", default="")
+    like: str = setting("Earlier class whose draws it inherits", default="")
 
     def __post_init__(self) -> None:
         draws(self.draw)
@@ -125,8 +125,8 @@ class KeyAxis:
     """Points along a key of a scene."""
 
     key: str = setting("A key of the scene")
-    log: tuple[float, float] | None = setting("Two rising ends", default=None)
-    even: tuple[float, float] | None = setting("Two rising ends", default=None)
+    log: tuple[float, float] | None = setting("Lower and upper end", default=None)
+    even: tuple[float, float] | None = setting("Lower and upper end", default=None)
     points: int = setting("How many", within="[2, inf)")
 
     def __post_init__(self) -> None:
@@ -188,7 +188,7 @@ class RobustnessPlan:
     scene: str = setting("Base of all scenes", pattern=NAME)
     scene_classes: Mapping[str, SceneClass] = setting("Random scenes, by class")
     maps: Mapping[str, StateMap] = setting("Maps of steady states")
-    limits: LimitValues = setting("What counts as a limit of a map")
+    limits: LimitValues = setting("Values that define the limits of a map")
     branches: Mapping[str, Branch] = setting("Branches of steady states")
 
     def __post_init__(self) -> None:

@@ -23,11 +23,11 @@ from bearingwear.studies.design.plan import CHECKED_FIDELITIES
 from bearingwear.studies.design.recommend import RECOMMENDATION
 
 LOSS_RATE = display("m s-1", shown="um/1000 h")
-SHARE_LABEL = "largest gyroscopic slip share"
+SHARE_LABEL = "maximum gyroscopic slip share"
 WITH_CAGE = (
     "The scene has no cage.",
-    "Only the dynamic cases have the cage: its pockets slow and wear the balls, which increases "
-    "the interference loss (above all with wear.counts ball).",
+    "Only the dynamic cases include the cage: its pockets slow down and wear the balls, which "
+    "increases the wear depth (above all with wear.counts ball).",
 )
 """Without a cage, and with one."""
 
@@ -85,7 +85,8 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
         f"and near {middle}. Life counts {in_words(scene['wear']['counts'])}. "
         f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state: agreement "
-        "means that the motion remains there, not that every start leads there. The gyroscopic "
+        f"means that the motion remains in that state, not that every start leads to it. The "
+        f"gyroscopic "
         "slip share has no error estimate."
     )
     settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
@@ -191,7 +192,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         *(
             compared(
-                f"interference loss counting {in_words(way)}",
+                f"total wear depth counting {in_words(way)}",
                 "ball_diameter_loss_rate",
                 "wear_rate_error_estimate",
                 LOSS_RATE,

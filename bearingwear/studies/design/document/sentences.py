@@ -35,19 +35,20 @@ from bearingwear.studies.design.room import CLAIMED, NEITHER_LONGER
 TAKE = {
     "constant_force": "a spring preload of {} N (constant force)",
     "fixed_position": "a fixed-position preload of {} N",
-    "spring pair": "a spring pair preloaded with {} N",
-    "rigid pair": "a rigid pair preloaded with {} N",
+    "spring pair": "a spring pair with a preload of {} N",
+    "rigid pair": "a rigid pair with a preload of {} N",
 }
 """How a preload is applied, in the words of the headline, by method or pair."""
 
 _HELD = {
-    "none": "No limit is active: the life has its maximum there.",
-    "end_of_range": "No limit is active: the range tried ends here, and beyond it the life may be "
-    "longer.",
-    "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
-    "end_of_life": "No limit is active: at other preloads another criterion ends the life sooner.",
-    "impractical": "Preloads with a longer life give an impractical design.",
-    "cliff": "The life drops sharply near it.",
+    "none": "No limit is active: this preload gives the longest life.",
+    "end_of_range": "No limit is active: this preload is at the end of the range tried, and the "
+    "life may be longer beyond it.",
+    "not_solved": "The next preload of the map could not be solved; it may give a longer life.",
+    "end_of_life": "No limit is active: at other preloads, another criterion ends the life "
+    "earlier.",
+    "impractical": "Preloads with a longer life make the design impractical.",
+    "cliff": "The life drops sharply near this preload.",
 }
 """Why no other preload has a longer life, where no limit decides."""
 
@@ -60,8 +61,8 @@ NEAREST = 3
 """Reversals of the choice that a sentence names; the table has all of them."""
 
 CALIBRATED = (
-    "Wear and friction come from {rows} tests ({tests}): the interval of the hours covers the "
-    "remaining uncertainty and the scatter between bearings."
+    "Wear and friction were calibrated with {rows} tests ({tests}): the interval of the life "
+    "covers the remaining uncertainty and the scatter between bearings."
 )
 
 COUNTED_WORDS = ("the balls alone", "balls and races")
@@ -98,7 +99,7 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
         for method, one, _ in lives
     ]
     if int(found["verdict"]) == NEITHER_LONGER:
-        return f"{name}: neither method lasts longer; use {' or '.join(taken)}"
+        return f"{name}: neither method is preferred; use {' or '.join(taken)}"
     one, end = lives[0][1], ""
     preload, below = float(one["preload"]), float(one["cliff_preload"])
     if ACTIVE[int(one["active_limit"])] == "end_of_range":
@@ -107,7 +108,7 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
     if math.isfinite(below):
         near = percent_in_text(abs(below / preload - 1.0))
         life = Rough(one["cliff_life"]).text
-        end = f"; with {near} {'less' if below < preload else 'more'} it lasts {life} h"
+        end = f"; with {near} {'less' if below < preload else 'more'} preload the life is {life} h"
     return f"{name}: use {taken[0]}{end}"
 
 
@@ -115,7 +116,7 @@ def what_it_gives(found: xr.Dataset) -> str:
     """The life, beside that of the other method."""
     lives, pair = by_life(found), is_pair(scene_of(found))
     life = lives[0][2]
-    said = f"{Rough(life).text} h of life, counting {COUNTED_WORDS[counted(found)]}"
+    said = f"Life {Rough(life).text} h, counting wear of {COUNTED_WORDS[counted(found)]}"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
@@ -147,10 +148,11 @@ def _cliffs(found: xr.Dataset) -> list[str]:
             continue
         near = percent_in_text(abs(below / preload - 1.0))
         side = "less" if below < preload else "more"
-        fall = f"the life falls to {Rough(life).text} h" if life > 0.0 else "there is no life"
+        fall = f"the life falls to {Rough(life).text} h" if life > 0.0 else "the life is zero"
         text = f"{name}: at {below:.7g} N, {near} {side}, {fall}"
         if math.isfinite(clear):
-            text += f"; {clear:.7g} N keeps a margin of 5 % to it and lasts {Rough(kept).text} h"
+            life_there = Rough(kept).text
+            text += f"; {clear:.7g} N leaves a margin of 5 % and gives a life of {life_there} h"
         said.append(text)
     return said
 
@@ -180,7 +182,7 @@ def what_would_change_it(found: xr.Dataset) -> str:
     """Which assumption reverses the choice of the method."""
     lives = by_life(found)
     if len(lives) < 2:
-        return "The other method has no preload within the limits."
+        return "No preload of the other method satisfies the limits."
     near = []
     for row in room_rows(found):
         low, now, high = row.values
@@ -188,15 +190,18 @@ def what_would_change_it(found: xr.Dataset) -> str:
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
             limit = "the limit on " * row.name.startswith(LIMIT_KEY)
-            label = limit + row.label.replace("end: ", "the end of life by ")
+            label = limit + row.label.replace("end: ", "the end-of-life limit on ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
             near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
     if not near:
-        return "No limit, end of life or friction tried makes the other method better."
+        return (
+            "No change of a limit, an end-of-life criterion or friction makes the other "
+            "method better, within the range tried."
+        )
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
-    more = f"; {len(near) - NEAREST} more at larger changes" if len(near) > NEAREST else ""
+    more = f"; {len(near) - NEAREST} others require larger changes" if len(near) > NEAREST else ""
     said = "; or if ".join(text for _, text in near[:NEAREST])
     return f"{other} becomes the better method if {said}{more}."
 
@@ -225,12 +230,12 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
     flag = int(found["preload_method"][method])
     name = _as_subject(found, PRELOAD_METHODS[flag])
     said = (
-        ("The other method lasts longer with {}.", turned),
+        ("The other method gives the longer life with {}.", turned),
         (f"{name} violates a limit with {{}}.", beyond),
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(each)) for text, each in said if each]
-    hold = [f"{name} remains the better method, within its limits, with {'; '.join(same)}."]
+    hold = [f"{name} remains the better method and satisfies its limits with {'; '.join(same)}."]
     return [*exceptions, *(hold if same else [])]
 
 
@@ -257,7 +262,9 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         band, taken = band_by_wear(scene, life)
         if band:
             by_table = f" ({taken})" if taken else ""
-            said.append(f"{BEARINGS_BETWEEN} last {band.text} h by wear alone{by_table}.")
+            said.append(
+                f"{BEARINGS_BETWEEN} last {band.text} h if only wear is uncertain{by_table}."
+            )
     calibration = scene.get("calibrated")
     return [*said, CALIBRATED.format(**calibration) if calibration else NO_CLOCK]
 
@@ -271,8 +278,8 @@ def by_ball_track(found: xr.Dataset) -> list[str]:
     tracks = flag_names(found["ball_track"])
     for track, column in zip(tracks, lives.T.tolist(), strict=True):
         hours = " and ".join(Rough(life).text for life in column)
-        sentences.append(f"{hours} h with balls that wear {TRACK_WORDS[track]}")
-    return [f"{' and '.join(method_names(found))} last {', '.join(sentences)}.".capitalize()]
+        sentences.append(f"{hours} h if balls wear {TRACK_WORDS[track]}")
+    return [f"{' and '.join(method_names(found))}: lives of {', '.join(sentences)}.".capitalize()]
 
 
 def what_is_not_possible(found: xr.Dataset) -> list[str]:

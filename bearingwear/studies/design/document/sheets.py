@@ -80,9 +80,9 @@ AT_END = "residual_preload_at_end"
 
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_WORDS = (
-    "Between these values the same method lasts longer. A dash: no change up to "
-    f"{FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. If a limit changes, "
-    "the preloads are chosen again."
+    "Between these values, the same method gives the longer life. A dash means no reversal up to "
+    f"{FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the other values. If a limit "
+    "changes, the preloads are re-optimised."
 )
 
 
@@ -209,18 +209,18 @@ def _points(
     if best is not None:
         others = [] if beside is None else what_others_change(beside, found, best)
         said = [
-            ("What it gives", [what_it_gives(found)], "lead"),
+            ("Expected life", [what_it_gives(found)], "lead"),
             ("What limits it", what_limits_it(found), "lead"),
-            ("What would change it", [what_would_change_it(found), *others], "lead"),
+            ("What would change the choice", [what_would_change_it(found), *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
-    missing = "What is not possible" if given else "What a limit does"
+    missing = "Why no preload is recommended" if given else "Effect of a limit"
     limits = "; ".join(limit_text(name, value) for name, value in given.items())
     warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in warnings_in(found.attrs)]
     said += [
         (missing, what_is_not_possible(found), "lead"),
         ("Limits, from new to the end of life", [sentence(limits)] if given else [], "more"),
-        ("Warnings, at their worst", warned, "strip"),
+        ("Warnings (worst values)", warned, "strip"),
     ]
     return [Block(title, lines=tuple(lines), place=place) for title, lines, place in said if lines]
 
@@ -315,7 +315,7 @@ def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
         for one in SHORT_TABLE
     ]
     end = quantity_row(RECOMMENDED_WORDS[AT_END][0], "N", [one[AT_END] for one in points], AT_END)
-    return [life, *rows, end, Row("limits passed", "", tuple(map(passed, points)))]
+    return [life, *rows, end, Row("limits violated", "", tuple(map(passed, points)))]
 
 
 def _over_preload(design: xr.Dataset, basis: int) -> Block:
@@ -332,7 +332,7 @@ def _over_preload(design: xr.Dataset, basis: int) -> Block:
         *brief_rows([one for _, _, one in points], basis),
     ]
     return Block(
-        "Life and limits over the preload",
+        "Life and limits against preload",
         rows=tuple(rows),
         axes=2,
         place="charted",
@@ -348,29 +348,29 @@ def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
         if int(one["status"]) >= 0
     ]
     rows = [
-        Row("assumed", "", tuple(words for words, _, _ in points)),
+        Row("assumption", "", tuple(words for words, _, _ in points)),
         Row("preload method", "", tuple(name for _, name, _ in points), "preload_method"),
         *brief_rows([one for _, _, one in points], basis),
     ]
-    title = "What other assumptions change, at these preloads"
+    title = "Effect of other assumptions at these preloads"
     return Block(title, rows=tuple(rows), axes=2)
 
 
 def _room(found: xr.Dataset) -> list[Block]:
     """How far each assumption may move before the other method is better."""
     rows = tuple(room_rows(found))
-    return [Block("how far the choice holds", ROOM_COLUMNS, rows, (ROOM_WORDS,))] if rows else []
+    return [Block("robustness of the choice", ROOM_COLUMNS, rows, (ROOM_WORDS,))] if rows else []
 
 
 def _statuses(design: xr.Dataset) -> Block:
     """How many lives and states the map took, and what was not solved."""
     codes, counts = np.unique(design["status"].values, return_counts=True)
     worn = int((design["groove"] == WORN_GROOVE).sum())
-    grooves = f"{worn} have worn grooves, the others" if worn else "All have"
+    grooves = f"{worn} lives have worn grooves, the others" if worn else "All lives have"
     solves, failed = (int(design[name].sum()) for name in ("solves", "failed_solves"))
     said = (
         f"{design['status'].size} lives over preload, method, friction and speed, from {solves} "
-        f"steady states, of which {failed} were not found. {grooves} Hertzian grooves.",
+        f"steady states; {failed} states were not found. {grooves} Hertzian grooves.",
         "A life that was not solved has a status and is never chosen.",
     )
     rows = (

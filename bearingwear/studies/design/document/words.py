@@ -5,15 +5,15 @@ from collections.abc import Callable
 from typing import Any
 
 from bearingwear.kernels.status import OK
-from bearingwear.measures import ENDS, LIMITED, Measure
+from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.units import in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
-    "none": "nothing: life is longest there",
+    "none": "no limit: longest life",
     "end_of_range": "end of the map",
-    "not_solved": "an unsolved neighbour",
+    "not_solved": "an unsolved neighbouring point",
     "no_preload_within_limits": "no preload satisfies all limits",
-    "end_of_life": "a change in what ends the life",
+    "end_of_life": "a change of the end-of-life criterion",
     "impractical": "a warning: impractical design",
     "cliff": "a sudden drop of the life",
 }
@@ -43,14 +43,10 @@ def limit_text(name: str, value: float) -> str:
     return f"{one.words} {side} {one.shown_limit(value):g} {in_print(one.unit)}"
 
 
-def _label(one: Measure, k: int) -> str:
-    return ", ".join(filter(None, (one.short, one.kinds[k])))
-
-
-_AT_END = {"residual_preload_at_end": ("residual preload at the end", "")}
+_AT_END = {"residual_preload_at_end": ("residual preload at end of life", "")}
 
 RECOMMENDED_WORDS = {
-    name: (f"{one.worst_word} {_label(one, k)}", one.shown_as)
+    name: (" ".join(filter(None, (one.worst_word, one.kinds[k], one.short))), one.shown_as)
     for one in LIMITED.values()
     for k, name in enumerate(one.extremes)
 } | _AT_END
@@ -63,13 +59,13 @@ NONE_BECAUSE = "none_because"
 NO_LIMIT = "no limit was given"
 """Why, where there is nothing to choose by."""
 
-AS_LITTLE = f"{NO_LIMIT}; use as little preload as you dare"
+AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
 """What there is to say without a limit, in a headline."""
 
 WHAT_LIMITS = (
-    "Without a limit the answer is the preload that wears least. Name what the machine needs, such "
-    "as a stiffness, and what the bearing withstands, such as a pressure: a limit leaves the "
-    "preloads that satisfy it."
+    "Without a limit, the lowest preload always wears least. State what the machine requires, "
+    "such as a stiffness, and what the bearing withstands, such as a pressure. Only preloads that "
+    "satisfy these limits are then considered."
 )
 """What a limit does, where none was given."""
 
@@ -88,7 +84,7 @@ LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
 FRICTION_KEY, WEAR_KEY = "friction.ball_race", "materials.wear_coefficient"
 """Other assumptions."""
 
-ASSUMED_WORDS = {FRICTION_KEY: "friction of ball and race", WEAR_KEY: "wear coefficient"}
+ASSUMED_WORDS = {FRICTION_KEY: "ball-race friction coefficient", WEAR_KEY: "wear coefficient"}
 
 GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "worn"}
 """Groove models of lives."""

@@ -31,9 +31,9 @@ class Mapped(NamedTuple):
 MAPPED = {
     "life": Mapped("wear life", "h", "viridis"),
     "time_to_slip_limit": Mapped("time to the limit\nof gyroscopic slip", "h", "viridis"),
-    "residual_preload_at_end": Mapped("residual preload\nat the end", "N", "cividis"),
-    "friction_power": Mapped("largest friction\npower", "W", "magma"),
-    "axial_stiffness": Mapped("least dynamic\nstiffness,\none bearing", "N m-1", "cividis"),
+    "residual_preload_at_end": Mapped("residual preload\nat end of life", "N", "cividis"),
+    "friction_power": Mapped("maximum friction\npower", "W", "magma"),
+    "axial_stiffness": Mapped("minimum dynamic\nstiffness,\none bearing", "N m-1", "cividis"),
 }
 
 

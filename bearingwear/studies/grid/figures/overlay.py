@@ -109,7 +109,7 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     labels = scene_labels([scene_of(one) for one in lives])
     frame(
         figure,
-        f"QV at the end of life over that when new, {mu_is(friction)}, {words}: {'; '.join(said)}",
+        f"QV at end of life relative to new, {mu_is(friction)}, {words}: {'; '.join(said)}",
         [key(label, **look) for label, look in zip(labels, looks, strict=True)],
         columns=1,
     )

@@ -83,7 +83,7 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
         for name, state in states
     )
     last_mu, first_mu = (mu_is(float(mu[k])) for k in (last, first))
-    return f"QV at {last_mu} is {ratios} of that at {first_mu}"
+    return f"QV at {last_mu} is {ratios} of QV at {first_mu}"
 
 
 def power_unit(*states: xr.Dataset) -> Display:
@@ -226,7 +226,7 @@ def life_figure(
             panel.set_xlim(left=0.0)
             from_zero(panel)
     list_failed(panels[0, 0], failed)
-    panels[0, 0].set_ylabel("interference loss (µm)")
+    panels[0, 0].set_ylabel("total wear depth (µm)")
     panels[1, 0].set_ylabel("residual preload (N)")
     frame(
         figure,
