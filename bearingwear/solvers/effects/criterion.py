@@ -12,20 +12,6 @@ from bearingwear.scene.scene import Scene
 from bearingwear.sides import OF_ARRANGEMENT, SHARED
 
 
-def value_along(
-    measure: Measure, life: Mapping[str, Any], k: int, scene: Scene
-) -> tuple[float, str]:
-    """A measure [SI] at a step of a life, of the worse bearing of a pair, and its variable."""
-
-    def at_step(name: str) -> np.ndarray:
-        history = np.asarray(life[f"history_{name}"])
-        of_each = len(scene.sides) > 1 and f"history_{name}" not in SHARED
-        return history[:, k] if of_each else history[k]
-
-    initial = np.array([side.operation.preload_N for side in scene.sides])
-    return measure.critical(at_step, initial)
-
-
 def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
     """The measure [SI] of each criterion of a scene that a case holds, and its variable."""
     end, preload = scene.wear.end_of_life, scene.operation.preload_N
@@ -41,10 +27,12 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[f
     }
 
 
-class Passed(NamedTuple):
+class Reached(NamedTuple):
+    """A criterion, and a value that has reached its limit."""
+
     measure: Measure
-    value: float  # [SI]
     limit: float
+    value: float  # [SI]
     variable: str
 
     @property
@@ -57,30 +45,38 @@ class Passed(NamedTuple):
         return self.measure.passed(self.value, self.limit, self.variable)
 
 
-def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Passed]:
+def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Reached]:
     """Each criterion that a case is beyond, the farthest first."""
     end = scene.wear.end_of_life
     found = [
-        Passed(ENDS[name], value, end.criteria[name], variable)
-        for name, (value, variable) in criteria_of_case(scene, case).items()
-        if end and ENDS[name].is_passed(value, end.criteria[name])
+        Reached(ENDS[name], end.criteria[name], *critical)
+        for name, critical in criteria_of_case(scene, case).items()
+        if end and ENDS[name].is_passed(critical[0], end.criteria[name])
     ]
     return sorted(found, key=lambda one: -one.excess)
 
 
-def criterion_met(scene: Scene, values: Mapping[str, Any]) -> tuple[Measure, float] | None:
-    """The criterion that ends a life, and its limit; None if none does."""
-    name, end = CRITERIA[int(values["end_criterion"])], scene.wear.end_of_life
-    if end is None or name not in ENDS or "history_ball_diameter_loss" not in values:
+def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | None:
+    """The criterion that ends a life, with its value at a step; None if none does.
+
+    The value is that of the worse bearing of a pair.
+    """
+    name, end = CRITERIA[int(life["end_criterion"])], scene.wear.end_of_life
+    if end is None or name not in ENDS or "history_ball_diameter_loss" not in life:
         return None
-    return ENDS[name], end.criteria[name]
+
+    def at_step(variable: str) -> np.ndarray:
+        history = np.asarray(life[f"history_{variable}"])
+        of_each = len(scene.sides) > 1 and f"history_{variable}" not in SHARED
+        return history[:, k] if of_each else history[k]
+
+    initial = np.array([side.operation.preload_N for side in scene.sides])
+    return Reached(ENDS[name], end.criteria[name], *ENDS[name].critical(at_step, initial))
 
 
 def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
     """Attribute of a life that says which criterion ended it, at what value and limit."""
-    met = criterion_met(scene, values)
+    met = criterion_met(scene, values, -1)
     if met is None:
         return {}
-    measure, limit = met
-    value, name = value_along(measure, values, -1, scene)
-    return {"ended_by": measure.reached(value, limit, name)}
+    return {"ended_by": met.measure.reached(met.value, met.limit, met.variable)}

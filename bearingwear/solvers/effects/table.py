@@ -15,7 +15,7 @@ from bearingwear.measures import ENDS
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
 from bearingwear.solvers.effects.choice import Choice, unwatched
-from bearingwear.solvers.effects.criterion import criteria_passed, criterion_met, value_along
+from bearingwear.solvers.effects.criterion import criteria_passed, criterion_met
 from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 FLAT_GROOVE = 0.1
@@ -95,15 +95,12 @@ def _when_new(e: Evidence) -> Finding | None:
     """The criterion that ends a life at its start."""
     if e.life is None or len(e.life.get("history_ball_diameter_loss", ())) != 1:
         return None
-    met = criterion_met(e.scene, e.life)
+    met = criterion_met(e.scene, e.life, 0)
     if met is None:
         return None
-    measure, limit = met
-    value, name = value_along(measure, e.life, 0, e.scene)
     new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
-    excess = max(measure.excess(value, limit), JUST_MET)
-    said = measure.passed(value, limit, name)
-    return {"said": said, "new": new, "advice": measure.advice, "excess": excess}
+    excess = max(met.excess, JUST_MET)
+    return {"said": met.words, "new": new, "advice": met.measure.advice, "excess": excess}
 
 
 def _limit_passed(e: Evidence) -> Finding | None:
