@@ -61,7 +61,7 @@ class Motion:
         self.steps = scene.model.life_steps
         self.parts = WornParts(scene)
         self.end = scene.wear.end_of_life or EndOfLife()
-        self.start = self.parts.nothing
+        self.start = np.zeros(self.parts.layout.size)
         self.films = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
         self.gone: list[int] = []  # films, in the order in which they wore through

@@ -70,10 +70,6 @@ class WornParts:
         thickness = 0.0 if film is None else film.thickness_um * parameters.UM
         self.coating = Coating(np.full(len(CAGE_PARTS), thickness))
 
-    @property
-    def nothing(self) -> np.ndarray:
-        return np.zeros(self.layout.size)
-
     def loss(self, worn: np.ndarray) -> np.ndarray:
         """Loss of diameter of each ball that the fit sees (n,) [m]: grooves as counted."""
         p = self.layout
@@ -111,7 +107,7 @@ class WornParts:
     def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
         """Rate of what a criterion of the cage limits."""
         # linear in what has worn, but for which ball is the most worn
-        then, now = self.of_cage(self.nothing), self.of_cage(rates)
+        then, now = self.of_cage(np.zeros_like(rates)), self.of_cage(rates)
         return max(now[name] - then[name] for name in ENDS[criterion].variables)
 
     def cage_rates(self, values: Mapping[str, Any]) -> np.ndarray:

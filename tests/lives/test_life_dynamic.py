@@ -164,7 +164,8 @@ def test_the_ball_ends_the_life_where_the_cage_is_far_from_its_limit(scene):
 def test_wear_opens_pockets_and_land(scene):
     """Volume over the share of the surface that wears, and the next run sees it."""
     parts = WornParts(scene("gyro_s1", {"cage.worn_share": 0.5}))
-    worn, p = parts.nothing, parts.layout
+    p = parts.layout
+    worn = np.zeros(p.size)
     wall, surface = math.pi * 2.15e-3 * 1e-3, math.pi * 8.6e-3 * 3e-3
     worn[p.pocket] = 0.5 * wall * 5e-6
     worn[p.land] = 0.5 * surface * 2e-6

@@ -83,7 +83,6 @@ def test_a_program_written_apart(case):
         values = {
             "axial_N": one.axial,
             "radial_N": one.radial,
-            "moment_Nmm": 1e3 * abs(one.moment),
             "Q_max_N": one.load.max(),
             "Q_min_N": one.load.min(),
             "p_max_inner_MPa": 1e-6 * one.pressure[:, 0].max(),

@@ -134,9 +134,7 @@ class RestingBearing:
 
     axial: float  # force on its inner race's balls, along its own load direction [N]
     radial: float  # [N]
-    moment: float  # about its middle, in the plane of the load [N m]
     load: np.ndarray  # (n,) of each ball [N]
-    angle: np.ndarray  # (n,) contact angle; NaN where it is loose [rad]
     pressure: np.ndarray  # (n, 2) peak, inner and outer race [Pa]
     gap: float  # axial distance to its first contact, where none is left [m]
 
@@ -185,7 +183,8 @@ class RotorAtRest:
         for k, (one, n) in enumerate(zip((still * 2)[:2], a.tandem, strict=True)):
             g, own = geometry(one), 1.0 - 2.0 * k
             # place on the rotor of the inner groove centres, at which the balls' forces act
-            position = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + groove_arm(g))
+            arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
+            position = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + arm)
             motion = np.array(
                 [[own, 0.0, 0.0, k], [0.0, 1.0, -position, 0.0], [0.0, 0.0, own, 0.0]]
             )
@@ -221,19 +220,15 @@ class RotorAtRest:
 
     def frequencies(self, a: Arrangement) -> np.ndarray:
         """Axial, radial and conical frequency of the rotor without a load (3,) [Hz]."""
-        rest = self.under(0.0)
-        q = np.zeros(4) if rest is None else np.array([rest.shift, rest.across, rest.tilt, 0.0])
-        K = np.zeros((4, 4))
-        each: list[float] = []
-        for seat in self.seats:
-            b = seat.balls(q + ([0.0, 0.0, 0.0, rest.slide] if rest else 0.0))
-            own = seat.tandem * b.stiffness(seat.factor)
-            K, each = K + own, [*each, float(own[_X, _X])]
-        axial = sum(each)
+        rest, q = self.under(0.0), np.zeros(4)
+        if rest is not None:
+            q = np.array([rest.shift, rest.across, rest.tilt, rest.slide])
+        one, two = (seat.tandem * seat.balls(q).stiffness(seat.factor) for seat in self.seats)
+        axial, soft = one[_X, _X] + two[_X, _X], two[_X, _X]
         if self.spring is not None:
-            k_s = self.spring[1]
-            axial = each[0] + (k_s * each[1] / (k_s + each[1]) if each[1] else 0.0)
-        return plane_frequencies(a, axial, K[np.ix_(_PLANE, _PLANE)])
+            k_s = self.spring.stiffness
+            axial = one[_X, _X] + (k_s * soft / (k_s + soft) if soft else 0.0)
+        return plane_frequencies(a, float(axial), (one + two)[np.ix_(_PLANE, _PLANE)])
 
     @property
     def along(self) -> AxialRotor:
@@ -292,18 +287,15 @@ class RotorAtRest:
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
         found, left = [], k_s @ q - force
         for seat in self.seats:
-            b, cosine, arm = seat.balls(q), np.cos(seat.psi), groove_arm(seat.g)
+            b = seat.balls(q)
             left = left + seat.tandem * (b.Q @ b.along)
             free = seat.g.r_i + seat.g.r_o - seat.D
             to_touch = np.sqrt(np.maximum(free**2 - b.A2**2, 0.0)) - b.A1
-            radial = float(b.Q @ (b.c * cosine))
             found.append(
                 RestingBearing(
                     axial=float(b.Q @ b.s),
-                    radial=radial,
-                    moment=float(seat.g.R_i * (b.Q * b.s) @ cosine) - arm * radial,
+                    radial=float(b.Q @ (b.c * np.cos(seat.psi))),
                     load=b.Q,
-                    angle=np.where(b.Q > 0.0, np.arctan2(b.A1, b.A2), np.nan),
                     pressure=seat.peak * np.cbrt(b.Q)[:, None],
                     gap=0.0 if b.Q.any() else float(to_touch.min()),
                 )
@@ -316,11 +308,6 @@ class RotorAtRest:
         residual = float(abs(unbalanced).max() / largest) if largest > 0.0 else 0.0
         x, z, tilt, slide = q.tolist()
         return RestingRotor(x, z, tilt, slide, max(on_stop, 0.0), tuple(found), residual)
-
-
-def groove_arm(g: Geometry) -> float:
-    """Axial distance of the inner groove centres from the middle of an unloaded bearing [m]."""
-    return (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
 
 
 @dataclass(frozen=True)

@@ -216,10 +216,6 @@ class RunGrid:
         return self.turns != 1.0
 
     @property
-    def instants(self) -> record.TimeGrid:
-        return record.TimeGrid(origin=self.origin, dt=self.dt, first=self.first)
-
-    @property
     def windows(self) -> list[int]:
         """Lengths of the stretches; what does not fill whole windows comes first."""
         whole, left = divmod(self.total, self.window)
@@ -274,9 +270,10 @@ class TimeRun:
 
     def advance(self, count: int) -> int:
         """Simulate a number of intervals; returns a status."""
-        system, instants, place = self.system, self.grid.instants, self.done
+        system, grid, place = self.system, self.grid, self.done
+        instants = record.TimeGrid(origin=grid.origin, dt=grid.dt, first=grid.first)
         if not self.keeps_history:
-            assert count <= self.grid.points
+            assert count <= grid.points
             instants, place = instants._replace(first=instants.first + place), 0
         tally = record.advance_and_record(
             self.control,
