@@ -93,8 +93,15 @@ class File:
         return np.asarray(self.variables[name])
 
 
+WORSE_WHEN_LESS = {
+    "preload_kept", "system_axial_stiffness_N_um", "axial_stiffness_N_um", "lowest_frequency_Hz",
+    "launch_g", "torque_margin",
+}  # fmt: skip
+
+
 def test_margin_and_its_sign():
     for measure in MEASURES:
+        assert measure.falls == (measure.key in WORSE_WHEN_LESS)
         limit = measure.in_files(LIMIT, 1.0)
         assert measure.margin(limit, LIMIT) == 0.0
         near, beyond = (measure.margin(limit * part, LIMIT) for part in (0.9, 1.1))

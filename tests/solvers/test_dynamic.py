@@ -99,14 +99,14 @@ def test_order_of_convergence(scene, contact, method, counts, lowest, highest):
     assert lowest < order < highest, errors
 
 
-@pytest.mark.parametrize(("contact", "turns"), [("paper", 0.25), ("hertz", 0.25)])
-def test_integrators_agree_with_scipy(scene, contact, turns):
-    """A radial load, from the same start: QV of every contact to 1e-4."""
+@pytest.mark.parametrize("contact", ["paper", "hertz"])
+def test_integrators_agree_with_scipy(scene, contact):
+    """A quarter of a turn under radial load, from the same start: QV of every contact to 1e-4."""
     s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0], "model.contact": contact})
     found = {}
     for name, method in METHODS.items():
         motion = started(s)
-        assert motion.advance(turns * motion.turn, 1e-4, method).status == OK
+        assert motion.advance(0.25 * motion.turn, 1e-4, method).status == OK
         found[name] = motion.qv.copy()
     reference = started(s)
     n = BALL * 9
@@ -119,7 +119,7 @@ def test_integrators_agree_with_scipy(scene, contact, turns):
 
     # The integrals feed back on nothing: integrating them with the states costs little.
     path = solve_ivp(
-        rate, (0.0, turns * reference.turn), reference.y, method="LSODA", rtol=1e-9,
+        rate, (0.0, 0.25 * reference.turn), reference.y, method="LSODA", rtol=1e-9,
         atol=np.r_[np.full(n, 1e-6), np.full(reference.y.size - n, 1e-13)],
     )  # fmt: skip
     assert path.success

@@ -331,6 +331,24 @@ def test_results_cannot_be_written(done, undisturbed):
 
 
 @pytest.mark.faults
+def test_damaged_files_do_not_get_into_the_study(done, undisturbed):
+    truncated(done.case(CASES[0]))
+    emptied(done.case(CASES[1]))
+    foreign(done.case(CASES[2]))
+    emptied(done.root / "results/gyro_s1/study.nc")
+    before = {path: path.stat().st_mtime_ns for path in done.cases() if path.stem in CASES[4:]}
+    run = done.run()
+    assert run.status == 0 and run.jobs["grid_solve"] == 2, run.text
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    results = done.results()
+    aside = [name for name in results if name.endswith(".damaged")]
+    assert len(aside) == 4
+    assert {name: data for name, data in results.items() if name not in aside} == (
+        undisturbed.results()
+    )
+
+
+@pytest.mark.faults
 def test_a_run_after_the_clock_was_set_back(done, undisturbed):
     """Edited, killed and taken up again, all while results seem to come from the future."""
     for path in (done.root / "results").rglob("*"):
@@ -348,6 +366,19 @@ def test_a_run_after_the_clock_was_set_back(done, undisturbed):
     shutil.copy2(ROOT / "config/scenes/gyro_s1.yaml", done.root / "config/scenes/gyro_s1.yaml")
     back = done.run()
     assert back.status == 0 and back.jobs["grid_solve"] == 4, back.text
+    assert done.results() == undisturbed.results()
+
+
+@pytest.mark.faults
+def test_the_clock_is_set_back_in_mid_run(done, undisturbed):
+    """A scene that is newer than now: Snakemake itself would refuse what is made from it."""
+    scene = done.root / "config/scenes/gyro_s1.yaml"
+    os.utime(scene, (time.time() + TEN_DAYS,) * 2)
+    for case in CASES:
+        done.case(case).unlink()
+    run = done.run()
+    assert run.status == 0 and run.jobs["grid_solve"] == 4, run.text
+    assert "Nothing to be done" in done.run().text
     assert done.results() == undisturbed.results()
 
 
@@ -376,3 +407,10 @@ def test_cases_that_do_not_converge(done, undisturbed):
     mended = done.run()
     assert mended.status == 0 and mended.jobs["grid_solve"] == 4
     assert done.results() == undisturbed.results()
+
+
+@pytest.mark.faults
+def test_one_job_at_a_time_gives_the_same_bytes(project, undisturbed):
+    run = project.run(jobs=1)
+    assert run.status == 0, run.text
+    assert project.results() == undisturbed.results()

@@ -119,30 +119,31 @@ def test_values_that_make_no_bearing_are_a_status(scene, monkeypatch):
 # real runs
 
 
-@pytest.fixture(scope="module")
-def riding(tmp_path_factory):
-    """Twenty runs of a cage that turns with its balls, by the command; its file and output."""
-    path = tmp_path_factory.mktemp("cage") / "cage.nc"
+def ensemble_file(path, *options):
+    """File of twenty runs, by the command."""
     keys = ["friction.cage=0.1", "model.dynamic_tolerance=1e-3", "uncertainty=null"]
-    keys.append("model.strips=10")
-    options = ["--set", *keys, "--runs", "20", "--within", "0.5", "--turns", "60", "-o", str(path)]
-    assert main(["cage", str(S1), *options]) == 0
+    assert main(["cage", str(S1), "--set", *keys, "--runs", "20", *options, "-o", str(path)]) == 0
     return path
 
 
-def test_an_ensemble_of_real_runs(riding, capsys):
-    """A whirl at 0.6 to 0.8 of the shaft's rate is what most cages have at a friction of 0.1."""
-    found = bearingwear.load(riding)
-    assert (found["status"] == "ok").all()
-    assert float(found["share"].sel(of_motion="whirls")) > 0.6
-    whirl = float(found["mean_whirl_ratio"].sel(group="whirls"))
-    assert 0.55 < whirl < 0.85
-    assert float(abs(found["energy_account_error"]).max()) <= 1e-3
-    assert main(["show", str(riding)]) == 0
+def test_sheet_and_figure_of_an_ensemble(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(ensemble, "cage_run", noisy_run)
+    path = ensemble_file(tmp_path / "cage.nc", "--quiet")
+    assert main(["show", str(path)]) == 0
     text = capsys.readouterr().out
     assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage, per turn" in text
     assert "steps of tolerance 0.001: the work of a motion is accurate to 10 %" in text
-    assert main(["plot", str(riding), "-o", str(riding.with_suffix(".svg"))]) == 0
+    assert main(["plot", str(path), "-o", str(path.with_suffix(".svg"))]) == 0
+
+
+@pytest.mark.long  # of a real run the next test, of ensembles of made-up runs those above
+def test_an_ensemble_of_real_runs(tmp_path):
+    """A whirl at 0.6 to 0.8 of the shaft's rate is what most cages have at a friction of 0.1."""
+    found = bearingwear.load(ensemble_file(tmp_path / "cage.nc", "--within", "0.5"))
+    assert (found["status"] == "ok").all()
+    assert float(found["share"].sel(of_motion="whirls")) > 0.6
+    assert 0.55 < float(found["mean_whirl_ratio"].sel(group="whirls")) < 0.85
+    assert float(abs(found["energy_account_error"]).max()) <= 1e-3
 
 
 def test_a_run_of_its_own_goes_as_the_solver_does(scene):

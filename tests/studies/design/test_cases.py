@@ -13,7 +13,7 @@ from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.machine import MACHINE
 from bearingwear.studies.design.map import followed_point, new_point, worst_cases
-from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import WORST_CASES, mapped
 
 LIMITS = DesignLimits(launch_g=30.0, torque_margin=0.5)
@@ -43,7 +43,11 @@ def scene():
 
 @pytest.fixture(scope="module")
 def found(scene):
-    return mapped(scene, axes_around(scene, [0.1], "scene", COARSE), LIMITS, quick=True)[1]
+    axes = MapAxes(
+        preload_method=PRELOAD_METHODS, friction=[0.1], shaft_speed_rpm=[3000.0],
+        preload_N=[20.0, 45.0, 100.0],
+    )  # fmt: skip
+    return mapped(scene, axes, LIMITS, quick=True)[1]
 
 
 def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, found):
