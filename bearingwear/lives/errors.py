@@ -1,21 +1,34 @@
 """Numerical errors of lives, estimated by lives with other settings (see `solvers.estimates`)."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria
-from bearingwear.lives.follow import Life
-from bearingwear.lives.grooves import FEWER_CELLS, LONGER_STEP, WORN_CELLS, Grooves, follow_grooves
+from bearingwear.lives.follow import Life, Node
+from bearingwear.lives.grooves import (
+    FEWER_CELLS,
+    LONGER_STEP,
+    WORN_CELLS,
+    Grooves,
+    follow_grooves,
+    point_of,
+)
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing.films import follows_depths
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import Remembered, solver_of
-from bearingwear.solvers.condition import Accuracy
+from bearingwear.solvers.condition import Accuracy, States
 from bearingwear.solvers.estimates import DOUBLED, HALVED, ROUNDING, changed
+from bearingwear.solvers.state import State
+from bearingwear.solvers.worn.bearing import ARC_STEP
 
 SCATTER = 2.0  # standard errors
+EVERY = 4  # states of worn grooves that are compared
 _WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
@@ -43,48 +56,116 @@ def surface_error(scene: Scene, life: Life) -> dict:
 
 
 def _changed_along(life: Life, states: Remembered, ends: Criteria) -> np.ndarray | None:
-    """Relative change of a life by other states at its start, middle and end; None if it would end
-    by another criterion.
-
-    That of the pace is integrated; that of the margin shifts the end, by its last slope.
-    """
-    nodes, before = [life.nodes[k] for k in (0, len(life.nodes) // 2, -1)], life.nodes[-2]
+    """Relative change of a life by other states at its start, middle and end."""
+    nodes = [life.nodes[k] for k in (0, len(life.nodes) // 2, -1)]
     others = [states.at(node.x) for node in nodes]
     if not all(one.is_solved for one in others):
         return None
-    left, last = ends.margins(others[-1:]), ends.margins(before.states)[life.criterion]
+    each = zip(nodes, others, strict=True)
+    longer = [node.states[0].rate / one.rate - 1.0 for node, one in each]
+    return _changed_by(life, longer, nodes, others[-1:], ends)
+
+
+def _changed_by(
+    life: Life,
+    longer: Any,
+    nodes: Sequence[Node],
+    other_end: Sequence[State],
+    ends: Criteria,
+    counts: slice = slice(None),
+) -> np.ndarray | None:
+    """Relative change of a life by other states; None if it would end by another criterion.
+
+    `longer` is the relative change of the inverse rates at some nodes, which is integrated; the
+    margin of the other state at the end shifts the end, by its last slope.
+    """
+    times = np.array([node.time[counts] for node in nodes])
+    before, left = life.nodes[-2], ends.margins(other_end)
     if np.delete(left, life.criterion).min() <= 0.0:
         return None
-    pace = [node.states[0].rate / one.rate - 1.0 for node, one in zip(nodes, others, strict=True)]
-    change = np.trapezoid(pace, [node.time for node in nodes], axis=0)
-    change += left[life.criterion] / last * (life.last.time - before.time)
-    return np.abs(change) / life.last.time
+    shift = left[life.criterion] / ends.margins(before.states)[life.criterion]
+    change = np.trapezoid(longer, times, axis=0) + shift * (times[-1] - before.time[counts])
+    return np.abs(change) / times[-1]
+
+
+class _Compared(Grooves):
+    """Grooves of which every few states are solved again, and with other accuracies.
+
+    Again, because the cells lie otherwise then: that alone changes a state by up to 2 %.
+    """
+
+    def __init__(self, scene: Scene):
+        super().__init__(scene, FEWER_CELLS, LONGER_STEP, only_times=True, rough=True)
+        self._kept = 0
+        self.compared: list[tuple[Node, list[States]]] = []
+
+    def completed(self, node: Node) -> Node:
+        if self._kept % EVERY == 0:
+            self.compare(node)
+        self._kept += 1
+        return node
+
+    def compare(self, node: Node) -> None:
+        own = [side.problem for side in self.sides]
+        other = [side.problem.perturbed(side.scene) for side in self.sides]
+        found = []
+        for problems in (own, *zip(*other, strict=True)):
+            self._solve_with(problems)
+            found.append(self.state(node.worn))
+        self._solve_with(own)
+        self.compared.append((node, found))
+
+    def _solve_with(self, problems: Sequence[ThrustProblem]) -> None:
+        for side, problem in zip(self.sides, problems, strict=True):
+            side.problem = problem
+
+    def worn_off(self, states: States) -> np.ndarray:
+        """Rate of loss of each bearing, from mean depths over the width when new [m/s]."""
+        each, share = zip(self.sides, states, strict=True), 0.5 * ARC_STEP
+        rates = [side.rate(point_of(state)) for side, state in each]
+        return np.array([w.ball + share * (w.grooves.sum() + 2.0 * w.band.sum()) for w in rates])
 
 
 def groove_errors(scene: Scene, life: Life) -> dict:
     """Bound on the error of the steps, and the estimate of all; by lives in longer steps.
 
-    That of the steps is at most twice what steps half as long again change. That of the cells, of
-    v_r and of the points is taken from lives with fewer cells, half of v_r and twice the points.
+    That of the steps is at most twice what steps half as long again change. That of the cells is
+    taken from a life with fewer cells; along that, states with half of v_r and with twice the
+    points change its rates and its end.
     """
     now = life.last.time[1]
     if life.status != code.OK or not now > 0.0:
         return {}
-
-    def time(accuracy: Accuracy, cells: tuple[int, int]) -> float:
-        longer = Grooves(scene, cells, LONGER_STEP, accuracy, only_times=True, rough=True)
-        other = follow_grooves(longer)
-        return float(other.last.time[1]) if _ends_alike(life, other) else math.nan
-
-    coarse, few = (time(Accuracy.CHECKED, cells) for cells in (WORN_CELLS, FEWER_CELLS))
+    wearing = _Compared(scene)
+    lives = [
+        follow_grooves(Grooves(scene, WORN_CELLS, LONGER_STEP, only_times=True, rough=True)),
+        follow_grooves(wearing),
+    ]
+    coarse, few = (float(one.last.time[1]) if _ends_alike(life, one) else math.nan for one in lives)
     bound = 2.0 * abs(coarse - now)
     values = {"life_error_bound": np.array([math.nan, bound])}
     estimate = ROUNDING + (bound + abs(few - coarse)) / now
-    for accuracy, weight in _WEIGHTS.items():
-        estimate += weight * abs(time(accuracy, FEWER_CELLS) / few - 1.0)
+    if math.isfinite(estimate):
+        estimate += _of_accuracies(wearing, lives[1], Criteria(scene))
     if math.isfinite(estimate):
         values["life_error_estimate"] = np.array([math.nan, estimate])
     return values
+
+
+def _of_accuracies(wearing: _Compared, life: Life, ends: Criteria) -> float:
+    """Error of a life by v_r and by points, from the states compared; NaN where it is not known."""
+    if wearing.compared[-1][0] is not life.last:
+        wearing.compare(life.last)
+    nodes, found = zip(*wearing.compared, strict=True)
+    if not all(one.is_solved for each in found for states in each for one in states):
+        return math.nan
+    rates = np.array([[wearing.worn_off(states) for states in each] for each in found])
+    total = 0.0
+    for k, weight in enumerate(_WEIGHTS.values(), 1):
+        longer = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
+        change = _changed_by(life, longer, nodes, found[-1][k], ends, slice(1, None))
+        total += math.nan if change is None else weight * change.max()
+    return total
 
 
 def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
