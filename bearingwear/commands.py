@@ -11,7 +11,7 @@ import contextlib
 import re
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,7 +118,7 @@ def solve(args: argparse.Namespace) -> int:
     from bearingwear.solvers.solve import solve as solved
 
     restart = _restart(scene, args) if args.restart is not None else None
-    result = solved(scene, args.fidelity, restart, lambda text: _tell(f"{args.scene}: {text}"))
+    result = solved(scene, args.fidelity, restart, _teller(args))
     return _finish(result, args)
 
 
@@ -128,7 +128,7 @@ def life(args: argparse.Namespace) -> int:
     scene = for_life(_scene(args), args.scene)
     from bearingwear.lives.life import life as lived
 
-    result = lived(scene, args.fidelity, lambda text: _tell(f"{args.scene}: {text}"))
+    result = lived(scene, args.fidelity, _teller(args))
     return _finish(result, args)
 
 
@@ -146,15 +146,12 @@ def uncertainty(args: argparse.Namespace) -> int:
         samples,
         args.seed,
         usable_cores(),
-        lambda text: _tell(f"{args.scene}: {text}"),
+        _teller(args),
     )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not args.quiet:
-        from bearingwear.document.show import sheet
-        from bearingwear.studies import registry
-
-        _print_sheet(sheet(args.output, registry("SHEETS")), args)
+        _print_file(args.output, args)
     return OK
 
 
@@ -169,16 +166,9 @@ def cage(args: argparse.Namespace) -> int:
     given = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
     plan = record(Ensemble, given, "cage")
     _tell_of_new_folder(args.output)
-
-    def tell(text: str) -> None:
-        _tell(f"{args.scene}: {text}")
-
-    found = cage_found(scene, plan, args.life, usable_cores(), tell, args.output)
+    found = cage_found(scene, plan, args.life, usable_cores(), _teller(args), args.output)
     if not args.quiet:
-        from bearingwear.document.show import sheet
-        from bearingwear.studies import registry
-
-        _print_sheet(sheet(args.output, registry("SHEETS")), args)
+        _print_file(args.output, args)
     if (found["status"] == 0).any():
         return OK
     sys.stderr.write(one_line(f"{args.scene}: no run of the cage could be solved"))
@@ -195,10 +185,7 @@ def calibrate(args: argparse.Namespace) -> int:
     found = calibrated(load_scene(args.scene, args.set), args.tests, usable_cores(), _tell)
     _tell_of_new_folder(args.output)
     found.write(args.output)
-    from bearingwear.document.show import sheet
-    from bearingwear.studies import registry
-
-    _print_sheet(sheet(data, registry("SHEETS")), args)
+    _print_file(data, args)
     _tell(f"{args.output}: calibrated scene; {data}: results for show and plot")
     return OK
 
@@ -210,10 +197,8 @@ def recommend(args: argparse.Namespace) -> int:
     from bearingwear.studies.design.document.sheets import recommended_sheet
     from bearingwear.studies.sampling import usable_cores
 
-    def tell(text: str) -> None:
-        _tell(f"{args.scene}: {text}")
-
-    sheet, solved = recommended_sheet(scene, _limits(args), args.scene, usable_cores(), tell)
+    more = args.scene, usable_cores(), _teller(args)
+    sheet, solved = recommended_sheet(scene, _limits(args), *more)
     _print_sheet(sheet, args)
     if not solved:
         sys.stderr.write(one_line(f"{args.scene}: no life could be solved at any preload"))
@@ -273,10 +258,7 @@ def show(args: argparse.Namespace) -> int:
 
         _print_sheet(scene_sheet(load_scene(args.file)), args)
     else:
-        from bearingwear.document.show import sheet
-        from bearingwear.studies import registry
-
-        _print_sheet(sheet(args.file, registry("SHEETS"), args.all), args)
+        _print_file(args.file, args, args.all)
     return OK
 
 
@@ -421,6 +403,11 @@ def _tell(text: str) -> None:
         sys.stderr.flush()
 
 
+def _teller(args: argparse.Namespace) -> Callable[[str], None]:
+    """What takes lines of progress on a scene."""
+    return lambda text: _tell(f"{args.scene}: {text}")
+
+
 def _scene(args: argparse.Namespace) -> Scene:
     from bearingwear.scene.read import load_scene
 
@@ -469,6 +456,14 @@ def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
 
     render = as_json if args.json else as_csv if args.csv else as_text
     _print(render(sheet))
+
+
+def _print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
+    """The sheet of a result file of any kind."""
+    from bearingwear.document.show import sheet
+    from bearingwear.studies import registry
+
+    _print_sheet(sheet(path, registry("SHEETS"), every), args)
 
 
 def _warn(attributes: Mapping[str, Any]) -> None:

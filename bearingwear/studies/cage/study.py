@@ -43,25 +43,12 @@ def study_of_cages(plan: CagePlan) -> CageStudy:
     return CageStudy(
         "cage",
         plan,
-        step(
-            "run",
-            "points/{point}.nc",
-            "ensemble.cage_ensemble",
-            plan.points,
-            scene=plan.scene_file,
-            settings=plan.settings_at,
-            work=plan.ensemble.runs,
-        ),
-        step(
-            "gather",
-            "cage.nc",
-            "gather.gathered_ensembles",
-            scene=plan.scene_file,
-            paths="points/{point}.nc",
-            settings={"plan": asdict(plan)},
-        ),
+        step("run", "points/{point}.nc", "ensemble.cage_ensemble", plan.points,
+            scene=plan.scene_file, settings=plan.settings_at, work=plan.ensemble.runs),
+        step("gather", "cage.nc", "gather.gathered_ensembles", scene=plan.scene_file,
+            paths="points/{point}.nc", settings={"plan": asdict(plan)}),
         step("answer", "answer.json", "tables.cage_answer", motions="cage.nc"),
         figure_step("cage", "figures.cage_figure", motions="cage.nc"),
         table_step("cage", "tables.cage_table", motions="cage.nc"),
         default=plan.in_main_study,
-    )
+    )  # fmt: skip

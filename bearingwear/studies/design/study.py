@@ -89,31 +89,14 @@ class DesignStudy(Study):
 def _chosen(plan: DesignPlan) -> list[Step]:
     """The map, in parts, and the preload to take."""
     return [
-        step(
-            "map",
-            "map/{method}-mu{mu}.nc",
-            "map.map_part",
-            plan.map_parts,
-            scene=SCENE,
-            settings=plan.part_settings,
-            work=1.0,
-        ),
-        step(
-            "gather",
-            "design.nc",
-            "choice.design_map",
-            [*plan.maps],
+        step("map", "map/{method}-mu{mu}.nc", "map.map_part", plan.map_parts, scene=SCENE,
+            settings=plan.part_settings, work=1.0),
+        step("gather", "design.nc", "choice.design_map", [*plan.maps],
             parts="map/{method}-mu{mu}.nc",
-            settings=lambda scene: {"limits": plan.scenes[scene].limits.given},
-        ),
-        step(
-            "recommend",
-            "recommendation.nc",
-            "recommend.recommendation_of",
-            design="design.nc",
-            scene=SCENE,
-        ),
-    ]
+            settings=lambda scene: {"limits": plan.scenes[scene].limits.given}),
+        step("recommend", "recommendation.nc", "recommend.recommendation_of", design="design.nc",
+            scene=SCENE),
+    ]  # fmt: skip
 
 
 def _small(
@@ -126,82 +109,45 @@ def _small(
         "default": True,
     }
     return [
-        step(
-            "small_map",
-            (f"{_SMALL}/design.nc", f"{_SMALL}/recommendation.nc"),
-            "recommend.small_map",
-            scenes,
-            scene=SCENE,
+        step("small_map", (f"{_SMALL}/design.nc", f"{_SMALL}/recommendation.nc"),
+            "recommend.small_map", scenes, scene=SCENE,
             settings=lambda scene: {
                 "axes": asdict(plan.small_maps[scene]),
                 "limits": plan.scenes[scene].limits.given,
             },
-            label="{scene}: small map and recommended preload",
-            default=True,
-            alone=True,
-            tells=True,
-        ),
-        step(
-            "beside",
-            f"{_SMALL}/beside.nc",
-            "beside.lives_beside",
+            label="{scene}: small map and recommended preload", default=True, alone=True,
+            tells=True),
+        step("beside", f"{_SMALL}/beside.nc", "beside.lives_beside",
             [scene for scene in scenes if plan.beside(scene)],
             settings=lambda scene: {"cases": plan.beside(scene)},
-            label="{scene}: other assumptions at the recommended preload",
-            **found,
-        ),
-        step(
-            "spread",
-            f"{_SMALL}/spread.nc",
-            "studies.uncertainty.quantiles.recommended_life_quantiles",
-            spread_of,
-            settings=sample,
-            label="{scene}: spread of the lives at the recommended preload",
-            work=1.0,
-            **found,
-        ),
-    ]
+            label="{scene}: other assumptions at the recommended preload", **found),
+        step("spread", f"{_SMALL}/spread.nc",
+            "studies.uncertainty.quantiles.recommended_life_quantiles", spread_of, settings=sample,
+            label="{scene}: spread of the lives at the recommended preload", work=1.0, **found),
+    ]  # fmt: skip
 
 
 def _checked(plan: DesignPlan) -> list[Step]:
     """The recommended preload, and some beside it, solved dynamically."""
     check = "check/{times}-{fidelity}.nc"
     return [
-        step(
-            "check_scene",
-            "check/{times}.yaml",
-            "dynamic_check.check_scene_text",
-            {(scene, times): times for scene in plan.maps for times in CHECKED},
-            scene=SCENE,
-            recommendation="recommendation.nc",
-            settings=lambda times: {"times": float(times)},
-            label="{scene}: scene at {times} times the recommended preload",
-        ),
-        step(
-            "solve_check",
-            check,
-            "studies.solve.solved_case",
+        step("check_scene", "check/{times}.yaml", "dynamic_check.check_scene_text",
+            {(scene, times): times for scene in plan.maps for times in CHECKED}, scene=SCENE,
+            recommendation="recommendation.nc", settings=lambda times: {"times": float(times)},
+            label="{scene}: scene at {times} times the recommended preload"),
+        step("solve_check", check, "studies.solve.solved_case",
             {
                 (scene, times, fidelity): fidelity
                 for scene in plan.maps
                 for times in CHECKED
                 for fidelity in CHECKED_FIDELITIES
             },
-            scene="check/{times}.yaml",
-            settings=lambda fidelity: {"fidelity": fidelity},
-            label="{scene}: {times} times the recommended preload, {fidelity}",
-            work=1.0,
-        ),
-        table_step(
-            "check",
-            "document.check_table.check_table",
-            name="check_table",
-            recommendation="recommendation.nc",
-            cases=check,
-            label="{scene}: the recommended preload, solved dynamically",
-            result="design, dynamic",
-        ),
-    ]
+            scene="check/{times}.yaml", settings=lambda fidelity: {"fidelity": fidelity},
+            label="{scene}: {times} times the recommended preload, {fidelity}", work=1.0),
+        table_step("check", "document.check_table.check_table", name="check_table",
+            recommendation="recommendation.nc", cases=check,
+            label="{scene}: the recommended preload, solved dynamically", result="design, dynamic"),
+    ]  # fmt: skip
 
 
 def _drawn(scene: str, sampled: bool) -> Bundle:
@@ -211,14 +157,8 @@ def _drawn(scene: str, sampled: bool) -> Bundle:
     figures = [_figure("design", inputs), _figure("map", {"design": "design.nc"})]
     if sampled:
         figures.append(_figure("uncertainty", inputs))
-    return bundle(
-        f"drawn_{scene}",
-        f"results/{scene}/design",
-        scene,
-        f"{scene}: figures and tables of its map",
-        *figures,
-        *_told(inputs, inputs),
-    )
+    return bundle(f"drawn_{scene}", f"results/{scene}/design", scene,
+        f"{scene}: figures and tables of its map", *figures, *_told(inputs, inputs))  # fmt: skip
 
 
 def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
@@ -226,16 +166,11 @@ def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
     inputs = {name: f"{name}.nc" for name in ("design", "recommendation")}
     more = {"beside": bool(plan.beside(scene)), "spread": with_spread}
     several = len(plan.small_maps[scene].friction) > 1
-    return bundle(
-        f"small_drawn_{scene}",
-        f"results/{scene}/preload",
-        scene,
-        f"{scene}: figures and tables of its small map",
-        _figure("design", inputs),
+    return bundle(f"small_drawn_{scene}", f"results/{scene}/preload", scene,
+        f"{scene}: figures and tables of its small map", _figure("design", inputs),
         *([_figure("map", {"design": "design.nc"})] if several else ()),
         *_told(inputs, inputs | {name: f"{name}.nc" for name, there in more.items() if there}),
-        default=True,
-    )
+        default=True)  # fmt: skip
 
 
 def _figure(name: str, inputs: Mapping[str, str]) -> Step:
@@ -247,14 +182,9 @@ def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
     """Tables, and the answer."""
     paths = ("map.csv", "design.md")
     return [
-        table_step(
-            paths, "document.sheets.tables", name="tables", inputs=inputs, result="design, table"
-        ),
+        table_step(paths, "document.sheets.tables", name="tables", inputs=inputs,
+            result="design, table"),
         step("answer", "answer.json", "document.sheets.design_answer", inputs=answered),
-        step(
-            "charts",
-            "charts.json",
-            "document.charts.design_charts",
-            inputs={name: path for name, path in answered.items() if name != "beside"},
-        ),
-    ]
+        step("charts", "charts.json", "document.charts.design_charts",
+            inputs={name: path for name, path in answered.items() if name != "beside"}),
+    ]  # fmt: skip

@@ -78,21 +78,15 @@ def _solved(plan: Plan) -> list[Step]:
         for losses in plan.losses_of_jobs(grid):
             parts.setdefault((losses, bool(plan.chunks(scene))), {}).update(lines)
     solve = [
-        step(
-            "solve" if number == 1 else f"solve_{number}",
+        step("solve" if number == 1 else f"solve_{number}",
             [f"cases/{{line}}-{Case('', 0.0, loss).loss_id}.nc" for loss in losses],
-            "solve.solved_line",
-            lines,
-            scene=SCENE,
-            replaced=tuple(GRID_KEYS.values()),
+            "solve.solved_line", lines, scene=SCENE, replaced=tuple(GRID_KEYS.values()),
             settings=functools.partial(_line_settings, losses),
             about="{scene}: cases of one preload method and friction, over the wear",
-            label=f"{{scene}}: {{line}}, loss {_span(losses)} um",
-            work=len(losses),
-            on_request=in_chunks,
-        )
+            label=f"{{scene}}: {{line}}, loss {_span(losses)} um", work=len(losses),
+            on_request=in_chunks)
         for number, ((losses, in_chunks), lines) in enumerate(parts.items(), 1)
-    ]
+    ]  # fmt: skip
     chunks = step(
         "solve_chunk",
         "chunks/{chunk}.nc",
@@ -142,20 +136,9 @@ def _lived(plan: Plan) -> list[Step]:
             work=1.0,
             priority=1,  # the longest jobs
         ),
-        step(
-            "wear_life",
-            "wear_life.nc",
-            "life.study_life",
-            [*plan.grids],
-            scene=SCENE,
-            study="study.nc",
-            label="{scene}: wear life",
-            work=1.0,
-        ),
-        step(
-            "quantiles",
-            "spread/mu{mu}.nc",
-            "studies.uncertainty.quantiles.life_quantiles",
+        step("wear_life", "wear_life.nc", "life.study_life", [*plan.grids], scene=SCENE,
+            study="study.nc", label="{scene}: wear life", work=1.0),
+        step("quantiles", "spread/mu{mu}.nc", "studies.uncertainty.quantiles.life_quantiles",
             {
                 (scene, in_name(mu, 3)): (scene, mu)
                 for scene in plan.uncertain_lives.scenes
@@ -169,36 +152,17 @@ def _lived(plan: Plan) -> list[Step]:
                 "samples": plan.uncertain_lives.samples,
                 "seed": plan.uncertain_lives.seed,
             },
-            label="{scene}: spread of its lives, mu {mu}",
-            work=1.0,
-        ),
-    ]
+            label="{scene}: spread of its lives, mu {mu}", work=1.0),
+    ]  # fmt: skip
 
 
 def _gathered(plan: Plan) -> list[Step]:
-    lives = step(
-        "answer",
-        _ANSWER,
-        "answer.lives_answer",
-        lives=plan.lives(),
-        uncertainty=plan.spreads_of_lives(),
-        label="summary of the lives",
-    )
+    lives = step("answer", _ANSWER, "answer.lives_answer", lives=plan.lives(),
+        uncertainty=plan.spreads_of_lives(), label="summary of the lives")  # fmt: skip
     return [
-        step(
-            "gather",
-            "study.nc",
-            "gather.study",
-            [*plan.grids],
-            paths=plan.solved,
-            label="{scene}: gather the cases",
-        ),
-        step(
-            "gather_dynamic",
-            "dynamic.nc",
-            "gather.study",
-            paths="dynamic/{case}.nc",
-            label="{scene}: gather the cases solved dynamically",
-        ),
+        step("gather", "study.nc", "gather.study", [*plan.grids], paths=plan.solved,
+            label="{scene}: gather the cases"),
+        step("gather_dynamic", "dynamic.nc", "gather.study", paths="dynamic/{case}.nc",
+            label="{scene}: gather the cases solved dynamically"),
         *([lives] if plan.lives() else []),
-    ]
+    ]  # fmt: skip

@@ -59,15 +59,8 @@ def study_of_lives(plan: LivesPlan) -> Study:
     return Study(
         "lives",
         plan,
-        step(
-            "solve",
-            "{life}.nc",
-            "studies.solve.solved_life",
-            plan.lives,
-            scene=DynamicLife.scene_file,
-            settings=DynamicLife.settings,
-            work=1.0,
-        ),
+        step("solve", "{life}.nc", "studies.solve.solved_life", plan.lives,
+            scene=DynamicLife.scene_file, settings=DynamicLife.settings, work=1.0),
         figure_step("{life}", "figures.wear_history", life="{life}.nc"),
         table_step("lives", "tables.lives_table", lives="{life}.nc"),
-    )
+    )  # fmt: skip

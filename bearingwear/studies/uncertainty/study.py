@@ -25,24 +25,12 @@ def study(config: Mapping[str, Any]) -> Study:
     return Study(
         "uncertainty",
         plan,
-        step(
-            "sample_lives",
-            "samples/{method}-{preload_choice}-{chunk}.nc",
-            "sample.sampled_lives",
-            {tuple(map(str, part)): part for part in plan.parts},
-            scene=SCENE,
+        step("sample_lives", "samples/{method}-{preload_choice}-{chunk}.nc", "sample.sampled_lives",
+            {tuple(map(str, part)): part for part in plan.parts}, scene=SCENE,
             recommendation=lambda part: "recommendation.nc" if part.as_recommended else None,
-            settings=lambda part: part.settings | {"sampling": sampling},
-            work=1.0,
-        ),
-        step(
-            "quantiles",
-            "uncertainty.nc",
-            "quantiles.quantiles_and_indices",
-            scene=SCENE,
-            parts="samples/{method}-{preload_choice}-{chunk}.nc",
-            settings={"sampling": sampling},
-            work=1.0,
-        ),
+            settings=lambda part: part.settings | {"sampling": sampling}, work=1.0),
+        step("quantiles", "uncertainty.nc", "quantiles.quantiles_and_indices", scene=SCENE,
+            parts="samples/{method}-{preload_choice}-{chunk}.nc", settings={"sampling": sampling},
+            work=1.0),
         folder="results/{scene}/design",  # beside the recommendation
-    )
+    )  # fmt: skip

@@ -72,40 +72,24 @@ FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "m
 
 @dataclass(frozen=True, kw_only=True)
 class SweepPoint:
-    """One solve.
+    """One solve."""
 
-    Attributes
-    ----------
-    label : str
-        What sets it apart from the other points of its sweep.
-    value : float
-        The same as a number, NaN where it is none.
-    fidelity : str
-        Model to solve.
-    start, hertz, warmth, machine : str
-        How it starts, its Hertz factors, what has grown, what stands beside it on the rotor; empty
-        where they are the usual ones.
-    end, step, cells : str
-        Loss at the end of life over the gap at the contact's edge; steps (over that gap) and cells
-        of a life that follows the grooves. Empty as the scene, and `life`, have them.
-    settings : sequence of str
-        As `--set` takes them.
-    text : str
-        All of it, as the file of the sweep says it.
-    """
-
-    label: str
-    value: float
-    fidelity: str
+    label: str  # what sets it apart from the other points of its sweep
+    value: float  # the same as a number, NaN where it is none
+    fidelity: str  # model to solve
+    # how it starts, its Hertz factors, what has grown, what stands beside it on the rotor; empty
+    # where they are the usual ones
     start: str = ""
     hertz: str = ""
     warmth: str = ""
     machine: str = ""
+    # Loss at the end of life over the gap at the contact's edge; steps (over that gap) and cells of
+    # a life that follows the grooves. Empty as the scene, and `life`, have them.
     end: str = ""
     step: str = ""
     cells: str = ""
-    settings: tuple[str, ...]
-    text: str
+    settings: tuple[str, ...]  # as `--set` takes them
+    text: str  # all of it, as the file of the sweep says it
 
     def overrides(self, scene_settings: Mapping[str, str]) -> list[str]:
         """Its settings and those of its scene, as `--set` takes them."""

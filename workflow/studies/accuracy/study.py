@@ -28,72 +28,33 @@ def study_of_accuracy(plan: AccuracyPlan) -> Study:
     return Study(
         "accuracy",
         plan,
-        step(
-            "sweep",
-            "points/{of_scene}-{sweep}.nc",
-            "run.solved_sweep",
-            plan.jobs(),
+        step("sweep", "points/{of_scene}-{sweep}.nc", "run.solved_sweep", plan.jobs(),
             scene=lambda job: plan.scene_file(job[0]),
-            settings=lambda job: plan.sweep_settings(*job),
-            work=1.0,
-            alone=True,
-        ),
-        step(
-            "gather",
-            "accuracy.nc",
-            "gather.gathered_sweeps",
-            paths="points/{of_scene}-{sweep}.nc",
-        ),
-        step(
-            "gather_effects",
-            "effects.nc",
-            "gather.gathered_sweeps",
-            paths=[f"points/{scene}-{sweep}.nc" for scene, sweep in plan.effect_jobs],
-        ),
-        figure_step(
-            "{figure}",
-            "figures.figure",
-            FIGURE_NAMES,
-            trade="accuracy.nc",
-            settings=lambda name: {"which": name},
-        ),
+            settings=lambda job: plan.sweep_settings(*job), work=1.0, alone=True),
+        step("gather", "accuracy.nc", "gather.gathered_sweeps",
+            paths="points/{of_scene}-{sweep}.nc"),
+        step("gather_effects", "effects.nc", "gather.gathered_sweeps",
+            paths=[f"points/{scene}-{sweep}.nc" for scene, sweep in plan.effect_jobs]),
+        figure_step("{figure}", "figures.figure", FIGURE_NAMES, trade="accuracy.nc",
+            settings=lambda name: {"which": name}),
         table_step(("accuracy.csv", "accuracy.md"), "docs.accuracy_tables", name="tables", **trade),
         *(
             table_step(part, "docs.part_tables", name=part, settings={"part": part}, **effects)
             for part in ("effects", "grooves")
         ),
         *_ensembles(plan),
-        step(
-            "check",
-            "check.txt",
-            "docs.check_docs",
-            docs="docs/accuracy.md",
-            cages="cages.nc",
-            last=True,
-            **trade,
-        ),
-    )
+        step("check", "check.txt", "docs.check_docs", docs="docs/accuracy.md", cages="cages.nc",
+            last=True, **trade),
+    )  # fmt: skip
 
 
 def _ensembles(plan: AccuracyPlan) -> list[Step]:
     """Ensembles of a cage, and their table."""
     return [
-        step(
-            "cages",
-            "cages/{ensemble}.nc",
-            "studies.cage.ensemble.cage_ensemble",
-            [*plan.cages.ensembles],
-            scene=f"config/scenes/{plan.cages.file}.yaml",
-            settings=plan.cages.ensemble_settings,
-            work=1.0,
-        ),
+        step("cages", "cages/{ensemble}.nc", "studies.cage.ensemble.cage_ensemble",
+            [*plan.cages.ensembles], scene=f"config/scenes/{plan.cages.file}.yaml",
+            settings=plan.cages.ensemble_settings, work=1.0),
         step("gather_cages", "cages.nc", "cages.gathered_cages", paths="cages/{ensemble}.nc"),
-        table_step(
-            "cages",
-            "docs.part_tables",
-            name="cages_table",
-            settings={"part": "cages"},
-            trade="cages.nc",
-            plan=ACCURACY_FILE,
-        ),
-    ]
+        table_step("cages", "docs.part_tables", name="cages_table", settings={"part": "cages"},
+            trade="cages.nc", plan=ACCURACY_FILE),
+    ]  # fmt: skip

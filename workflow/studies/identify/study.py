@@ -23,15 +23,10 @@ def study(config: Mapping[str, Any]) -> Study:
     return Study(
         "identify",
         plan,
-        step(
-            "candidates",
-            "candidates.nc",
-            "search.identified",
+        step("candidates", "candidates.nc", "search.identified",
             scene=SCENE.format(scene=plan.scene),
             marks=[SCENE.format(scene=name) for name in plan.marks],
-            settings={"plan": asdict(plan)},
-            work=1.0,
-        ),
+            settings={"plan": asdict(plan)}, work=1.0),
         figure_step("candidates", "figures.candidates_figure", candidates="candidates.nc"),
         table_step("candidates", "tables.candidates_table", candidates="candidates.nc"),
-    )
+    )  # fmt: skip

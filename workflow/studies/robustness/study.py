@@ -35,21 +35,13 @@ def study(config: Mapping[str, Any]) -> Study:
         solve("random_scenes", "scene_classes", "run.random_scenes", plan.class_settings),
         solve("map", "maps", "maps.state_map", plan.map_settings),
         solve("branch", "branches", "branches.branch", plan.branch_settings),
-        step(
-            "gather",
-            "robustness.nc",
-            "gather.counted_ends",
-            paths=["scene_classes/{name}.nc", "maps/{name}.nc"],
-        ),
+        step("gather", "robustness.nc", "gather.counted_ends",
+            paths=["scene_classes/{name}.nc", "maps/{name}.nc"]),
         *(
-            figure_step(
-                f"{folder}-{{name}}",
-                f"figures.{name}_figure",
-                name=f"figure_{name}",
-                solved=f"{folder}/{{name}}.nc",
-            )
+            figure_step(f"{folder}-{{name}}", f"figures.{name}_figure", name=f"figure_{name}",
+                solved=f"{folder}/{{name}}.nc")
             for name, folder in (("map", "maps"), ("branches", "branches"))
         ),
         table_step("robustness", "tables.ends_table", counts="robustness.nc"),
         step("verdict", "verdict.txt", "tables.wrong_answers", counts="robustness.nc", last=True),
-    )
+    )  # fmt: skip

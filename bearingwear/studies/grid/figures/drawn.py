@@ -22,32 +22,21 @@ def bundles(plan: Plan) -> list[Bundle]:
         ("across_drawn", "", _steps_across(plan)),
     ]
     return [
-        bundle(
-            name,
-            f"results/{scene}".rstrip("/"),
-            scene or _ACROSS,
+        bundle(name, f"results/{scene}".rstrip("/"), scene or _ACROSS,
             f"{scene or _ACROSS}{', dynamic' * name.startswith('dynamic')}: figures and tables",
-            *steps,
-        )
+            *steps)
         for name, scene, steps in drawn
         if steps
-    ]
+    ]  # fmt: skip
 
 
 def _scene_steps(plan: Plan, scene: str) -> list[Step]:
     lives = {"lives": "wear_life.nc", "uncertainty": plan.spreads_of_lives(scene)}
     return [
         *(step for one in plan.bearings(scene) for step in _bearing_steps(plan, scene, one, lives)),
-        table_step(
-            ("cases.csv", "summary.md"),
-            "tables.study_tables",
-            name="summary",
-            study="study.nc",
-            caption="summary",
-            result="summary",
-            **lives,
-        ),
-    ]
+        table_step(("cases.csv", "summary.md"), "tables.study_tables", name="summary",
+            study="study.nc", caption="summary", result="summary", **lives),
+    ]  # fmt: skip
 
 
 def _bearing_steps(
@@ -70,61 +59,38 @@ def _dynamic_steps(plan: Plan, scene: str) -> list[Step]:
     compared = {"study": "study.nc", "dynamic": "dynamic.nc"}
     reference = dict(zip(("reference",), plan.reference(scene), strict=False))
     averages = [
-        _figure(
-            f"fig06_running_average-{case}",
-            "running_average",
-            case=f"dynamic/{case}.nc",
-            result=f"fig06_running_average, {case}",
-            **reference,
-        )
+        _figure(f"fig06_running_average-{case}", "running_average", case=f"dynamic/{case}.nc",
+            result=f"fig06_running_average, {case}", **reference)
         for case in plan.dynamic[scene].cases()
         if scene in plan.config.figures.running_averages
-    ]
+    ]  # fmt: skip
     if scene not in plan.compared:
         return averages
     return [
         _figure("dynamic", "dynamic", **compared),
-        table_step(
-            ("dynamic.csv", "dynamic.md"),
-            "dynamic_tables.comparison",
-            name="dynamic_tables",
-            caption="dynamic_tables",
-            result="dynamic, table",
-            **compared,
-        ),
+        table_step(("dynamic.csv", "dynamic.md"), "dynamic_tables.comparison",
+            name="dynamic_tables", caption="dynamic_tables", result="dynamic, table", **compared),
         *averages,
-    ]
+    ]  # fmt: skip
 
 
 def _steps_across(plan: Plan) -> list[Step]:
     columns = plan.config.figures.wear_columns
-    wear = _figure(
-        "fig10_wear",
-        "wear",
-        studies=plan.studies(*plan.column_scenes),
-        settings={"friction": [column.friction for column in columns]},
-    )
+    wear = _figure("fig10_wear", "wear", studies=plan.studies(*plan.column_scenes),
+        settings={"friction": [column.friction for column in columns]})  # fmt: skip
     return [
         *([wear] if columns else []),
         *(
-            _figure(
-                f"spread_{name}",
-                "overlay",
-                studies=plan.studies(*overlay.scenes),
-                settings={"friction": overlay.friction},
-            )
+            _figure(f"spread_{name}", "overlay", studies=plan.studies(*overlay.scenes),
+                settings={"friction": overlay.friction})
             for name, overlay in plan.spreads.items()
         ),
         *(
-            _figure(
-                f"lives_{name}",
-                "life_overlay",
-                lives=plan.lives(*overlay.scenes),
-                settings={"friction": overlay.friction},
-            )
+            _figure(f"lives_{name}", "life_overlay", lives=plan.lives(*overlay.scenes),
+                settings={"friction": overlay.friction})
             for name, overlay in plan.config.figures.lives.items()
         ),
-    ]
+    ]  # fmt: skip
 
 
 def _figure(name: str, kind: str, **rest: Any) -> Step:
