@@ -106,8 +106,9 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "## Accuracy against time",
         "Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here. Errors "
         "are absolute values relative to each scene's reference (`config/accuracy.yaml`). The "
-        "first column is the median over the scenes; the others are the worst scene, of a contact "
-        "the worse of both. All other settings are those of the reference. Speeds are relative to "
+        "first column is the median over the scenes; the others refer to the worst scene and, for "
+        "a single contact, to the worse contact. All other settings are as in the reference. "
+        "Speeds are relative to "
         "that reference: medians over the scenes, with compiled code on an idle machine. "
         f"Scenes: {scenes}.",
         f"Repeated runs agree within a factor of {tolerance.error:g} in errors and "
@@ -126,7 +127,7 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "rate for dynamic ones. QV of a single contact is far more sensitive than total QV. Speeds "
         "are those of draft relative to standard, and of standard relative to reference.",
         estimates(trade),
-        "All points with an error estimate count, including the extremes of the sweeps. An error "
+        "All points with an error estimate are included, also the extremes of the sweeps. An error "
         "counts as covered if it exceeds its estimate by no more than the uncertainty of the "
         'reference (its own estimate plus its check). "Over error" is the median ratio of estimate '
         "to error.",
