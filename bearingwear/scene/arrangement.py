@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -100,7 +101,8 @@ class Arrangement:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy can be neither pickled nor copied
-        return _rebuilt, ({**self.__dict__, "second": dict(self.second)},)
+        plain: dict[str, Any] = {**self.__dict__, "second": dict(self.second)}
+        return partial(Arrangement, **plain), ()
 
     @property
     def is_pair(self) -> bool:
@@ -113,10 +115,6 @@ class Arrangement:
         free = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
         alone = max(self.tandem) == 1
         return free and alone and not self.second and self.external_axial_N == 0.0
-
-
-def _rebuilt(values: dict[str, Any]) -> Arrangement:
-    return Arrangement(**values)
 
 
 def flat_keys(block: Mapping[str, Any], above: str = "") -> Any:

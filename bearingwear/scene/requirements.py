@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -116,8 +117,9 @@ class Drive:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy can be neither pickled nor copied
+        plain: dict[str, Any]
         plain = {k: dict(v) if isinstance(v, Mapping) else v for k, v in self.__dict__.items()}
-        return _rebuilt_drive, (plain,)
+        return partial(Drive, **plain), ()
 
     @property
     def rule(self) -> Mapping[str, float]:
@@ -142,7 +144,3 @@ class Drive:
     def stalls(self, torque: float) -> bool:
         """Whether what resists is more than the drive has, without any factor."""
         return torque + sum(self.resistances_Nm.values()) > self.torque_Nm
-
-
-def _rebuilt_drive(values: dict[str, Any]) -> Drive:
-    return Drive(**values)

@@ -180,9 +180,9 @@ class Scene:
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy can be neither pickled nor copied
         values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return _rebuilt, (
-            {key: dict(v) if isinstance(v, Mapping) else v for key, v in values.items()},
-        )
+        plain: dict[str, Any]
+        plain = {key: dict(v) if isinstance(v, Mapping) else v for key, v in values.items()}
+        return functools.partial(Scene, **plain), ()
 
     def nominal(self, name: str) -> float:
         """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
@@ -249,10 +249,6 @@ class Scene:
     def json(self) -> str:
         """`to_dict` as JSON: the attribute `scene` of a result."""
         return json.dumps(self.to_dict())
-
-
-def _rebuilt(values: dict[str, Any]) -> Scene:
-    return Scene(**values)
 
 
 @functools.cache

@@ -11,14 +11,13 @@ a ValueError, or a `SceneError` that names the field.
 
 from __future__ import annotations
 
-import contextlib
 import difflib
 import math
 import numbers
 import os
 import re
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 from bearingwear.scene.checking.errors import (
     DEEPEST,
@@ -30,11 +29,8 @@ from bearingwear.scene.checking.errors import (
 )
 from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, keys, part_at, whole
 
-MOST_FAULTS = 10
-"""Faults of one file that are reported together."""
-
-_LARGEST = 1.7976931348623157e308
-"""A whole number of YAML may be larger than any that can be calculated with."""
+MOST_FAULTS = 10  # of one file that are reported together
+_LARGEST = 1.7976931348623157e308  # a whole number of YAML may be larger
 
 
 def record(record_type: type[R], data: Any, source: str = "scene") -> R:
@@ -69,12 +65,12 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     """
     file = whole(record_type)
     plain: dict[str, Any] = _copied(data, "", 0, file)
-    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault.rank)
+    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault[0])
     if not faults:
         return plain
-    if faults[0].rank == _IMPOSSIBLE_NAME:  # paths below one contain it
-        faults = [fault for fault in faults if fault.rank == _IMPOSSIBLE_NAME]
-    first, *further = (SceneError(fault.path, fault.problem) for fault in faults[:MOST_FAULTS])
+    if faults[0][0] == _IMPOSSIBLE_NAME:  # keys below one contain it
+        faults = [fault for fault in faults if fault[0] == _IMPOSSIBLE_NAME]
+    first, *further = (error for _, error in faults[:MOST_FAULTS])
     raise SceneError(first.key, first.problem, further=tuple(further))
 
 
@@ -86,8 +82,8 @@ def checked_fields(record_type: type, data: Mapping[str, Any]) -> dict[str, Any]
     file = whole(record_type)
     plain, parts = _copied(data, "", 0, file), file.below
     for name, value in plain.items():
-        for fault in _faults(value, parts[name], name, file):
-            raise SceneError(fault.path, fault.problem)
+        for _, error in _faults(value, parts[name], name, file):
+            raise error
     return {parts[name].field: _value(value, parts[name], name) for name, value in plain.items()}
 
 
@@ -116,13 +112,8 @@ def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
 
 _IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _MISSING = range(5)
 
-
-class Fault(NamedTuple):
-    """A fault: its priority, its key, and its message."""
-
-    rank: int
-    path: str
-    problem: str
+Fault = tuple[int, SceneError]
+"""A fault after its priority."""
 
 
 def fits(value: Any, part: Part) -> bool:
@@ -141,7 +132,7 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
         for name, one in value.items():
             if not _is_name(name, part):
                 problem = f"got the name {shown(name)}, expected {part.allowed}"
-                yield Fault(_IMPOSSIBLE_NAME, path, problem)
+                yield _IMPOSSIBLE_NAME, SceneError(path, problem)
             yield from _faults(one, part.item, key_path(path, name), file)
     elif part.kind == "list" and isinstance(value, list):
         if not part.key.least <= len(value) <= (part.key.most or math.inf):
@@ -155,19 +146,20 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
 
 
 def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
-    return Fault(rank, path, f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}")
+    problem = f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}"
+    return rank, SceneError(path, problem)
 
 
 def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
     unknown = [name for name in given if name not in block.below]
     for name in unknown:
         problem = f"got an unknown key; {_meant(name, given, block, file)}"
-        yield Fault(_UNKNOWN, key_path(path, short(name)), problem)
+        yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
     for name, below in block.below.items():
         if below.required and name not in given and not unknown:  # not a mistyped one
             such = f", such as {below.key.example}" if below.key.example else ""
             problem = f"got nothing, expected {below.allowed}{such}"
-            yield Fault(_MISSING, key_path(path, name), problem)
+            yield _MISSING, SceneError(key_path(path, name), problem)
     for name, value in given.items():
         if name in block.below:
             yield from _faults(value, block.below[name], key_path(path, name), file)
@@ -253,15 +245,13 @@ def built(record_type: type[R], plain: Mapping[str, Any], path: str = "") -> R:
         for name, part in whole(record_type).below.items()
         if name in plain and (plain[name] is not None or part.required)
     }
-    with _errors_at(path):
-        return record_type(**values)
+    return _made(path, record_type, **values)
 
 
-@contextlib.contextmanager
-def _errors_at(path: str) -> Iterator[None]:
-    """Name the block in errors of its record."""
+def _made(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
+    """What a record makes of values; its errors name the block."""
     try:
-        yield
+        return make(*values, **fields)
     except SceneError as error:
         key = ".".join(filter(None, (path, error.key)))
         raise SceneError(key, error.problem, error.involved) from None
@@ -275,8 +265,7 @@ def _value(value: Any, part: Part, path: str) -> Any:
     if part.kind == "block":
         return built(part.type, value, path)
     if part.kind == "own":
-        with _errors_at(path):
-            return part.type.from_plain(value)
+        return _made(path, part.type.from_plain, value)
     if part.kind == "mapping":
         return {name: _value(v, part.item, key_path(path, name)) for name, v in value.items()}
     if part.kind == "list":

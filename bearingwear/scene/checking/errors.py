@@ -6,11 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-DEEPEST = 20
-"""Limit of blocks within blocks; a scene has three."""
-
-LONGEST = 60
-"""Longest text that a message repeats."""
+DEEPEST = 20  # blocks within blocks; a scene has three
+LONGEST = 60  # characters of a text that a message repeats
 
 
 class NotAvailable(ValueError):

@@ -4,7 +4,7 @@ A field says its `Key`:
 
     @keyed
     class Sampling:
-        samples: int = setting("Base samples, a power of two", minimum=1, default=256)
+        samples: int = setting("Base samples, a power of two", "1", "[1, inf)", default=256)
 
 `check` checks plain data by it. Completion, the JSON schema and the list of keys in
 config/README.md are generated from the same fields.
@@ -31,13 +31,9 @@ from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origi
 from bearingwear.scene.checking.errors import yaml_number
 
 SCENE_SUFFIXES = (".yaml", ".yml")
-"""How the name of a scene's file ends."""
-
-NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$(?!\n)"
-"""Names of scenes, materials and blocks."""
-
 R = TypeVar("R")
 
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$(?!\n)"  # of scenes, materials and blocks
 NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64, the first a letter or digit)"
 
 

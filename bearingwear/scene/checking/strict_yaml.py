@@ -16,11 +16,8 @@ import yaml
 
 from bearingwear.scene.checking.errors import DEEPEST, SceneError, key_path
 
-LARGEST_FILE = 1_000_000
-"""Size limit of a scene file [bytes]; a scene takes two thousand."""
-
-MOST_VALUES = 5000
-"""Limit of values and keys; a scene has some hundred, a thousand unequal balls a thousand more."""
+LARGEST_FILE = 1_000_000  # bytes; a scene takes two thousand
+MOST_VALUES = 5000  # and keys; a scene has some hundred, a thousand unequal balls a thousand more
 
 _FIRST = list("-+0123456789.")
 _BOOLEAN = re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$")
@@ -151,5 +148,4 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
     try:
         return loader.construct_object(node)
     except ValueError:  # an integer of thousands of digits
-        problem = f"got {len(node.value)} digits, expected fewer"
-        raise SceneError(path, problem) from None
+        raise SceneError(path, f"got {len(node.value)} digits, expected fewer") from None

@@ -168,7 +168,7 @@ def test_figure_and_table_of_a_map(small, tmp_path):
     assert recommended_cage(motions) in text and quiet_region(motions) in text
     (tmp_path / "answer.json").write_text(cage_answer(path), encoding="utf-8")
     shown = page(answers=[tmp_path / "answer.json"])
-    assert "Which cage to take" in shown and "Take a friction of" in shown
+    assert "Choice of a cage" in shown and "Take a friction of" in shown
     assert text.count("turns with the balls 100 % | 20 |") == 2
     assert text.count("whirls 100 % | 20 |") == 4 and "nan" not in text
 
