@@ -85,8 +85,7 @@ def ends(life: Life) -> dict:
 def life_histories(life: Life) -> dict:
     """Wear and results at each node; NaN where a node was not solved."""
     wearing: Motion = life.wearing
-    parts, p = wearing.parts, wearing.parts.layout
-    nodes = life.tried
+    p, nodes = wearing.parts.layout, life.tried
     runs = [run_at(node) for node in nodes]
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)
@@ -110,14 +109,12 @@ def life_histories(life: Life) -> dict:
             values[f"history_{name}"] = [run.values.get(name, math.nan) for run in runs]
     if wearing.scene.cage is None:
         return values
-    of_cage = [parts.of_cage(row) for row in worn]
-    cage = {name: np.array([one[name] for one in of_cage]) for name in of_cage[0]}
     return values | {
         "history_pocket_worn_volume": worn[:, p.pocket],
         "history_land_worn_volume": worn[:, p.land],
         "history_pocket_wear_rate": rates[:, p.pocket],
         "history_land_wear_rate": rates[:, p.land],
-        **{f"history_{name}": values for name, values in cage.items()},
+        **history_values(states, wearing.parts.of_cage(nodes[0].worn)),
     }
 
 

@@ -69,12 +69,7 @@ class WornBearing:
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.bands, self.wander = bands, wander
         self.D = problem.g.D0 - loss
-        self.status = self.case.status
-        if self.status == code.OK:
-            self._start()
-
-    def _start(self) -> None:
-        g, c = self.problem.g, self.case.contacts
+        self.status, c = case.status, case.contacts  # of the cells, too
         self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
         self.arc_step = ARC_STEP * self.major
         steps = round(ARC_END / ARC_STEP)
@@ -85,8 +80,8 @@ class WornBearing:
         self.ends = np.full(2, CELLS_END)
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
-        self.seat = seat_of_case(self.case, g, self.D, 0.0)
-        self.u = self.case.u[:4].copy()
+        self.seat = seat_of_case(case, problem.g, self.D, 0.0)
+        self.u = case.u[:4].copy()
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
         self.check = WornCheck()
