@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable
+from itertools import zip_longest
 
 from bearingwear.document.document import Block, Document, row_notes
 from bearingwear.results.units import in_ascii
@@ -33,12 +34,12 @@ def _wrapped(text: str, indent: str = "") -> list[str]:
 def _quantities(block: Block) -> list[str]:
     """A line for each quantity."""
     cells = block.cells
-    longest = max((len(t) for texts in [block.columns, *cells] for t in texts), default=0)
+    columns_of = zip_longest(block.columns, *cells, fillvalue="")
+    widths = [max(VALUE_WIDTH, *(len(text) + 2 for text in column)) for column in columns_of]
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
-    value_width = max(VALUE_WIDTH, longest + 2)
 
     def line(label: str, unit: str, texts: Iterable[str]) -> str:
-        columns = "".join(f"{text:>{value_width}}" for text in texts)
+        columns = "".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=False))
         return f"  {label:<{label_width}}{unit:<{UNIT_WIDTH}}{columns}"
 
     lines = [line(block.title, block.unit, block.columns)] if block.title else []

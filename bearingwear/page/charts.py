@@ -13,7 +13,7 @@ from html import escape
 from markupsafe import Markup
 
 from bearingwear.document.chart import Chart, ChartLine
-from bearingwear.results.units import digits
+from bearingwear.results.units import Rough, digits
 
 LARGE_CHART, SMALL_CHART = (660.0, 350.0), (400.0, 230.0)
 MARGINS = (56.0, 14.0, 10.0, 40.0)
@@ -131,7 +131,8 @@ def _starred(chart: Chart, line: ChartLine) -> str:
     if not line.star:
         return "–"
     x, y = line.star
-    return f"{digits(y)}{_unit(chart.y_label)} at {x:.4g}{_unit(chart.x_label)}"
+    number = Rough(y).text if line.band else digits(y)
+    return f"{number}{_unit(chart.y_label)} at {x:.4g}{_unit(chart.x_label)}"
 
 
 def _unit(label: str) -> str:

@@ -139,11 +139,20 @@ class Interval(NamedTuple):
         return " to ".join(Rough(end).text for end in self)
 
 
+def to_error(value: float, error: float) -> str:
+    """A number to the first digit of its error: `0.87` of an error of 0.02."""
+    if not (math.isfinite(value) and 0.0 < error < math.inf):
+        return digits(value)
+    places = -math.floor(math.log10(float(f"{error:.0e}")))
+    return f"{round(value, places) + 0.0:.{max(places, 0)}f}"
+
+
 def span(values: Iterable[float]) -> str:
     """The least and the most of the values that are known: `1.2 to 3`; a dash without any."""
     known = sorted(value for value in values if math.isfinite(value))
-    ends = [digits(value) for value in (known[0], known[-1])] if known else ["–"]
-    return " to ".join(dict.fromkeys(ends))
+    ends = [known[0], known[-1]] if known else [math.nan]
+    texts = [one.text if isinstance(one, Rough) else digits(one) for one in ends]
+    return " to ".join(dict.fromkeys(texts))
 
 
 def in_print(unit: str) -> str:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from bearingwear.results.units import digits, display, in_print
+from bearingwear.results.units import Rough, digits, display, in_print, span, to_error
 
 
 @pytest.mark.parametrize(
@@ -42,6 +42,18 @@ def test_a_row_has_one_unit():
     unit = display("W", [2e-3, np.nan, -0.5], [[30.0]])
     assert unit.unit == "W" and unit.text(2e-3) == "0.002"
     np.testing.assert_allclose(unit.of(np.array([1.0, 2.0])), [1.0, 2.0])
+
+
+def test_digits_follow_the_error():
+    known = {
+        (0.8732, 0.0186): "0.87",
+        (109.6, 5.5): "110",
+        (0.12, 0.0): "0.12",
+        (9.97, 0.096): "10.0",
+    }
+    assert {pair: to_error(*pair) for pair in known} == known
+    assert to_error(math.nan, 0.1) == "–" and to_error(0.1234, math.nan) == "0.123"
+    assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2" and span([]) == "–"
 
 
 def test_a_share_is_a_percentage():

@@ -14,7 +14,7 @@ from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
-from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
+from bearingwear.results.units import Interval, Rough, display, key_in_words, to_error
 from bearingwear.results.words import in_words
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
@@ -205,5 +205,6 @@ def name_of(attributes: Mapping[str, Any]) -> str:
 
 def within(mean: float, ends: Any, unit: Any) -> str:
     """A mean and its interval in a unit."""
-    low, high = (digits(unit.of(float(end))) for end in ends)
-    return f"{digits(unit.of(mean))} ({low} to {high})"
+    low, high = (float(unit.of(float(end))) for end in ends)
+    number, first, last = (to_error(x, 0.5 * (high - low)) for x in (unit.of(mean), low, high))
+    return f"{number} ({first} to {last})"

@@ -16,7 +16,7 @@ from bearingwear.results.quantiles import (
     quantities_of,
     spread_at,
 )
-from bearingwear.results.units import Rough, key_in_words
+from bearingwear.results.units import Rough, key_in_words, to_error
 from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
@@ -107,7 +107,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
             known = zip(
                 indices["total_index"].values, indices["total_index_error"].values, strict=True
             )
-            texts = tuple(f"{a:.3f} ± {b:.3f}".replace("nan", "–") for a, b in known)
+            texts = tuple(f"{to_error(a, b)} ± {to_error(b, b)}" for a, b in known)
             rows.append(Row(f"{words}{more}", "", texts, f"total_index.{method}{more}"))
         used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
     said = (

@@ -316,7 +316,7 @@ def lives_block(
         Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in known)),
     )
     if every:
-        routes = tuple(100.0 * life.route_difference for life in known)
+        routes = tuple(Rough(100.0 * life.route_difference) for life in known)
         rows += (
             Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
             Row("difference of interpolated life", "%", routes, "life_route_difference"),
@@ -326,5 +326,5 @@ def lives_block(
 
 def _hours(values: Iterable[float]) -> str:
     """Least and most of some lives; a dash if there is none."""
-    text = span(values)
+    text = span(map(Rough, values))
     return text if text == "–" else f"{text}\N{NO-BREAK SPACE}h"

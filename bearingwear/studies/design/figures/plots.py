@@ -20,7 +20,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.quantiles import ALL_INPUTS, preload_drawn, spread_at, spread_text
-from bearingwear.results.units import digits, display, span
+from bearingwear.results.units import Rough, digits, display, span
 from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -104,14 +104,15 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
             held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
             text = f"{preload_text(one)} N, limited by {held}"
             panel.barh(height, np.nan_to_num(life), color=COLOURS[name], height=0.5)
-            said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
+            said = f"{Rough(life).text} h at {text}" if np.isfinite(life) else held
             panel.text(0.0, height + 0.32, said, va="bottom", fontsize=7)
         panel.set_yticks(range(len(rows)), method_names(recommendation))
         panel.set_ylim(-0.5, len(rows) - 0.1)
         panel.set_xlabel("wear life (h)")
         panel.set_title(f"counting {in_words(way)}")
     names = [name for name, _ in rows]
-    lives = recommendation["life"].isel(loss_basis=counted(recommendation)).values
-    text = f"{scene_of(recommendation)['name']}: life at the recommended preload, {span(lives)} h"
+    counts = counted(recommendation)
+    lives = span(map(Rough, recommendation["life"].isel(loss_basis=counts).values))
+    text = f"{scene_of(recommendation)['name']}: life at the recommended preload, {lives} h"
     frame(figure, text, method_keys(names, scene_of(recommendation)), columns=2)
     return figure
