@@ -1,4 +1,4 @@
-"""The result sheet of a file: the numbers that matter, and on request accuracy of the solution."""
+"""The sheet of a scene or of a result file: the numbers that matter, and on request accuracy."""
 
 from __future__ import annotations
 

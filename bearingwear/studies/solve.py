@@ -1,4 +1,4 @@
-"""Solves a scene with some keys changed: a case, or its life. Steps of several studies do."""
+"""Solves a case of a scene, or its life, as steps of several studies do."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.friction import changes_as_it_wears
-from bearingwear.scene.read import for_life, variant
+from bearingwear.scene.read import for_life, load_scene, variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
@@ -53,7 +53,6 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
 
     May raise SceneError.
     """
-    from bearingwear.scene.read import for_life, load_scene
     from bearingwear.solvers.effects.choice import choice_for_life
 
     scene = for_life(load_scene(path, settings), os.fspath(path))

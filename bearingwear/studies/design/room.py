@@ -1,4 +1,4 @@
-"""How far an assumption may move before the other preload method is the better one.
+"""Robustness of the choice of a preload method: how far an assumption may move, and the verdict.
 
 Theory: docs/theory.md, section 14.
 """
