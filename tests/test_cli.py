@@ -165,7 +165,7 @@ def test_check(capsys):
     assert "gyro_s1 would be solved with the steady model" in out.splitlines()[0] and not err
     assert main(["check", str(SCENE), "--set", "operation.radial_load_N=[0, 1]"]) == 0
     out = capsys.readouterr().out
-    assert "solved with dynamic" in out and "radial load" in out
+    assert "solved with the dynamic model" in out and "radial load" in out
 
 
 def process(stdout, *argv, unbuffered=""):
