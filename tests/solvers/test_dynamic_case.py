@@ -325,7 +325,9 @@ def test_choice(settings, fidelity, why):
 def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
     scene = load_scene(S1, settings)
     chosen = choice(scene, fidelity)
-    assert chosen.cage == cage and (chosen.reduced(scene).cage is not None) == cage
+    assert chosen.cage == cage
+    if chosen.fidelity == "dynamic":  # other models ignore it
+        assert (chosen.reduced(scene).cage is not None) == cage
     left_out = any("neglected" in r for r in chosen.reasons if r.startswith("cage: "))
     assert left_out == (scene.cage is not None and not cage)
 
