@@ -37,7 +37,7 @@ ASSUMED = (
         wear=7.6e-16,
         taken_by="`gyro_s1` to `s3`, `bearing218` and `new` without `--pair`; 7.2e-16 by `turbine` "
         "and `turbopump`",
-        why="the value of the paper is unknown; the magnitude is that of a solid film",
+        why="the value of the paper is unknown; the magnitude is typical of a solid film",
     ),
     Assumed(
         surface="silicon nitride on steel",

@@ -21,10 +21,10 @@ INTRODUCTION = """\
 
 <!-- made by `python benchmarks/variables_page.py docs/variables.md` -->
 
-These variables are written by `bearingwear solve` and `life`, and returned by `bearingwear.solve`
-and `life` in Python. Each has its meaning and unit in `long_name` and `units`; so do those of the
-studies' files, which are not listed here. [Conventions](conventions.md) define signs and axes. An
-item lists name, (dimensions), [unit] and meaning."""
+`bearingwear solve` and `life` write these variables; `bearingwear.solve` and `life` return them in
+Python. Each has its meaning and unit in `long_name` and `units`, as do the variables in files of
+studies, which are not listed here. [Conventions](conventions.md) define signs and axes. An item
+lists name, (dimensions), [unit] and meaning."""
 
 COORDINATES_SAID = (
     "In files, coordinates with names are integers 0, 1, ... with `flag_meanings`; in Python they "

@@ -260,4 +260,4 @@ class Calibrated:
 
     tests: str = setting("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")
     sha256: str = setting("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)
-    rows: int = setting("Tests in it", "1", within="[1, inf)")
+    rows: int = setting("Number of tests in it", "1", within="[1, inf)")

@@ -86,7 +86,7 @@ class Scene:
     """
 
     # fmt: off
-    name: str = setting("Name of the scene, that of its file if omitted", pattern=NAME,
+    name: str = setting("Name of the scene, the name of its file if omitted", pattern=NAME,
         default="bearing")
     description: str = setting("Description of the scene and sources of its numbers",
         pattern=NO_CONTROL, longest=4000,

@@ -277,7 +277,7 @@ def test_axe_finds_nothing(opened, size, scheme):
 def test_tables_are_sorted(opened):
     page, _ = opened()
     unfold(page)
-    table = page.locator("details table", has_text="over the preload").first
+    table = page.locator("details table", has_text="against preload").first
     column = [text.split("\n")[0] for text in table.locator("thead th").all_inner_texts()]
     k = next(k for k, text in enumerate(column) if text.startswith("life"))
 
@@ -298,7 +298,7 @@ def test_everything_is_there_without_the_script(opened):
     page, told = opened(script=False)
     assert told == []
     assert not page.locator(".slider").first.is_visible()
-    folded = page.locator("details", has_text="over the preload").first
+    folded = page.locator("details", has_text="against preload").first
     folded.locator("summary").click()
     assert folded.locator("table").is_visible()
     assert page.locator(".chart .star").count() and page.locator(".sketch svg").is_visible()

@@ -181,7 +181,7 @@ def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("first", "second", "said"),
     [
-        ("steady case", "life", "got a life and a case, expected two files of one kind"),
+        ("steady case", "life", "got a life and a case, expected two files of the same kind"),
         ("study", "wear life", "got a wear life and a study"),
         ("study", None, "got a file that cannot be read"),
     ],

@@ -57,5 +57,5 @@ def test_a_folder_without_a_study(tmp_path):
     done = study(tmp_path)
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
-        "study: got a folder without config/config.yaml, expected one that holds a study"
+        "study: got a folder without config/config.yaml, expected one that contains a study"
     ]

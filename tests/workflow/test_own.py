@@ -155,11 +155,11 @@ def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
     folder = tmp_path / "folder"
     (log,) = folder.glob("logs/design/small_map/**/*.log")
     lines = log.read_text(encoding="utf-8").splitlines()  # seen while they are written, too
-    assert "mine: the best preloads between those of the map" in lines
+    assert "mine: the best preloads between preloads of the map" in lines
     assert set(lines) <= set(told.splitlines())
     page = text_of(folder / "index.html")
-    assert re.search("<h1>gyro_s1: use a (spring|rigid) pair preloaded with ", page)
-    assert "L10 (h)" in page and "L10 and L50 are those of the median batch" in page
+    assert re.search("<h1>gyro_s1: use a (spring|rigid) pair with a preload of ", page)
+    assert "L10 (h)" in page and "L10 and L50 refer to the median batch" in page
     assert "gyro_s1 as it wears" in page and "gyro_s1, second bearing: balls and races last" in page
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")

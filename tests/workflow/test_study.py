@@ -124,7 +124,7 @@ def test_the_report_of_the_jobs(solved):
 
 
 def test_an_edited_page_draws_nothing_anew(solved):
-    solved.edit("bearingwear/page/page.html", "The same source", "One source")
+    solved.edit("bearingwear/page/page.html", "The page has no date", "This page has no date")
     assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
 
 
@@ -367,7 +367,7 @@ def test_cases_solved_in_time(new_project):
     assert number(folder / f"dynamic/{case}.nc", "simulated_turns") == pytest.approx(0.5)
     for name in ("dynamic", f"fig06_running_average-{case}"):
         assert (folder / f"figures/{name}.svg").exists()
-    assert "dynamic over steady" in (folder / "tables/dynamic.md").read_text(encoding="utf-8")
+    assert "dynamic from steady" in (folder / "tables/dynamic.md").read_text(encoding="utf-8")
     # a case, a life, and the dynamic case
     assert project.results()["verdict.txt"] == b"all 3 solved and verified\n"
     dynamic[0]["model"] = {"simulated_turns": 1}

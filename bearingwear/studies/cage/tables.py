@@ -220,7 +220,7 @@ def recommended_cage(motions: xr.Dataset) -> str:
     less = own.work / best.work if best.work > 0.0 else math.inf
     ends = own.low / best.high, own.high / best.low if best.low > 0.0 else math.inf
     return (
-        f"Take {changes}: {shares_in_words(best.shares)}; it wears {digits(round(less, 1))} times "
+        f"Use {changes}: {shares_in_words(best.shares)}; it wears {digits(round(less, 1))} times "
         f"less ({digits(float(f'{ends[0]:.2g}'))} to {digits(float(f'{ends[1]:.2g}'))}) than "
         f"{own_words}"
     )

@@ -145,7 +145,7 @@ class Design:
 class DesignPlan:
     """Everything in config/design.yaml."""
 
-    scenes: Mapping[str, Design] = setting("Scenes to choose a preload for", least=1)
+    scenes: Mapping[str, Design] = setting("Scenes for which a preload is chosen", least=1)
 
     @property
     def maps(self) -> dict[str, MapAxes]:

@@ -72,7 +72,7 @@ from bearingwear.studies.solve import life_scene
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
-    comment="in three digits, or as many more as keep to the limits and to the life")  # fmt: skip
+    comment="to three digits, or more if limits and life require them")  # fmt: skip
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
@@ -201,7 +201,7 @@ class Search:
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:
-            self.tell("the best preloads between those of the map")
+            self.tell("the best preloads between preloads of the map")
             found = answered([search(one, self.limits) for one in known], self._solve)
         rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
         none = {}

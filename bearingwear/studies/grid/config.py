@@ -49,7 +49,7 @@ class UncertainLives:
         "Half of the lives that are sampled for each method and friction, a power of two",
         within="[16, 4096]", default=256)
     # fmt: on
-    seed: int = setting("Of the sample", within="[0, inf)", default=1)
+    seed: int = setting("Seed of the sample", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
@@ -93,7 +93,7 @@ class Figures:
     friction: tuple[float, ...] = setting("Coefficients compared in the figures of slip, wear and "
         "life, if in the grid; none: all of a grid", within="[0, inf)", default=())
     wear_columns: tuple[Column, ...] = setting(
-        "One more figure of QV, preload, angles and wear rate, columns of different scenes",
+        "Columns, each of a scene, of a further figure of QV, preload, angles and wear rate",
         default=())
     spreads: Mapping[str, Overlay] = setting("Figures with several scenes overlaid",
         default_factory=dict)
@@ -111,9 +111,9 @@ class Config:
 
     # fmt: off
     studies: tuple[GridBlock, ...] = setting(
-        "Groups of scenes that share a grid; none: the small maps of config/design.yaml alone")
+        "Groups of scenes that share a grid; none: only the small maps of config/design.yaml")
     dynamic: tuple[DynamicBlock, ...] = setting(
-        "Groups of scenes that are solved dynamically as well", default=())
+        "Groups of scenes that are also solved dynamically", default=())
     points_per_job: int | None = setting("Points of the grid that one job solves, each in its own "
         "file; above the points of a line (all losses of a scene, method and friction) it solves "
         "whole lines into one file. Null: a line, of at most 200", within="[1, inf)", default=None)
@@ -123,4 +123,4 @@ class Config:
     uncertain_lives: UncertainLives = setting("Scenes whose lives are quoted with their spread",
         default=UncertainLives())
     # fmt: on
-    figures: Figures = setting("What the figures compare", default=Figures())
+    figures: Figures = setting("Scope of the figures", default=Figures())

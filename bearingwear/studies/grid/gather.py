@@ -77,13 +77,13 @@ class _Read:
                 raise CaseFileError(f"{path}: contains the case {cases[0].id}")
             for case in cases:
                 if case in self.files:
-                    raise CaseFileError(f"{path}: holds the same case as {self.files[case]}")
+                    raise CaseFileError(f"{path}: contains the same case as {self.files[case]}")
                 self.files[case] = path
             self.first = self.first or dataset.attrs | shared
             for key, value in shared.items():
                 if _compared(value) != _compared(self.first[key]):
                     other = next(iter(self.files.values()))
-                    raise CaseFileError(f"{path}: {key} is not that of {other}")
+                    raise CaseFileError(f"{path}: {key} differs from {other}")
             self.warnings = gathered_warnings([{"warnings": self.warnings}, dataset.attrs])
             yield dataset
 

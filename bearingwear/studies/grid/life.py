@@ -73,7 +73,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     whole["life_route_difference"] = difference.where(_comparable(whole, unknown)).assign_attrs(
         long_name="life by interpolation of the study against the solver in the loop",
         units="1",
-        comment="of lives with the same grooves, ended by what the cases hold",
+        comment="for lives with the same grooves, ended by a criterion that the cases contain",
     )
     name = json.loads(study.attrs["scene"])["name"]
     return whole.assign_attrs(

@@ -93,8 +93,8 @@ def _check_folder(folder: Path, head: str) -> None:
             if not (_text(config) or "").startswith(head):
                 what = head.removeprefix("# Written by ")
                 raise UsageError(
-                    f"{folder}: got a folder with other files, expected a new one, or that of "
-                    f"{what}"
+                    f"{folder}: got a folder with other files, expected a new folder, or the "
+                    f"folder of {what}"
                 )
     except OSError as error:
         raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None

@@ -85,7 +85,7 @@ def conflicts(file: Any) -> list[str]:
         moved = float(getattr(file, name))
         if abs(moved) > _FAR:
             distance = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
-            found.append(f"{words} of the tests lies {distance} what {scene['name']} had")
+            found.append(f"{words} from the tests lies {distance} the value of {scene['name']}")
     return found
 
 

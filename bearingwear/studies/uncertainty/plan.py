@@ -26,7 +26,7 @@ class SampledScene:
     """A scene whose lives are sampled."""
 
     preload_method: tuple[str, ...] = setting(
-        "Methods, of those in its design map", choices=PRELOAD_METHODS, least=1
+        "Preload methods, a selection from the design map", choices=PRELOAD_METHODS, least=1
     )
 
 
@@ -54,7 +54,7 @@ class UncertaintyPlan:
     """Everything in config/uncertainty.yaml."""
 
     scenes: Mapping[str, SampledScene] = setting("Scenes whose lives are sampled", least=1)
-    sampling: Sampling = setting("How their uncertain values are sampled")
+    sampling: Sampling = setting("Sampling of the uncertain values")
 
     @property
     def parts(self) -> list[SamplePart]:

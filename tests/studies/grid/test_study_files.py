@@ -83,7 +83,7 @@ def test_warnings_are_gathered_once_with_the_cases_counted(folder):
     assert len({one["id"] for one in told}) == len(told)
     assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
     largest = float(cases["ball_diameter_loss"].max())
-    assert worn["sentence"].startswith(f"a loss of {largest:g} um is ")
+    assert worn["sentence"].startswith(f"a wear depth of {largest:g} um is ")
     files = [load(folder / "cases" / f"{case_id}.nc") for case_id in GRID.cases()]
     together = chunk(list(GRID.cases().values()), files)
     assert warnings_in(together.attrs) == told

@@ -288,7 +288,7 @@ def models_figure(trade: xr.Dataset) -> Figure:
         _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
     )
     title = (
-        f"Race control errs by up to {total} in total QV and {contact} in that of a contact; "
+        f"Race control errs by up to {total} in total QV and {contact} in QV of a contact; "
         f"without the cage, total QV changes by up to {cage}"
     )
     frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)

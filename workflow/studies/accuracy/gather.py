@@ -58,12 +58,12 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
         dataset = load(path)
         attrs = dataset.attrs
         if not {"scene_name", "sweep_name", "sweep_kind", "against"} <= set(attrs):
-            raise CaseFileError(f"{path}: not a sweep of the study of accuracy")
+            raise CaseFileError(f"{path}: not a sweep of the accuracy study")
         of = {key: attrs.get(key) for key in _SHARED}
         shared = shared or of
         for key, value in of.items():
             if value != shared[key]:
-                raise CaseFileError(f"{path}: {key} is not that of the files before it")
+                raise CaseFileError(f"{path}: {key} differs from the previous files")
         found[attrs["scene_name"], attrs["sweep_name"]] = dataset
     if not found:
         raise CaseFileError("no sweeps of the study of accuracy given")

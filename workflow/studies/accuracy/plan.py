@@ -103,7 +103,7 @@ class Reference:
 
     fidelity: str = setting("Model to solve", choices=TRADE_FIDELITIES)
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
-    check: Mapping[str, Any] = setting("Settings that check it")
+    check: Mapping[str, Any] = setting("Settings of the check")
 
 
 @keyed
@@ -113,7 +113,8 @@ class TradeScene:
     file: str = setting("Name of a file in config/scenes", pattern=NAME)
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     references: tuple[str, ...] = setting(
-        "References that it has; without any, only sweeps that name it run", default=()
+        "References of the scene; without references, only sweeps that name the scene run",
+        default=(),
     )
 
 
@@ -121,15 +122,17 @@ class TradeScene:
 class Sweep:
     """Points that differ in the keys of `grid`."""
 
-    title: str = setting("In the legend")
-    kind: str = setting("What the points differ in", choices=SWEEP_KINDS, default="numerical")
-    base: str = setting("Reference that it starts from, or `scene`", name="from")
+    title: str = setting("Title in the legend")
+    kind: str = setting(
+        "Kind of difference between the points", choices=SWEEP_KINDS, default="numerical"
+    )
+    base: str = setting("Reference from which it starts, or `scene`", name="from")
     errors_against: str = setting(
-        "Reference of its errors, or `first`; default: `from`", name="against", default=""
+        "Reference for its errors, or `first`; default: `from`", name="against", default=""
     )
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     grid: Mapping[str, Any] = setting("Lists of values; every combination is a point")
-    only: tuple[str, ...] = setting("Scenes that it is run on; default: all", default=())
+    only: tuple[str, ...] = setting("Scenes of the sweep; default: all", default=())
 
     def __post_init__(self) -> None:
         for key, values in self.grid.items():
@@ -146,7 +149,7 @@ class TableRow:
     """A row of the table of what simplifications cost and save."""
 
     sweep: str = setting("Name of the sweep")
-    label: str = setting("Of the point")
+    label: str = setting("Label of the point")
     text: str = setting("First cell")
 
 
@@ -156,8 +159,8 @@ class CageRow:
 
     text: str = setting("First cell")
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
-    least_turns: int = setting("As of an ensemble", default=Ensemble.least_turns)
-    most_turns: int = setting("As of an ensemble", default=Ensemble.most_turns)
+    least_turns: int = setting("Key of the same name of an ensemble", default=Ensemble.least_turns)
+    most_turns: int = setting("Key of the same name of an ensemble", default=Ensemble.most_turns)
 
 
 @keyed
@@ -183,29 +186,34 @@ class CageTrade:
 class Tolerance:
     """How far a number in docs/accuracy.md may differ from a run."""
 
-    error: float = setting("Factor of an error", within="[1, inf)")
-    floor: float = setting("Error of a steady state below which all is noise", within="[0, inf)")
-    floor_dynamic: float = setting("The same of the dynamic model", within="[0, inf)")
-    time: float = setting("Factor of a time", within="[1, inf)")
+    error: float = setting("Allowed factor between errors", within="[1, inf)")
+    floor: float = setting(
+        "Error of a steady state below which differences are noise", within="[0, inf)"
+    )
+    floor_dynamic: float = setting("Same for the dynamic model", within="[0, inf)")
+    time: float = setting("Allowed factor between times", within="[1, inf)")
 
 
 @keyed
 class AccuracyPlan:
     """Everything in config/accuracy.yaml."""
 
-    repeats: int = setting("How often a solve is timed; the median counts", within="[1, inf)")
-    seconds: float = setting("Time after which it is not repeated", unit="s", within="(0, inf)")
-    tolerance: Tolerance = setting("How far the docs may differ from a run")
-    references: Mapping[str, Reference] = setting("Solutions that count as exact")
-    scenes: Mapping[str, TradeScene] = setting("Scenes, by a name of their own")
+    repeats: int = setting("Number of timed solves, of which the median is used", within="[1, inf)")
+    seconds: float = setting(
+        "Time after which a solve is not repeated", unit="s", within="(0, inf)"
+    )
+    tolerance: Tolerance = setting("Allowed difference between docs and a run")
+    references: Mapping[str, Reference] = setting("Solutions treated as exact")
+    scenes: Mapping[str, TradeScene] = setting("Scenes, under names of the study")
     sweeps: Mapping[str, Sweep] = setting("Sweeps")
     table: tuple[TableRow, ...] = setting("Rows of the table in docs/accuracy.md")
     effects: tuple[TableRow, ...] = setting(
-        "Rows of its tables of single effects on each scene, over the sweep's first point",
+        "Rows of the tables of single effects on each scene, relative to the first point of the "
+        "sweep",
         default=(),
     )
 
-    cages: CageTrade = setting("Ensembles of a cage: its table of turns and tolerances")
+    cages: CageTrade = setting("Ensembles of a cage for the table of turns and tolerances")
 
     def __post_init__(self) -> None:
         for name, scene in self.scenes.items():

@@ -7,9 +7,11 @@ QUANTITIES = table(
     Variable("qv_inner", (), "W", "QV of an inner contact, mean over the balls"),
     Variable("qv_outer", (), "W", "QV of an outer contact, mean over the balls"),
     Variable("residual_preload", (), "N", "residual preload"),
-    Variable("wear_rate", (), "m s-1", "rate of the total wear depth, counted as the scene says"),
+    Variable(
+        "wear_rate", (), "m s-1", "rate of the total wear depth, counted as the scene specifies"
+    ),
     Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage, pockets and land"),
-    Variable("life", (), "h", "wear life from new, counted as the scene says"),
+    Variable("life", (), "h", "wear life from new, counted as the scene specifies"),
     Variable("end_qv", (), "W", "QV of the bearing at the end of its life"),
 )
 """What the errors are of."""

@@ -124,8 +124,8 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         f"{booked(trade)}. {of_weight(trade)}",
         presets(trade),
         "Errors are relative to each scene's reference: of the life for steady solves, of the loss "
-        "rate for dynamic ones. QV of a single contact is far more sensitive than total QV. Speeds "
-        "are those of draft relative to standard, and of standard relative to reference.",
+        "rate for dynamic ones. QV of a single contact is far more sensitive than total QV. "
+        "Speeds compare draft with standard, and standard with reference.",
         estimates(trade),
         "All points with an error estimate are included, also the extremes of the sweeps. An error "
         "counts as covered if it exceeds its estimate by no more than the uncertainty of the "

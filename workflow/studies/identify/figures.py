@@ -121,12 +121,12 @@ def candidates_message(candidates: xr.Dataset) -> str:
     """What the study finds, in a sentence."""
     fits, basis = fitting(candidates), counted(candidates)
     if not fits.sizes["candidate"]:
-        return "No bearing of the grid fits what is stated"
+        return "No bearing of the grid fits the statements"
     spans = []
     for name, one in methods(fits):
         hours = one["life"].isel(loss_basis=basis).values
         spans.append(f"{span(hours)} h ({in_words(name)})")
     return (
-        f"{fits.sizes['candidate']} bearings fit what the paper states; among them life spreads "
+        f"{fits.sizes['candidate']} bearings fit the statements of the paper; their lives range "
         f"over {' and '.join(spans)}"
     )

@@ -45,7 +45,7 @@ FIT_RESULTS = (
 FITS, NO_ROOM, NO_ANGLE, STATE_NOT_SOLVED, SPINS_INSIDE, NO_SLIP, NO_DRAG = range(len(FIT_RESULTS))
 
 CANDIDATE = table(
-    Variable("fit_result", (), "", "whether the bearing fits what is stated", dtype="i1",
+    Variable("fit_result", (), "", "whether the bearing fits the statements", dtype="i1",
         flags=FIT_RESULTS),
     Variable("pitch_diameter", (), "mm", "pitch diameter"),
     Variable("ball_count", (), "1", "number of balls", dtype="i8"),
@@ -207,10 +207,10 @@ def identified(scene: Path, marks: Sequence[Path], plan: Mapping[str, Any]) -> x
             LOSS_BASIS: None,
         },
         rows,
-        title="Bearings that fit what is stated",
+        title="Bearings that fit the statements",
         kind=CANDIDATES,
         scene=base,
         marks=" ".join(checked.marks),
         statements=json.dumps(asdict(checked.statements)),
-        comment="A fit to a text, no validation.",
+        comment="This is a fit to a text, not a validation.",
     ).merge(filled(MARKED, {"mark": len(marked)}, marked), combine_attrs="override")

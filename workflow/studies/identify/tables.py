@@ -34,9 +34,9 @@ def candidates_table(candidates: Path) -> str:
         points_block("", {"result": "", "candidates": ""}, results),
         _fits(found),
     )
-    message = f"{candidates_message(found)}. A fit to a text, no validation."
+    message = f"{candidates_message(found)}. This is a fit to a text, not a validation."
     return as_markdown(
-        Document(("Bearings that fit what the paper states", message), blocks=blocks)
+        Document(("Bearings that fit the statements of the paper", message), blocks=blocks)
     )
 
 

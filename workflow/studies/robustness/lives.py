@@ -60,7 +60,7 @@ def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     if scene.operation.preload_method == "constant_force":
         held = values["history_residual_preload"]
         if not np.abs(held / preload - 1.0).max() <= 1e-6:
-            found.append(f"a spring of {preload:g} N holds {held.min():g} to {held.max():g} N")
+            found.append(f"a spring of {preload:g} N gives {held.min():g} to {held.max():g} N")
     end = scene.wear.end_of_life
     assert end is not None
     limit = (end.ball_diameter_loss_um or np.inf) * parameters.UM

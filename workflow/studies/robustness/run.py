@@ -24,9 +24,9 @@ from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
 
 TRIALS = table(
     Variable("status", (), "", "how it ended; -1: no such bearing", "i1"),
-    Variable("violations", (), "", "what is wrong; empty where nothing is", "O"),
-    Variable("states", (), "1", "steady states found; 0 where none or not asked for", "i1"),
-    Variable("largest_qv_ratio", (), "1", "by what share QV differs most among them"),
+    Variable("violations", (), "", "description of the error, empty without error", "O"),
+    Variable("states", (), "1", "number of steady states found; 0 if none or not requested", "i1"),
+    Variable("largest_qv_ratio", (), "1", "largest relative difference of QV among them"),
 )
 
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
@@ -110,7 +110,7 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
     if scene.operation.preload_method == "constant_force":
         preload = scene.operation.preload_N
         if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
-            found.append(f"a spring of {preload:g} N holds {values['residual_preload']:g} N")
+            found.append(f"a spring of {preload:g} N gives {values['residual_preload']:g} N")
     return found
 
 

@@ -170,6 +170,6 @@ def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int)
     spread = spread_at(one.sel(uncertain_inputs=ALL_INPUTS))
     unsolved = f"; {failed} lives not solved" if failed else ""
     return (
-        f"{scene}: {spread_text(spread)}; the "
-        f"{decides(ALL_INPUTS)} decides; with it known, the {decides(ALL_BUT_WEAR)}{unsolved}"
+        f"{scene}: {spread_text(spread)}; the {decides(ALL_INPUTS)} dominates; if it is known, "
+        f"the {decides(ALL_BUT_WEAR)}{unsolved}"
     )
