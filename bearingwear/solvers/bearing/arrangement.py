@@ -20,7 +20,7 @@ SLENDER = 1.0 / 12.0
 
 KG_MM2 = 1e-6
 N_UM = 1e6  # in N/m
-_AXIAL, _PLANE = 0, (2, 3)
+_PLANE = 2, 3
 
 
 def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:

@@ -18,13 +18,9 @@ LARGEST_POWER_ERROR = 1e-8  # of the shaft power
 
 
 class WornCheck:
-    """What a check knows of the cells is kept as long as they are the same.
-
-    So is the power error found last, over the shaft power.
-    """
+    """What a check knows of the cells is kept as long as they are the same."""
 
     def __init__(self) -> None:
-        self.power_error = float("nan")
         self._influence: list[tuple[np.ndarray, np.ndarray]] = 2 * [(np.zeros(0), np.zeros(0))]
 
     def passes(
@@ -55,8 +51,8 @@ class WornCheck:
         power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
         given = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
         floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
-        self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
-        return bool(self.power_error <= LARGEST_POWER_ERROR)
+        error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
+        return bool(error <= LARGEST_POWER_ERROR)
 
     def _closed(self, k: int, race: WornRace, force: WornForce) -> bool:
         """Whether bodies touch where they press and nowhere overlap, and the load is that."""
