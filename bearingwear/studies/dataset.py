@@ -217,3 +217,18 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
             encoding[str(name)] = {"_FillValue": np.nan}
     with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)
+
+
+def pareto(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which points no other beats in both coordinates, the smaller the better (n,).
+
+    Points with a NaN do not count.
+    """
+    front = np.zeros(len(first), dtype=bool)
+    least = np.inf
+    usable = np.isfinite(first) & np.isfinite(second)
+    for k in np.lexsort((second, first)):
+        if usable[k] and second[k] < least:
+            least = second[k]
+            front[k] = True
+    return front

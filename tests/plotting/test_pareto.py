@@ -1,6 +1,6 @@
 import numpy as np
 
-from bearingwear.plotting.pareto import pareto
+from bearingwear.studies.dataset import pareto
 
 
 def test_pareto_front():

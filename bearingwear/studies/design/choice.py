@@ -16,12 +16,11 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, Measure
-from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import scene_of
-from bearingwear.studies.dataset import attrs, counted, flags
+from bearingwear.studies.dataset import attrs, counted, flags, pareto
 from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits

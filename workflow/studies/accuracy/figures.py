@@ -10,10 +10,9 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure, series_look
-from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.words import in_words, percent_in_text
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import loaded, pareto
 from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.groove_figure import grooves_figure
 
