@@ -98,7 +98,7 @@ def test_a_run_in_time_has_no_stiffness_to_export(pair):
 
 
 def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
-    with pytest.raises(SceneError, match=r"^speeds: got \[3000.0, 1000.0\], expected numbers"):
+    with pytest.raises(SceneError, match=r"^speeds: .* 1000.0\], expected increasing numbers"):
         StiffnessOverSpeed.of(pair, [3000.0, 1000.0])
     few = StiffnessOverSpeed.of(pair, [1000.0, 2000.0])
     for call, text in (
