@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import fcntl
+import os
 import shutil
 import signal
 import subprocess
@@ -99,7 +100,12 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     # the program's own handler would leave Snakemake behind
     signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
-        command, cwd=folder, pass_fds=files, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        command,
+        cwd=folder,
+        env=os.environ | {"BEARINGWEAR_STUDY": str(folder)},
+        pass_fds=files,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
     unread = threading.Event()
 

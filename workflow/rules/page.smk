@@ -69,4 +69,5 @@ onsuccess:
             for path in study.page_answers():
                 if path.endswith("answer.json"):
                     print(load_document(Path(path)).title, file=sys.stderr)
-        print(f"page: {PAGE}", file=sys.stderr)
+        folder = os.environ.get("BEARINGWEAR_STUDY", "")  # from where the command was given
+        print(f"page: {Path(folder, PAGE)}", file=sys.stderr)
