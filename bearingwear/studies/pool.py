@@ -66,6 +66,9 @@ def in_processes(
 _FEW = 4.0
 """Results of a kind after which their pace counts as much as the one assumed."""
 
+_ENOUGH = 3
+"""Results from which on a time left is stated: the first ones include the start of processes."""
+
 
 class TimeLeft:
     """Of work of several kinds, each at its own pace as far as it is known.
@@ -125,11 +128,12 @@ def told_in_lines(
     left = left or TimeLeft({kind: (count, 1.0)})
     left.expect(kind, count)
     last, done = time.monotonic(), 0
-    for result in results:
+    for number, result in enumerate(results, 1):
         yield result
         done += size(result)
         left.done(kind, size(result))
         now = time.monotonic()
         if now - last > LINE_EVERY and left.seconds:
-            tell(f"{what.format(done, count)}, about {left.seconds:.0f} s left")
+            seconds = f", about {left.seconds:.0f} s left" if number >= _ENOUGH else ""
+            tell(f"{what.format(done, count)}{seconds}")
             last = now

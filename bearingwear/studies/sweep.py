@@ -28,6 +28,9 @@ Job = tuple[Scene, str, str | None]
 CHUNKS_PER_WORKER = 8
 """How finely points are shared out; a process takes more when it has solved its share."""
 
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Multiples of it, modulo 1, spread evenly."""
+
 _POINT = "point"
 """Dimension of the points of a chunk."""
 
@@ -93,12 +96,15 @@ def sweep(
     points = _points(base, axes, what, fidelity)
     cores = min(len(points), usable_cores() if workers is None else workers)
     if cores > 1:
-        _compile(points)
+        _compile(points, what)
     size = math.ceil(len(points) / (CHUNKS_PER_WORKER * max(cores, 1)))
     jobs = [(point, what, fidelity) for point, _ in points]
     chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
-    parts = list(_told(_solved_by(chunks, cores), len(jobs), progress))
-    made = _side_by_side(parts, base, axes, what)
+    # neighbours take alike long; the time left is that of the others
+    order = sorted(range(len(chunks)), key=lambda k: k * _GOLDEN % 1.0)
+    found = _told(_solved_by([chunks[k] for k in order], cores), len(jobs), progress)
+    parts = dict(zip(order, found, strict=True))
+    made = _side_by_side([parts[k] for k in range(len(chunks))], base, axes, what)
     _warn(made, base.name)
     return made
 
@@ -143,11 +149,12 @@ def _points(
     return found
 
 
-def _compile(points: Sequence[tuple[Scene, str]]) -> None:
-    """Have the kernels of every model compiled once, before the processes need them."""
+def _compile(points: Sequence[tuple[Scene, str]], what: str) -> None:
+    """Have the kernels of every model compiled and loaded once, before processes are forked."""
     first = {fidelity: scene for scene, fidelity in reversed(points)}
     for fidelity, scene in first.items():
-        _solved([(scene.with_(COARSEST), "solve", fidelity)])
+        asked = "solve" if fidelity == "dynamic" else what
+        _solved([(scene.with_(COARSEST), asked, fidelity)])
 
 
 def _solved(jobs: Sequence[Job]) -> xr.Dataset:

@@ -131,12 +131,13 @@ def test_progress(monkeypatch, capsys):
     monkeypatch.setattr(pool.time, "monotonic", lambda: clock[0])
 
     def every_3_seconds():
-        for part in parts(1, 2, 2):
+        for part in parts(1, 2, 2, 3, 2):
             clock[0] += 3.0
             yield part
 
-    assert len(list(module._told_in_lines(every_3_seconds(), 5))) == 3
-    assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
+    assert len(list(module._told_in_lines(every_3_seconds(), 10))) == 5
+    lines = "sweep: 3 of 10 points\nsweep: 8 of 10 points, about 3 s left\n"
+    assert capsys.readouterr().err == lines
 
 
 def test_an_interrupt_waits_for_no_process(monkeypatch):
