@@ -56,12 +56,12 @@ def test_processes_find_the_same(coarse):
 def test_warnings_of_a_sweep_are_counted(coarse):
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     for workers in (1, 2):
-        with pytest.warns(UserWarning, match="2 times, at worst: a loss of 0.7 um") as told:
+        with pytest.warns(UserWarning, match="2 times, at worst: a wear depth of 0.7 um") as told:
             made = bearingwear.sweep(coarse, losses, workers=workers)
         assert len(told) == 1 and told[0].filename == __file__
         (worn,) = json.loads(made.attrs["warnings"])
         assert worn["id"] == "groove_worn" and worn["cases"] == 2
-        assert worn["sentence"].startswith("a loss of 0.7 um")
+        assert worn["sentence"].startswith("a wear depth of 0.7 um")
 
 
 def test_file_of_a_sweep(coarse, tmp_path):
