@@ -41,15 +41,10 @@ def each_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
 def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None) -> xr.Dataset:
     """What one bearing has: the only one, either of two that are alike, or `first` or `second`.
 
-    Parameters
-    ----------
-    name : path
-        What the error calls the dataset.
+    name: what the error calls the dataset.
 
-    Raises
-    ------
-    CaseFileError
-        Two bearings that differ without a choice of one, or a choice where there is none.
+    CaseFileError: two bearings that differ without a choice of one, or a choice where there is
+    none.
     """
     known = each_bearing(dataset)
     if None in known:

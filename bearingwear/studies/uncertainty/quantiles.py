@@ -307,12 +307,8 @@ def longest_shares(life: np.ndarray, known: Sequence[Stated]) -> np.ndarray:
     The intervals are those of Clopper and Pearson (1934). A bearing whose lives differ by less than
     their errors may be longest by either; so may the share of lives whose error is not known.
 
-    Parameters
-    ----------
-    life : ndarray (methods, n, 2)
-        At the same sampled values; NaN where none was found.
-    known : sequence of Stated
-        Of the lives of each method.
+    life (methods, n, 2): at the same sampled values; NaN where none was found.
+    known: of the lives of each method.
     """
     found = np.full((len(life), 3, 2), np.nan)
     error = np.array([one.error for one in known])[:, None]
