@@ -33,20 +33,21 @@ SHOWN = {
     r"pip install -c constraints.txt \.$": "tests/test_installed.py::installed",
     r"pip install .*\[slurm\]": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"python3 -m venv": "tests/test_installed.py::installed",
-    r"make study|snakemake -j2( --rerun-incomplete)?$": (
+    r"make study|snakemake -j2( --rerun-incomplete)?$|bearingwear study$": (
         "tests/workflow/test_study.py::test_a_run_makes_everything_and_then_nothing"
     ),
     r"snakemake -n": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -f results": "tests/workflow/test_study.py::test_one_point_again",
-    r"bearingwear study (results|-n)": (
-        "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
-    ),
     r"bearingwear study (results/\S+\.nc|-n)$": (
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
     ),
-    r"snakemake --unlock": "tests/workflow/test_faults.py::test_everything_is_killed",
-    r"snakemake --report": "tests/workflow/test_study.py::test_the_report_of_the_jobs",
+    r"(snakemake|bearingwear study) --unlock": (
+        "tests/workflow/test_faults.py::test_everything_is_killed"
+    ),
+    r"(snakemake|bearingwear study all) --report": (
+        "tests/workflow/test_study.py::test_the_report_of_the_jobs"
+    ),
     r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
     r"python benchmarks/\w+\.py( \w+)?$": "benchmarks",

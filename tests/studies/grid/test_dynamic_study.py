@@ -150,7 +150,7 @@ def test_gathered_without_histories(folder):
 def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
     paths = make(tmp_path, DYNAMIC, "dynamic")
     made_up_case(DYNAMIC.cases()[paths[3].stem]).to_netcdf(paths[3])
-    with pytest.raises(CaseFileError, match=f"{paths[3].name}: fidelity is not that of"):
+    with pytest.raises(CaseFileError, match=f"{paths[3].name}: fidelity differs from"):
         study(paths)
 
 
