@@ -175,4 +175,4 @@ def test_a_scene_without_distributions_takes_those_of_the_table(
     out.unlink()
     assert main(["show", str(tmp_path / "life.nc")]) == 0
     shown = capsys.readouterr().out
-    assert "90 % of bearings, by wear" in shown and said in shown
+    assert "90 % of bearings, wear only" in shown and said in shown
