@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.blocks import SEEN, SEEN_TORQUE
@@ -129,10 +129,10 @@ def _of_stages(
     unit: float, stages: Sequence[Posterior], life: LogModel, scatter: float
 ) -> dict[str, Any]:
     """Intervals of friction, K_s/H and life, before and after."""
-    L10 = float(norm.ppf(0.1)) * scatter
+    L10 = float(ndtri(0.1)) * scatter
 
     def ends(normal: Normal) -> list[float]:
-        return [math.exp(normal.mean + float(norm.ppf(p)) * normal.deviation) for p in _ENDS]
+        return [math.exp(normal.mean + float(ndtri(p)) * normal.deviation) for p in _ENDS]
 
     return {
         "friction_interval": [ends(one.normal("x")) for one in stages],

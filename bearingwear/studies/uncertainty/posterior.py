@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import log_ndtr, ndtr
 
 LogModel = Callable[[np.ndarray], np.ndarray]
 """Logarithm of what the model has of the median bearing, by x; wear is that of the scene."""
@@ -75,7 +75,7 @@ class Observation:
     def log_likelihood(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Log likelihood of one such bearing (x, y)."""
         z = self.deviate(x, y)
-        return norm.logsf(z) if self.censored else -0.5 * z * z
+        return log_ndtr(-z) if self.censored else -0.5 * z * z
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Posterior:
         wide = 9.0 * scatter + 1.0
 
         def excess(value: float) -> float:
-            return float((self.shares * norm.cdf((value - mean) / scatter)).sum()) - probability
+            return float((self.shares * ndtr((value - mean) / scatter)).sum()) - probability
 
         ends = float(mean.min()) - wide, float(mean.max()) + wide
         return float(np.exp(brentq(excess, *ends, xtol=1e-13)))
@@ -153,12 +153,12 @@ class Posterior:
     def failed_share(self, model: LogModel, life: float, scatter: float) -> float:
         """Share of bearings that have failed by a life, over the batch and its scatter alike."""
         mean = model(self.x)[:, None] - self.y[None, :]
-        return float((self.shares * norm.cdf((math.log(life) - mean) / scatter)).sum())
+        return float((self.shares * ndtr((math.log(life) - mean) / scatter)).sum())
 
     def probability(self, test: Observation) -> float:
         """Probability of a result at least as far from the model; of a run-out, its own."""
         z = test.deviate(self.x, self.y)
-        above = float((self.shares * norm.sf(z)).sum())
+        above = float((self.shares * ndtr(-z)).sum())
         return above if test.censored else 2.0 * min(above, 1.0 - above)
 
 

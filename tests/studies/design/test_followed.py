@@ -34,14 +34,14 @@ def scene():
 
 @pytest.fixture(scope="module")
 def found(scene):
-    """Map and recommendation, by two processes."""
+    """Map and recommendation."""
     axes = MapAxes(
         preload_method=METHODS,
         friction=RisingAxis([0.08]),
         shaft_speed_rpm=RisingAxis([30000.0]),
         preload_N=RisingAxis([4.0, 7.0, 12.0]),
     )
-    return mapped(scene, axes, STIFF, 2)
+    return mapped(scene, axes, STIFF)
 
 
 def test_recommended_life_is_what_life_finds(scene, found):

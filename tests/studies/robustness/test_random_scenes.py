@@ -228,7 +228,7 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("log: [10,", "log: [0,", "shaft_speed_rpm.log: got [0.0, 500000.0], expected two increasing"),
+        ("log: [10,", "log: [0,", "shaft_speed_rpm.log: got [0.0, 500000.0], expected two incr"),
         ("stress_GPa:", "stress_MPa:", "steady_stress.draw.stress_MPa: got stress_MPa, expected"),
         ("[gyroscopic_slip]", "[slip]", "limits[0]: got 'slip', expected contact, gyroscopic_sl"),
     ],
