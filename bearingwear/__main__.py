@@ -8,6 +8,9 @@ import os
 import signal
 import sys
 
+ONE_THREAD = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
+"""Of libraries: on small matrices more threads take several times the CPU time."""
+
 
 def run_program() -> int:
     """Run a command; return its exit status."""
@@ -16,6 +19,8 @@ def run_program() -> int:
         # a shell has Ctrl-C ignored for what runs in the background
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, lambda n, _: _end(process, n))
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, "1")
     from bearingwear.cli import main
 
     return main()

@@ -17,6 +17,7 @@ TINY_TIME = 1e-300  # [s], so that nothing is no scale
 QUARTERS = (0.25, 0.5, 0.75)
 SIMPSON = (5, 8, -1, 0, 0), (4, 16, 4, 0, 0), (4, 16, 9, 8, -1), (4, 16, 8, 16, 4), (8, 0, 32, 0, 8)
 """Integrals [1/48 of a step] by its five nodes: up to each, and to the end by every other one."""
+_AT_NODES = np.vander((0.0, *QUARTERS, 1.0), increasing=True)
 MOST_STRETCHED = 2.0  # of a step by Adams, over the one before; a longer one is by Heun
 _SHORTENINGS = 6  # of a step that fails, each by half
 _MOST_TRIALS = 8  # runs to find an end
@@ -35,19 +36,29 @@ class Simpson(Method):
     """Adaptive Simpson integration of the time over the loss, t = integral of d(loss)/rate(loss).
 
     Both ways of counting wear (ball, ball and races) share the states and differ in the clock.
+    A quick life ends at a loss, `farthest`, or before: no step leads beyond it, and the time to an
+    end within a step is that of the quartic through its nodes.
     """
 
     shorter = 0.5
+    _solved: LifeStep | None = None  # the last step of a quick life, unless it was rough
 
-    def __init__(self, tolerance: float, first: float):
+    def __init__(self, tolerance: float, first: float, farthest: float | None = None):
         self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.farthest, self.quick = farthest, farthest is not None
+        if self.quick:
+            self.root = tolerance
 
     def at(self, x: float) -> Node:
         return self.node(x, np.array([x]), math.nan)
 
     def step(self, life: Life, bound: float) -> LifeStep:
         start = life.last
+        if self._solved and start.x < bound < self._solved.end:
+            return self._part(start, self._solved, bound)
         self.tried = h = min(self.length, bound - start.x)
+        if self.farthest is not None and self.farthest - start.x > self.shortest:
+            self.tried = h = min(h, self.farthest - start.x)
         end = start.x + h
         nodes = [self.at(x) for x in (*(start.x + share * h for share in QUARTERS), end)]
         failed = [node for node in nodes if node.status != code.OK]
@@ -62,12 +73,23 @@ class Simpson(Method):
         if np.all(error < WELL_WITHIN * allowed):
             self.length = 2.0 * h
         reached = zip(nodes, times, strict=True)
-        return LifeStep(
+        step = LifeStep(
             end=end,
             nodes=[node._replace(time=start.time + passed) for node, passed in reached],
             error=error,
             is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
         )
+        self._solved = step if self.quick and not step.is_rough else None
+        return step
+
+    def _part(self, start: Node, step: LifeStep, end: float) -> LifeStep:
+        """A solved step up to an end within it."""
+        h, powers = step.end - start.x, np.arange(1, 6)
+        y = np.array([1.0 / node.states[0].rate for node in (start, *step.nodes)])
+        weights = np.linalg.solve(_AT_NODES.T, ((end - start.x) / h) ** powers / powers)
+        last = self.at(end)._replace(time=start.time + h * weights @ y)
+        nodes = [node for node in step.nodes if node.x < end]
+        return LifeStep(end=end, nodes=[*nodes, last], error=step.error)
 
     def error_of_end(self, life: Life) -> np.ndarray:
         passed = life.last.x - life.nodes[0].x

@@ -38,6 +38,9 @@ LEAST_SOUGHT = 8
 SOUGHT = 0.25
 """Share of the most places that is solved for doubtful kinds or kinks where errors are small."""
 
+WHOLE = 2.0
+"""Places over those solved, below which all others are solved if more are needed."""
+
 BAD = 5.0
 """Error of a place left out over the one asked for, beyond which there is a kink."""
 
@@ -227,7 +230,8 @@ def interpolated(
 
     Those at the ends of each coordinate are solved and random ones, twice as many each time, until
     their error is small: of the last ones by the fit before they were solved, and of each by a fit
-    to all others. Some of those whose kind is doubtful are solved, too.
+    to all others. Some of those whose kind is doubtful are solved, too. Once half of all places are
+    solved and more are needed, all are.
 
     solve: from numbers of places (k,) to logarithms (k, m), which need not be finite, and kinds (k,
         kinds), whole numbers. The function is smooth within a kind.
@@ -276,6 +280,9 @@ def interpolated(
         if left <= 0 or (lacking <= 0 and (not bad.size or sought >= SOUGHT * most)):
             break
         # random ones from the front, whatever they are; doubtful and bad ones from the rear
+        if count <= min(most, WHOLE * known.sum()):
+            drawn, doubtful = others, others[:0]
+            continue
         drawn = pool[: max(min(lacking, left - LEAST_SOUGHT), 0)]
         bad = bad[~np.isin(bad, drawn)]
         doubtful = bad[: min(max(LEAST_SOUGHT, known.sum() // 4), left - drawn.size)]
