@@ -29,8 +29,8 @@ from bearingwear.solvers.condition import Condition
 from bearingwear.solvers.state import State
 
 FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
-QUICK = 1e-4  # tolerance of quick lives
-LONGER = 4.0  # their first step, over that of others
+_QUICK = 1e-4  # tolerance of quick lives
+_LONGER_FIRST = 4.0  # their first step, over that of others
 RUNNING_IN_STEP = 0.25  # of the depth of running in, and of what has worn
 _LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated
 _UNLIKE = 3.7  # times its first step: the same steps would hide an error far below the tolerance
@@ -245,7 +245,7 @@ def surface_life(
         wearing.origin = float(wearing.start[0])
         method: Method = Simpson(tolerance, first)
         if quick:
-            method = Simpson(max(tolerance, QUICK), LONGER * first, _largest_permitted(scene))
+            method = Simpson(max(tolerance, _QUICK), _LONGER_FIRST * first, _largest_permitted(scene))
         life = follow(wearing, ends, method)
     else:
         each = {k: along(k, tolerance, first) for k in counts}

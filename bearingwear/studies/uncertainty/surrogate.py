@@ -38,7 +38,7 @@ LEAST_SOUGHT = 8
 SOUGHT = 0.25
 """Share of the most places that is solved for doubtful kinds or kinks where errors are small."""
 
-WHOLE = 2.0
+ALL_FROM = 2.0
 """Places over those solved, below which all others are solved if more are needed."""
 
 BAD = 5.0
@@ -280,7 +280,7 @@ def interpolated(
         if left <= 0 or (lacking <= 0 and (not bad.size or sought >= SOUGHT * most)):
             break
         # random ones from the front, whatever they are; doubtful and bad ones from the rear
-        if count <= min(most, WHOLE * known.sum()):
+        if count <= min(most, ALL_FROM * known.sum()):
             drawn, doubtful = others, others[:0]
             continue
         drawn = pool[: max(min(lacking, left - LEAST_SOUGHT), 0)]
