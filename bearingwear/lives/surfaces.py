@@ -245,7 +245,8 @@ def surface_life(
         wearing.origin = float(wearing.start[0])
         method: Method = Simpson(tolerance, first)
         if quick:
-            method = Simpson(max(tolerance, _QUICK), _LONGER_FIRST * first, _largest_permitted(scene))
+            tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
+            method = Simpson(tolerance, first, _largest_permitted(scene))
         life = follow(wearing, ends, method)
     else:
         each = {k: along(k, tolerance, first) for k in counts}
