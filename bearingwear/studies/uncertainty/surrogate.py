@@ -250,8 +250,7 @@ def interpolated(
     error = np.full(count, np.nan)  # of drawn ones, by a fit without them
     doubtful, drawn, sought = ends, others[:first], 0
     while True:
-        new = np.append(doubtful, drawn)
-        logs, kinds = solve(new)
+        logs, kinds = solve(new := np.append(doubtful, drawn))
         if not known.any():
             log = np.full((count, logs.shape[1]), np.nan)
             kind = np.zeros((count, kinds.shape[1]), dtype=int)
@@ -280,9 +279,7 @@ def interpolated(
         if left <= 0 or (lacking <= 0 and (not bad.size or sought >= SOUGHT * most)):
             break
         # random ones from the front, whatever they are; doubtful and bad ones from the rear
-        if count <= min(most, ALL_FROM * known.sum()):
-            drawn, doubtful = others, others[:0]
-            continue
+        lacking = others.size if count <= ALL_FROM * known.sum() else lacking
         drawn = pool[: max(min(lacking, left - LEAST_SOUGHT), 0)]
         bad = bad[~np.isin(bad, drawn)]
         doubtful = bad[: min(max(LEAST_SOUGHT, known.sum() // 4), left - drawn.size)]
