@@ -114,9 +114,9 @@ def drawn(own: np.ndarray, made: Mapping[str, np.ndarray]) -> Figure:
         for line in values:
             axes.plot(places, line, color="C2", linewidth=0.5, alpha=0.5)
         axes.plot(places, np.median(values, axis=0), color="C2", marker="o")
-        axes.plot(places, FACTORS, color="C3", marker="_", markersize=12, linestyle="none",
-                  clip_on=False)  # fmt: skip
+        axes.plot(places, FACTORS, color="C3", marker="_", markersize=12, linestyle="none")
         axes.set_xticks(places, CLASSES)
+        axes.set_xlim(-0.4, len(CLASSES) - 0.6)
         axes.set_ylim(0.0, 1.0)
         axes.set_xlabel("preload class")
         axes.set_title(TITLES[name], loc="left")
