@@ -88,7 +88,7 @@ class Arrangement:
             if not name or block not in OWN_BLOCKS or shared:
                 raise SceneError(
                     f"second.{key}" if key else "second",
-                    f"got {shown(flat[key])}, which both bearings share or which is no key, "
+                    f"got {shown(flat[key])}, which both bearings share or which is not a key, "
                     f"expected keys of {', '.join(OWN_BLOCKS)} other than speeds, preload, counts "
                     "and end of life",
                 )

@@ -90,7 +90,7 @@ class Scene:
         default="bearing")
     description: str = setting("Description of the scene and sources of its numbers",
         pattern=NO_CONTROL, longest=4000,
-        allowed="text of at most 4000 characters, none of them a control character", default="")
+        allowed="text of at most 4000 characters without control characters", default="")
     bearing: Bearing = setting("Nominal, unworn geometry and materials of the bearing")
     materials: Mapping[str, Material] = setting("The materials, each a block under its name",
         least=1, each="One material, under a name of your choice (letters, digits, _ and -)")

@@ -143,10 +143,14 @@ def check_uncertainty(scene: Scene) -> None:
             of_own = f"friction.{own}" in f"{UNCERTAIN[name]}.{name}"
             if of_own and getattr(scene.friction, own) is None:
                 raise SceneError(
-                    key, f"got it with friction.{other}; only allowed with friction.{own}", (key,)
+                    key,
+                    f"got this key with friction.{other}; only allowed with friction.{own}",
+                    (key,),
                 )
         if name == "thickness_um" and scene.friction.film and not scene.friction.film.thickness_um:
-            problem = "got it without friction.film.thickness_um; only allowed with a thickness"
+            problem = (
+                "got this key without friction.film.thickness_um; only allowed with a thickness"
+            )
             raise SceneError(key, problem, (key,))
         if name == "wear_scatter" and given.distribution != "lognormal":
             raise SceneError(
@@ -157,7 +161,7 @@ def check_uncertainty(scene: Scene) -> None:
             _check_correlation(scene, name, given.friction_correlation)
     for name, given in (scene.cage_uncertainty or {}).items():
         if scene.cage is None:
-            raise SceneError(f"cage_uncertainty.{name}", "got it without a cage", ("cage",))
+            raise SceneError(f"cage_uncertainty.{name}", "got this key without a cage", ("cage",))
         _check_parameters(f"cage_uncertainty.{name}", given)
 
 

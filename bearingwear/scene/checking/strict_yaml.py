@@ -138,7 +138,9 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
             key = key_node.value
             here = key_path(path, key)
             if key in block:
-                raise SceneError(here, f"got it a second time in line {line}, expected once")
+                raise SceneError(
+                    here, f"got this key a second time in line {line}, expected it once"
+                )
             value = _plain(loader, value_node, here, anchors)
             if key == "<<" and anchors and isinstance(value, dict):
                 merged = value

@@ -45,7 +45,7 @@ def is_found_periodic(scene: Scene) -> bool:
 def check_solution(scene: Scene) -> None:
     if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
         raise NotAvailable(
-            f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto, march"
+            f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto or march"
         )
 
 

@@ -108,7 +108,7 @@ def temperature(chosen: Choice) -> Iterator[str]:
     scene, held = chosen.scene, is_held(chosen.scene)
     if scene.thermal is not None:
         rough = "; conductances, and hence the preload, are rough estimates" if held else ""
-        yield f"temperature: of rings and balls, computed from the friction heat{rough}"
+        yield f"temperature: computed for rings and balls from the friction heat{rough}"
     elif scene.temperature is not None:
         alone = Growth(growth_of(scene).heat, _STILL, _STILL)
         yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"

@@ -138,7 +138,7 @@ class Design:
             # as the files of its parts are named
             raise SceneError("map.friction", f"expected at most {MOST_DECIMALS} decimals")
         if self.beside and not self.small_map:
-            raise SceneError("beside", "got it without a small_map, expected both")
+            raise SceneError("beside", "got this key without a small_map, expected both")
 
 
 @keyed

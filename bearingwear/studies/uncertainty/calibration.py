@@ -123,7 +123,9 @@ def calibrated(
     if any(test.seen == SEEN_TORQUE for test in found) and not friction:
         row = next(test.row for test in found if test.seen == SEEN_TORQUE)
         key = FRICTION_KEYS[scene.friction.film is not None]
-        problem = f"got it without uncertainty.{key} in the scene, which it would determine"
+        problem = (
+            f"got this result without uncertainty.{key} in the scene, which it would determine"
+        )
         raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
     curve = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
     own = _found(curve, scene, False, scene.name)

@@ -131,7 +131,9 @@ class _Row:
                 found = found.with_({"wear.end_of_life": {"ball_diameter_loss_um": value}})
             elif seen == SEEN_PRELOAD:
                 if found.operation.preload_method != "fixed_position":
-                    problem = "got it under a constant force, expected it at a fixed position"
+                    problem = (
+                        "got this result under a constant force, expected it at a fixed position"
+                    )
                     raise self.refused(seen, problem)
                 if value >= preload:
                     raise self.refused(seen, f"got {value:g}, expected a number < {preload:g}")
