@@ -24,7 +24,7 @@ FRICTION = [
     ({"friction.ball_race": None, "uncertainty": None}, "friction.ball_race: got nothing"),
     ({f"{LAW}.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
     ({**FILM, "uncertainty": {"ball_race": {"distribution": "normal", "standard_deviation": 0.1}}},
-     "uncertainty.ball_race: got it with friction.film"),
+     "uncertainty.ball_race: got this key with friction.film"),
     (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: got nothing"),
     (FILM | {f"{LAW}.bare_ball_race": 0.4}, f"{LAW}.bare_ball_race: got 0.4 with a film that n"),
     (THIN | ON_STEEL, f"{LAW}.thickness_um: got 0.5 with {STEEL}.film"),

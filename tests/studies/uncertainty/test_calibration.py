@@ -68,7 +68,10 @@ def test_a_bad_row_is_refused_in_one_line(tmp_path, line, said):
     [
         (["life", "3"], "got the column 'life', expected a key of the scene"),
         (["life_h,life_h", "3,4"], "got the column 'life_h' twice"),
-        (["preload_left_N,after_h", "4,1"], "row 2: preload_left_N: got it under a constant"),
+        (
+            ["preload_left_N,after_h", "4,1"],
+            "row 2: preload_left_N: got this result under a constant",
+        ),
         (
             ["operation.preload_method,preload_left_N,after_h", "fixed_position,8,1"],
             "row 2: preload_left_N: got 8, expected a number < 7",
@@ -98,7 +101,7 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
     for name, said in (
         ("wear_coefficient", "uncertainty.wear_coefficient: got no value that tests determine"),
         ("wear_scatter", "uncertainty: got nothing that scatters"),
-        ("ball_race", "row 2: torque_Nmm: got it without uncertainty.ball_race"),
+        ("ball_race", "row 2: torque_Nmm: got this result without uncertainty.ball_race"),
     ):
         spread = {n: one for n, one in unknown["uncertainty"].items() if n != name}
         with pytest.raises((SceneError, CaseFileError), match=said):

@@ -143,7 +143,9 @@ def test_thickness_is_that_of_a_film_that_has_one():
     for key in ("thickness_um", "bare_ball_race"):
         del endless["friction"]["film"][key]
     del endless["wear"]["end_of_life"]["film_worn_share"]
-    with pytest.raises(SceneError, match="uncertainty.thickness_um: got it without friction.film"):
+    with pytest.raises(
+        SceneError, match="uncertainty.thickness_um: got this key without friction.film"
+    ):
         scene_from_dict(endless | {"uncertainty": UNKNOWN_FILM})
 
 
