@@ -75,7 +75,8 @@ of 5 m/s | – | | not predicted: the model does not include film rupture |
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed, and a life
 that ends when half of a track is bare. The test ended without failure (run-out), which limits K_s/H
 to at most {bound:.2g} m²/N. Two discs of [6] had 4e-15 during running-in, {4e-15 / bound:.2g} times
-as much. The 90 % interval of the table extends from one to the other, so the run-out is at its end.
+as much. The 90 % interval of the table extends from one to the other,
+    so the run-out lies at its lower end.
 
 **Cause.** A transferred and compacted film wears by material that moves back and forth in patches,
 much more slowly than in its first thousand cycles. A single K_s/H cannot describe this. A film that

@@ -165,11 +165,11 @@ LIFE = table(
         flags=STATUS_NAMES, comment=_OF_STEADY),
     Variable("steady_life", (), "h", "time to the end of life by the steady model",
         scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="steady life"),
-    Variable("steady_end_criterion", (), "", "the first criterion of the steady life", "i1",
+    Variable("steady_end_criterion", (), "", "the first criterion reached in the steady life", "i1",
         flags=CRITERIA, comment=_OF_STEADY),
     Variable("steady_loss_at_end", (), "m", "total wear depth at the end of the steady life",
         comment=_OF_STEADY, label="loss at end of steady life"),
     Variable("steady_time_to_loss", (), "h", "time at which the steady model reaches loss_at_end",
-        scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="steady time to the loss above"),
+        scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="steady time to the same loss"),
 ) | GROWN
 # fmt: on

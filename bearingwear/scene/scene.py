@@ -124,8 +124,8 @@ class Scene:
     calibrated: Calibrated | None = setting(
         "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
         default=None)
-    cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions of the "
-        "bearing, each a few keys of the scene with their values, under the name of the case",
+    cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions, each a "
+        "named case with the keys of the scene that change and their values",
         least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)

@@ -198,7 +198,7 @@ def solution(chosen: Choice) -> Iterator[str]:
     if chosen.fidelity != "dynamic":
         return
     if is_found_periodic(scene):
-        yield "motion: periodic, found directly; the balls are evenly spaced, as by a cage"
+        yield "motion: periodic, found directly; the balls are evenly spaced, as with a cage"
     elif scene.model.dynamic_solution == "march":
         yield "motion: time stepping until it settles (model.dynamic_solution)"
     else:

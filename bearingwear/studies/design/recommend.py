@@ -79,10 +79,11 @@ LIFE_ERROR = Variable(
 
 CLIFF = table(
     Variable("cliff_preload", (), "N",
-        "nearest preload, within 5 % of the recommended one, whose life is a tenth shorter or "
-        "more"),
+        "nearest preload, within 5 % of the recommended one, whose life is at least a tenth "
+        "shorter"),
     Variable("cliff_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
-    Variable("clear_preload", (), "N", "preload within the limits, 5 % or more away from it"),
+    Variable("clear_preload", (), "N", "preload within the limits, at least 5 % away from that "
+        "preload"),
     Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
 )  # fmt: skip
 WORST_CASES = "worst_cases"

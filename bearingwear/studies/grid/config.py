@@ -114,9 +114,10 @@ class Config:
         "Groups of scenes that share a grid; none: only the small maps of config/design.yaml")
     dynamic: tuple[DynamicBlock, ...] = setting(
         "Groups of scenes that are also solved dynamically", default=())
-    points_per_job: int | None = setting("Points of the grid that one job solves, each in its own "
-        "file; above the points of a line (all losses of a scene, method and friction) it solves "
-        "whole lines into one file. Null: a line, of at most 200", within="[1, inf)", default=None)
+    points_per_job: int | None = setting("Number of grid points that a job solves, each into its "
+        "own file; if larger than a line (all losses of a scene, method and friction), the job "
+        "solves whole lines into one file. Null: a line of at most 200 points", within="[1, inf)",
+        default=None)
     unsolved: str = setting("Effect of an unsolved case or life on the study: its page reports it "
         "and shows the rest, and the study ends with an error, or with a line on standard error",
         choices=UNSOLVED, default=UNSOLVED[0])

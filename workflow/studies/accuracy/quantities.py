@@ -19,7 +19,7 @@ QUANTITIES = table(
 EXTRA = table(
     Variable("wall_time", (), "s", "duration of the solve, warm, median of the repeats"),
     Variable("wall_time_least", (), "s", "duration of the fastest repeat"),
-    Variable("processor_time", (), "s", "processor time of the solve, warm, median of the repeats"),
+    Variable("processor_time", (), "s", "CPU time of a warm solve, median of the repeats"),
     Variable("repeats", (), "1", "times that the solve was timed"),
     Variable("life_wall_time", (), "s", "duration of finding the life, median of the repeats"),
     Variable("life_processor_time", (), "s", "processor time of the same, median of the repeats"),
