@@ -195,9 +195,10 @@ def recommend(args: argparse.Namespace) -> int:
 
     scene = life_scene(args.scene, args.set)
     from bearingwear.studies.design.document.sheets import recommended_sheet
+    from bearingwear.studies.pool import BrokenSilence
     from bearingwear.studies.sampling import usable_cores
 
-    more = args.scene, usable_cores(), _teller(args)
+    more = args.scene, usable_cores(), BrokenSilence(_teller(args))
     sheet, solved = recommended_sheet(scene, _limits(args), *more)
     _print_sheet(sheet, args)
     if not solved:

@@ -8,8 +8,9 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from typing import Any
 
 Tell = Callable[[str], None]
@@ -28,11 +29,32 @@ def to_stderr(text: str) -> None:
     print(text, file=sys.stderr)
 
 
+class BrokenSilence:
+    """Passes on lines of progress, and adds one after 3, 6, 12, ... s without any."""
+
+    def __init__(self, tell: Tell) -> None:
+        self._tell, self._last, self._wait = tell, time.monotonic(), LINE_EVERY
+
+    def __call__(self, text: str) -> None:
+        self._tell(text)
+        self._last, self._wait = time.monotonic(), LINE_EVERY
+
+    def result(self, future: Future[Any]) -> Any:
+        """Result of a job, waited for."""
+        while not wait([future], max(self._last + self._wait - time.monotonic(), 0.0)).done:
+            self._tell(f"still running after {time.monotonic() - self._last:.0f} s")
+            self._wait *= 2.0
+        return future.result()
+
+
 @contextlib.contextmanager
-def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]]]:
+def processes(
+    workers: int, caller: str, lines: BrokenSilence | None = None
+) -> Iterator[Callable[..., Iterator[Any]]]:
     """A `map` whose calls share processes; with one worker in this process.
 
     caller: what has `workers`, for the message where processes cannot be started.
+    lines: says that jobs are still running.
     """
     if workers <= 1:
         yield map
@@ -40,7 +62,7 @@ def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]
     # a terminal signals them, too; this process ends them
     pool = ProcessPoolExecutor(workers, None, signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
-        yield pool.map
+        yield pool.map if lines is None else partial(_mapped, pool, lines)
     except BrokenProcessPool:
         raise RuntimeError(
             f"{caller}: a process has ended. Call this below `if __name__ == '__main__':` in a "
@@ -53,6 +75,13 @@ def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]
         raise
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _mapped(
+    pool: ProcessPoolExecutor, lines: BrokenSilence, function: Callable[..., Any], *jobs: Any
+) -> Iterator[Any]:
+    futures = [pool.submit(function, *job) for job in zip(*jobs, strict=True)]
+    return map(lines.result, futures)
 
 
 def in_processes(

@@ -3,6 +3,7 @@
 import io
 import logging
 import re
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -73,3 +74,15 @@ def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
     left.done("long", 1)
     pace = 5.0 / (4 * 1.0 + 1 * 5.0)
     assert left.seconds == pytest.approx(5 * (3.0 + 4 * 5.0 * pace) / (1 + 4))
+
+
+def test_silence_of_a_job_is_broken(monkeypatch):
+    """A line after a while without any, and fewer the longer it takes; a result at once has none."""
+    monkeypatch.setattr(pool, "LINE_EVERY", 0.02)
+    said = []
+    lines = pool.BrokenSilence(said.append)
+    with pool.processes(2, "test", lines) as each:
+        assert list(each(time.sleep, [0.0, 0.2])) == [None, None]
+        lines("next stage")
+    assert said[-1] == "next stage" and 2 <= len(said) <= 6
+    assert all(text.startswith("still running after ") for text in said[:-1])

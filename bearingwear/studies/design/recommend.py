@@ -66,7 +66,7 @@ from bearingwear.studies.design.room import (
     verdict_on,
 )
 from bearingwear.studies.design.search import Found, Request, answered, search
-from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
+from bearingwear.studies.pool import BrokenSilence, Tell, processes, to_stderr, told_in_lines
 from bearingwear.studies.solve import life_scene
 
 RECOMMENDATION = "recommendation"
@@ -138,7 +138,8 @@ def mapped(
     unlike = len(scene.one_of_alike.sides) == 2
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
         workers, tell = 1, None
-    with processes(workers, "recommend") as each:
+    waiting = tell if isinstance(tell, BrokenSilence) else None
+    with processes(workers, "recommend", waiting) as each:
         lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
         if not quick:
             lives = each(_followed, [(one, slip_limit, False) for one in scenes])
@@ -199,6 +200,8 @@ class Search:
 
         lines: lives over `preload_method` and `preload`.
         """
+        if self.limits.given:
+            self.tell("limits of new bearings over the preload")
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:
