@@ -77,7 +77,7 @@ def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
 
 
 def test_silence_of_a_job_is_broken(monkeypatch):
-    """A line after a while without any, and fewer the longer it takes; a result at once has none."""
+    """A line after a while without any; ever fewer of them."""
     monkeypatch.setattr(pool, "LINE_EVERY", 0.02)
     said = []
     lines = pool.BrokenSilence(said.append)
