@@ -82,7 +82,7 @@ LIFE = table(
     Variable("history_rotor_axial_shift", _STEP, "m",
         "axial shift of the rotor from its mounted position",
         comment="a single bearing is half of a symmetric pair"),
-    Variable("history_greatest_depth", _STEP, "m", "largest depth of both grooves",
+    Variable("history_greatest_depth", _STEP, "m", "maximum wear depth of both grooves",
         label="deepest groove"),
     # of films alone
     Variable("history_friction_coefficient", _STEP_RACE, "1",
@@ -129,8 +129,8 @@ LIFE = table(
         flags=("start_anew", "end_of_the_step_before")),
     Variable("history_simulated_turns", _STEP, "1", "shaft turns simulated"),
     Variable("history_spacing_growth_per_turn", _STEP, "1",
-        "growth rate of disturbances of the balls' even spacing in a periodic motion, per shaft "
-        "turn, the fastest"),
+        "fastest growth rate of disturbances of the balls' even spacing in a periodic motion, per "
+        "shaft turn"),
     Variable("history_disturbance_growth_per_turn", _STEP, "1",
         "fastest growth rate of all other disturbances of a periodic motion, per shaft turn"),
     Variable("history_worn_diameter", _STEP_BALL, "m",

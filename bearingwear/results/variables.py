@@ -254,8 +254,8 @@ DYNAMIC = table(
         "change of the wear rate per shaft turn, over the rate", label="drift of the wear rate",
         shown="%/turn"),
     Variable("spacing_growth_per_turn", (), "1",
-        "growth rate of disturbances of the balls' even spacing in a periodic motion, per shaft "
-        "turn, the fastest", label="growth of uneven spacing", shown="%/turn",
+        "fastest growth rate of disturbances of the balls' even spacing in a periodic motion, per "
+        "shaft turn", label="growth of uneven spacing", shown="%/turn",
         comment="positive: without a cage the balls would bunch"),
     Variable("disturbance_growth_per_turn", (), "1",
         "fastest growth rate of all other disturbances of a periodic motion, per shaft turn",

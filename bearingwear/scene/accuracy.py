@@ -206,7 +206,7 @@ class Model:
         "Approximate number of wear steps of a dynamic life, each with a short run", "1",
         "[2, 10000]", default=12)
     life_run_in_turns: float = setting("Shaft turns before the first rates of a dynamic life, "
-        "until the influence of the cage's start has decayed, none without a cage", "1", "[0, 1e6]",
+        "until the influence of the cage's start has decayed (0 without a cage)", "1", "[0, 1e6]",
         default=200.0)
     tolerance: float = setting("Relative error tolerance of the life", "1", "[1e-12, 0.1]",
         default_by=ACCURACY, default=STANDARD.tolerance)

@@ -124,7 +124,7 @@ def check_films(scene: Scene) -> None:
             if getattr(material, key) is not None and name not in parts:
                 raise SceneError(
                     f"materials.{name}.{key}",
-                    "got a film of a material of neither balls nor races, expected for "
+                    "got a film on a material of neither balls nor races, expected it on "
                     + " and ".join(dict.fromkeys(parts)),
                     ("bearing.ball_material", "bearing.race_material"),
                 )

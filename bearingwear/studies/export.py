@@ -109,7 +109,7 @@ class StiffnessOverSpeed:
             Fewer speeds than ROSS interpolates between, or as `ross_matrices`.
         """
         if len(self.speeds_rpm) < FEWEST_SPEEDS:
-            problem = f"got {len(self.speeds_rpm)}, expected for ROSS at least {FEWEST_SPEEDS}"
+            problem = f"got {len(self.speeds_rpm)}, expected at least {FEWEST_SPEEDS} for ROSS"
             raise SceneError("", problem, source="speeds")
         K = self.ross_matrices(bearing, tilt)
         places = ("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1), ("zz", 2, 2)

@@ -59,8 +59,8 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
     if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
         raise SceneError(
             "friction.film",
-            "got a film, or materials with one or with running_in, expected, for a study, one "
-            f"friction.ball_race (for its own life: bearingwear life {os.fspath(path)})",
+            "got a film, or materials with one or with running_in, expected one friction.ball_race "
+            f"for a study (for its own life: bearingwear life {os.fspath(path)})",
             source=os.fspath(path),
         )
     fidelity = choice_for_life(scene).fidelity

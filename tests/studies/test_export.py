@@ -102,7 +102,7 @@ def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
         StiffnessOverSpeed.of(pair, [3000.0, 1000.0])
     few = StiffnessOverSpeed.of(pair, [1000.0, 2000.0])
     for call, text in (
-        (few.coefficients, "speeds: got 2, expected for ROSS at least 5"),
+        (few.coefficients, "speeds: got 2, expected at least 5 for ROSS"),
         (lambda: few.ross_matrices(3), "bearing: got 3, expected 1"),
         (lambda: few.ross_matrices(1, "free"), "tilt: got 'free', expected held or released"),
     ):

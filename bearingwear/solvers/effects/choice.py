@@ -116,7 +116,7 @@ def _check(scene: Scene, wanted: str) -> None:
     if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
             f"{scene.name}: operation.shaft_speed_rpm: got 0 with an outer race at rest, "
-            "expected, for the dynamic model, a rotating race"
+            "expected a rotating race for the dynamic model"
         )
 
 

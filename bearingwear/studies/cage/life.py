@@ -63,7 +63,7 @@ CAGE_LIFE = table(
     Variable("cage_end", (), "", "criterion that ends the life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
     Variable("motion_changes", END.dims, "1", "shaft turns until the dominant motion changes"),
-    Variable("node_turns", NODE.dims, "1", "shaft turns at an ensemble"),
+    Variable("node_turns", NODE.dims, "1", "shaft turns at each ensemble"),
     Variable("node_depth", (*NODE.dims, *PART.dims), "m", "wear depth"),
     Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work per shaft turn"),
     Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),

@@ -96,7 +96,7 @@ def axes_around(
     """
     own = scene.operation.preload_N
     if own <= 0.0:
-        problem = f"got {own:g}, expected, for a map around it, a number > 0"
+        problem = f"got {own:g}, expected a number > 0 for a map around it"
         raise SceneError("operation.preload_N", problem, source=source)
     preload = key_of_scene("operation.preload_N")
     assert preload is not None

@@ -135,8 +135,8 @@ class Plan:
         for scene in self.uncertain_lives.scenes:
             if not load_scene(_scene_file(scene)).uncertainty:
                 raise ValueError(
-                    f"config: uncertain_lives.scenes: got {scene}, whose file has no "
-                    "uncertainty, expected scenes that have"
+                    f"config: uncertain_lives.scenes: got {scene}, whose file has no uncertainty, "
+                    f"expected scenes with one"
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:

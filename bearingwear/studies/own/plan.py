@@ -104,7 +104,7 @@ def _beside(scene: Scene) -> dict[str, Any]:
 def _frictions(scene: Scene, source: str) -> list[float]:
     own, key = scene.friction.coefficient, "friction.ball_race"
     if own <= 0.0:
-        raise SceneError(key, f"got {own:g}, expected, for a study, a number > 0", source=source)
+        raise SceneError(key, f"got {own:g}, expected a number > 0 for a study", source=source)
     part = key_of_scene(key)
     assert part is not None
     around = {round(factor * own, 3) for factor in FRICTIONS}

@@ -91,8 +91,8 @@ def uncertain_scene(
         if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
             raise SceneError(
                 f"uncertainty.{name}.median",
-                f"got {scene.nominal(name):g}, the scene's own value, expected, for a lognormal, "
-                "a number > 0",
+                f"got {scene.nominal(name):g}, the scene's own value, expected a number > 0 for a "
+                f"lognormal distribution",
                 source=source,
             )
     return scene

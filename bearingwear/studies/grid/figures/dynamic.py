@@ -110,7 +110,8 @@ def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
     qv, wear = (f"{100.0 * one:.2g} %" for one in differences)
     solved = "solved dynamically with the cage" if has_cage else "solved dynamically"
     return (
-        f"{solved}, QV differs from the steady one by up to {qv}, the wear rate of a ball by {wear}"
+        f"{solved}, QV differs from the steady value by up to {qv}, the wear rate of a ball by "
+        f"{wear}"
     )
 
 
