@@ -39,7 +39,7 @@ class Size:
 
     @property
     def label(self) -> str:
-        job = f"{self.points_per_job} a job" if self.points_per_job else "a line a job"
+        job = f"{self.points_per_job} per job" if self.points_per_job else "a line per job"
         return f"{self.points} points, {job}"
 
     def config(self) -> dict:
@@ -133,7 +133,7 @@ def measured(root: Path, size: Size, repeats: int) -> dict[str, str]:
     plan = snakemake(STUDY, "-n", "--quiet", "all")
     told("plan", cost(plan, root, repeats))
     solved = told("solve and gather", cost(snakemake(STUDY, "-j2", "--quiet", "all"), root, 1))
-    column["the same for a point [ms]"] = f"{solved.cpu_s / size.points * 1e3:.1f}"
+    column["solve and gather, per point [ms]"] = f"{solved.cpu_s / size.points * 1e3:.1f}"
     parts = sorted(
         str(path.relative_to(root))
         for folder in ("cases", "chunks")

@@ -31,7 +31,7 @@ GROWN = table(
     Variable("thermal_solves", (), "1", "number of solves for the temperatures", "i4",
         comment="for a life, the sum over its states"),
     Variable("history_part_temperature", ("step", "part"), "degC",
-        "temperature of the part along a life", label="temperature"),
+        "temperature of the part during a life", label="temperature"),
 )
 """Of a bearing that does not run as it was mounted."""
 

@@ -82,7 +82,7 @@ STUDY_COORDINATES = table(
 
 STRIP_POSITION = Variable("strip_position", ("strip",), "1",
     "position of the strip's middle over the semi-major axis",
-    comment="+1 is the end towards the bearing axis' positive direction")  # fmt: skip
+    comment="+1 is the end towards the positive direction of the bearing axis")  # fmt: skip
 
 INTERVAL_MEANS = {
     "history_contact_qv",

@@ -65,7 +65,7 @@ def made_up(scene, restart=None, progress=None):
         "slow_time_scale": 0.3,
     }
     kind = "rest" if restart is None else f"the end of a run at {start:.6g} s"
-    return values, {"start": kind, "settled": "settled: QV drifts +1.0e-04 a turn"}
+    return values, {"start": kind, "settled": "settled: QV drifts +1.0e-04 per turn"}
 
 
 @pytest.fixture

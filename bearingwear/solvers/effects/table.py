@@ -207,7 +207,7 @@ EFFECTS = (
         "temperature_beyond_practice",
         practice.temperature_beyond,
         "the {part} of {name} is at {value:.4g} degC, {side} {limit:g} (rule of thumb)",
-        "use a suitable material; hardness, wear and friction are those at room temperature",
+        "use a suitable material; hardness, wear and friction are room-temperature values",
         impractical=True,
     ),
     Effect(

@@ -88,8 +88,8 @@ class Figures:
     """Comparisons in the figures."""
 
     # fmt: off
-    worn_loss_um: float | None = setting("The worn state in the figures against friction and of "
-        "slip; null: the most worn of the first grid", unit="um", default=None)
+    worn_loss_um: float | None = setting("Wear state in the figures of friction and slip; null: "
+        "the most worn state of the first grid", unit="um", default=None)
     friction: tuple[float, ...] = setting("Coefficients compared in the figures of slip, wear and "
         "life, if in the grid; none: all of a grid", within="[0, inf)", default=())
     wear_columns: tuple[Column, ...] = setting(

@@ -63,7 +63,8 @@ AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
 """What there is to say without a limit, in a headline."""
 
 WHAT_LIMITS = (
-    "Without a limit, the lowest preload always wears least. State what the machine requires, "
+    "Without a limit, the lowest preload always causes the least wear. State what the machine "
+    "requires, "
     "such as a stiffness, and what the bearing withstands, such as a pressure. Only preloads that "
     "satisfy these limits are then considered."
 )
