@@ -105,8 +105,7 @@ def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
     given = float(value) if isinstance(value, numbers.Real) else value
     if isinstance(given, float) and math.isfinite(given):
         return given
-    part = part_at(file, path)
-    allowed = part.allowed if part else "another value"
+    allowed = getattr(part_at(file, path), "allowed", "another value")
     raise SceneError(path, f"got {shown(given)}, expected {allowed}")
 
 
