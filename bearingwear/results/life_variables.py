@@ -106,7 +106,7 @@ LIFE = table(
     Variable("history_equivalent_loss", _STEP, "m",
         "with worn grooves: uniform loss of ball diameter at the same rotor position or, at a "
         "fixed position, at the same preload"),
-    Variable("history_deepest_groove", _STEP_RACE, "m", "largest depth of the groove"),
+    Variable("history_deepest_groove", _STEP_RACE, "m", "maximum wear depth of the groove"),
     Variable("history_groove_width", _STEP_RACE, "m",
         "width of the worn groove, at a hundredth of its maximum depth"),
     Variable("history_contact_half_length", _STEP_RACE, "m",

@@ -178,7 +178,7 @@ def _check_expansions(scene: Scene) -> None:
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
-                    "got nothing, with temperatures and parts of different materials, expected a "
+                    "got nothing for parts of different materials with temperatures, expected a "
                     "number from 0 to 1e-4",
                     (key, "temperature", "thermal"),
                 )

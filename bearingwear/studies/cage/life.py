@@ -51,7 +51,7 @@ _ENDS_WITHIN = 1e-3  # of the depth at which the life ends
 _SAMPLES = 4096
 
 PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
-NODE = Variable("node", ("node",), "1", "number of the ensemble", "i8")
+NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
 
 CAGE_LIFE = table(
     Variable("cage_life", (), "1", "shaft turns to the end"),
