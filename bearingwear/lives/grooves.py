@@ -27,6 +27,7 @@ TOO_DEEP = 2.0  # times the depth that a step is to wear
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
 LONGER_STEP = 1.5 * STEP  # of quick lives, and to see the error of the others
 ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
+_ROUGH_END = 1e-2  # of the last step, to which the end of a rough life is found
 _SHORT = 0.3  # of the step before
 
 Wears = tuple[WornDepths, ...]
@@ -165,7 +166,10 @@ class Grooves:
 
 def follow_grooves(wearing: Grooves) -> Life:
     """The life with grooves as they wear, and the rates at which its even losses grow."""
-    life = follow(wearing, Criteria(wearing.scene), Adams())
+    method = Adams()
+    if wearing.rough:
+        method.root = _ROUGH_END
+    life = follow(wearing, Criteria(wearing.scene), method)
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)
