@@ -39,8 +39,7 @@ class Size:
 
     @property
     def label(self) -> str:
-        job = f"{self.points_per_job} per job" if self.points_per_job else "a line per job"
-        return f"{self.points} points, {job}"
+        return f"{self.points}, {self.points_per_job or 'lines'}"
 
     def config(self) -> dict:
         """What config.yaml says; its figures want nothing of single points."""
@@ -151,7 +150,7 @@ def measured(root: Path, size: Size, repeats: int) -> dict[str, str]:
 
 def table(columns: dict[Size, dict[str, str]]) -> list[str]:
     labels = [size.label for size in columns]
-    lines = [f"| | {' | '.join(labels)} |", "| --- |" + " ---: |" * len(labels)]
+    lines = [f"| points, by job | {' | '.join(labels)} |", "| --- |" + " ---: |" * len(labels)]
     for what in next(iter(columns.values())):
         lines.append(f"| {what} | {' | '.join(column[what] for column in columns.values())} |")
     return lines
