@@ -160,7 +160,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     loss = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        f"QV in {in_words(name)} after {loss:g}\N{NO-BREAK SPACE}µm of wear, relative to new: "
+        (f"{bearing}: " if columns == 1 else "")
+        + f"QV in {in_words(name)} after {loss:g}\N{NO-BREAK SPACE}µm of wear, relative to new: "
         + ", ".join(shares),
         method_keys((name for name, _ in states), scene_of(studies[0]))
         + race_keys()
