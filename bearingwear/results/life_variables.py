@@ -9,7 +9,7 @@ from bearingwear.scene.blocks import CRITERIA
 _STEP, _STEP_RACE, _STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
 _STEP_BALL = ("step", "ball")
 _SHOWN, _PROFILE = ("groove_state",), ("groove_state", "race", "arc")
-_OF_STEADY = "the attribute steady_life_of states the scene of the steady life"
+_OF_STEADY = "the attribute steady_life_of lists the neglected effects"
 
 BEARING_PARTS = ("inner_ring", "balls", "outer_ring", "shaft", "housing")
 
