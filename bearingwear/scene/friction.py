@@ -133,8 +133,8 @@ def check_films(scene: Scene) -> None:
     if given is not None and given.thickness_um is not None and of_races is not None:
         raise SceneError(
             "friction.film.thickness_um",
-            f"got {given.thickness_um:g} with materials.{b.race_material}.film, which is on the "
-            "races too, expected one of the two",
+            f"got {given.thickness_um:g} with materials.{b.race_material}.film, which also coats "
+            f"the races, expected one of the two",
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)

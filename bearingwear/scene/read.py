@@ -137,7 +137,9 @@ class BasedOn:
     def __post_init__(self) -> None:
         for key in self.changes:
             if not re.fullmatch(KEY, key):
-                raise SceneError("set", f"got {shown(key)}, expected keys, operation.preload_N")
+                raise SceneError(
+                    "set", f"got {shown(key)}, expected keys such as operation.preload_N"
+                )
 
 
 def scene_files(path: str | os.PathLike[str]) -> list[str]:

@@ -71,7 +71,7 @@ class StiffnessOverSpeed:
             raise SceneError("", problem, source="speeds")
         found = []
         if choice(scene).fidelity == "dynamic":
-            problem = "a run in time has no stiffness matrix; set model.fidelity to race_control"
+            problem = "a dynamic run has no stiffness matrix; set model.fidelity to race_control"
             raise NotExported(problem)
         for speed in speeds:
             result = solve(variant(scene, {"operation.shaft_speed_rpm": speed}))
