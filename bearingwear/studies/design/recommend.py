@@ -172,7 +172,9 @@ def recommendation(
     point = {"friction": scene.friction.coefficient, "shaft_speed": scene.operation.shaft_speed_rpm}
     for axis, value in point.items():
         if value not in design[axis]:
-            raise CaseFileError(f"the design map has no {axis} {value:g}, which is the scene's")
+            raise CaseFileError(
+                f"the design map does not contain the {axis} {value:g} of the scene"
+            )
     lines = design.sel(point, drop=True)
     search = Search(scene, limits_of(design), counted(design), each, tell or (lambda text: None))
     rows, none, held_so = search.answers(lines)

@@ -21,7 +21,7 @@ EXTRA = table(
     Variable("wall_time_least", (), "s", "duration of the fastest repeat"),
     Variable("processor_time", (), "s", "CPU time of a warm solve, median of the repeats"),
     Variable("repeats", (), "1", "times that the solve was timed"),
-    Variable("life_wall_time", (), "s", "duration of finding the life, median of the repeats"),
+    Variable("life_wall_time", (), "s", "time to compute the life, median of the repeats"),
     Variable("life_processor_time", (), "s", "processor time of the same, median of the repeats"),
     Variable("wear_over_gap", (), "1", "loss at the end of life over the gap at the contact edge"),
     Variable("simulated_turns", (), "1", "shaft turns simulated until settled or used up"),
