@@ -105,7 +105,6 @@ def test_slopes_are_those_of_a_convex_potential(c):
     assert_allclose(in_time / scale, hessian / scale, atol=1e-4 * size)
 
 
-MOS2 = {"shear_strength_MPa": 24.8, "pressure_coefficient": 0.001}  # Singer et al. (1990)
 SPINDLE = {
     "ball_count": 15, "ball_diameter_mm": 8.4, "pitch_diameter_mm": 54.0,
     "contact_angle_deg": 15.0, "inner_groove_factor": 0.52, "outer_groove_factor": 0.53,
