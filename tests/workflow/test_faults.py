@@ -147,7 +147,7 @@ def test_damaged_results_are_set_aside_and_made_anew(solved):
     for hit in (path, *others):
         name = hit.relative_to(solved.root).as_posix()
         (line,) = [line for line in run.text.splitlines() if line.startswith(f"{name}: ")]
-        assert line.endswith(f"set aside as {name}.damaged, to be made again")
+        assert line.endswith(f"set aside as {name}.damaged and computed again")
         assert not hit.exists() and Path(f"{hit}.damaged").exists()
     # two of the cases are of one line
     assert run.jobs["grid_solve"] == 2 and run.jobs["grid_wear_life"] == 1

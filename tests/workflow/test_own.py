@@ -131,7 +131,7 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "notes.txt").touch()
     for arguments, said in (
-        ((), "folder: got a folder with other files, expected a new one"),
+        ((), "folder: got a folder with other files, expected a new folder"),
         (("--stiffness", "-3"), "argument --stiffness: got '-3', expected a number > 0"),
         (("--stifness", "3"), "study: got '--stifness'; did you mean --stiffness"),
         (("--cores", "many"), "study: Error parsing number of cores"),

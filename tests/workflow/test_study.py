@@ -235,7 +235,8 @@ def test_a_point_off_the_grid_is_refused(solved):
 
 def test_groups_remove_nothing_where_no_cluster_runs(solved):
     """The first of the cases fails to begin; the outdated others stay until their turn comes."""
-    solved.edit("bearingwear/studies/solve.py", "import sys\n", "import sys\n\nimport nothing\n")
+    line = "from bearingwear.studies.solve import told\n"
+    solved.edit("bearingwear/studies/grid/solve.py", line, f"import nothing\n{line}")
     before = set(solved.cases())
     run = solved.run("results/gyro_s1/study.nc", "--groups", "grid_solve=cases", jobs=1)
     assert run.status == 1 and run.jobs["grid_solve"] == 4
