@@ -43,30 +43,29 @@ STATUS_NAMES = (
 STATUS_SENTENCES = {
     "ok": "solved and verified",
     "not_converged": "the iteration did not converge; no number of this case may be used",
-    "contact_lost": "centrifugal force lifts a ball off the inner race, or so nearly that no state "
-    "was found",
+    "contact_lost": "centrifugal force separates a ball from the inner race, or nearly so, and no "
+    "state was found",
     "no_steady_state": "no stable steady state was found: the balls, or the rotor of a pair, do "
     "not settle",
-    "preload_gone": "wear or load has taken the preload: a ball carries no load at all",
+    "preload_gone": "wear or load has eliminated the preload: a ball carries no load",
     "undetermined": "without friction the ball's rotation is undetermined",
-    "outside_hertz_range": "a contact ellipse is too large for its ball for Hertz' small contacts",
-    "unverified": "the answer failed the check made after the solve",
-    "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
+    "outside_hertz_range": "a contact ellipse is too large relative to its ball for Hertz theory",
+    "unverified": "the solution failed the check after the solve",
+    "criterion_not_reached": "no end-of-life criterion was reached within the solvable range",
     "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
-    "below_rounding": "rounding hides a slip or load: it is too small beside the others, or "
+    "below_rounding": "rounding hides a slip or load that is too small relative to the others, or "
     "slip_regularisation_m_s is too small",
-    "no_race_control": "race control has no equilibrium: neither race can hold the balls against "
-    "their gyroscopic moments, or the rotor of a pair has no place where the control changes",
-    "race_unseated": "load or tilt lifts the inner race off some of its balls, and the preload "
-    "does not seat it on the others",
-    "too_stiff": "the motion asks for far more steps than its turns are worth; no average was "
-    "found",
-    "cage_jammed": "the cage does not fit between balls and race: it has no room, or friction in a "
-    "pocket holds a ball that only inertia across its orbit, which is not modelled, would free",
-    "warm_seizure": "friction heat and preload drive each other up and no temperature bounds them: "
-    "the bearing seizes",
-    "no_heat_balance": "no temperatures were found that carry the friction heat away with every "
-    "part growing by less than 1 %",
-    "lifted_off": "the rotor has come off one bearing of the pair: wear or the external force has "
-    "taken its preload",
+    "no_race_control": "race control has no equilibrium: neither race can prevent gyroscopic "
+    "rotation of the balls, or a pair has no equilibrium where the control changes",
+    "race_unseated": "load or tilt separates the inner race from some balls, and the preload does "
+    "not press it against the others",
+    "too_stiff": "the motion requires far too many steps per turn; no average was found",
+    "cage_jammed": "no position of the cage fits between balls and race: the clearance is too "
+    "small, or pocket friction locks a ball, which only neglected inertia could release",
+    "warm_seizure": "friction heat and preload increase each other without limit: the bearing "
+    "seizes",
+    "no_heat_balance": "no temperatures were found that remove the friction heat while every part "
+    "expands by less than 1 %",
+    "lifted_off": "the rotor has lifted off one bearing of the pair: wear or the external force "
+    "has eliminated its preload",
 }
