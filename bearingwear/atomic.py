@@ -96,7 +96,7 @@ def check_output(path: Path, scene: str) -> None:
             if not path.is_file():
                 raise OutputError(f"{path}: got a folder or a device, expected a file name")
             if path.samefile(scene):
-                raise OutputError(f"{path}: got the scene itself, expected another file name")
+                raise OutputError(f"{path}: got the scene itself, expected a different file name")
             _check_replaced(path)
     except OutputError:
         raise
@@ -115,4 +115,6 @@ def _check_replaced(path: Path) -> None:
     with path.open("rb") as file:
         start = file.read(len(SIGNATURE))
     if start and start != SIGNATURE:
-        raise OutputError(f"{path}: got a file that is not a result, expected another file name")
+        raise OutputError(
+            f"{path}: got an existing file that is not a result, expected a different file name"
+        )

@@ -93,7 +93,7 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
         raise error.in_source(source) from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
-        where = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        where = f" on line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
         problem = f"got text that is not YAML{where} ({reason}), expected YAML"
         raise SceneError("", problem, source=source) from None
@@ -120,7 +120,7 @@ def _check_events(text: str, anchors: bool) -> None:
         else:
             continue
         line = event.start_mark.line + 1
-        raise SceneError("", f"got {what} in line {line}, expected {allowed}")
+        raise SceneError("", f"got {what} on line {line}, expected {allowed}")
 
 
 def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
@@ -133,13 +133,13 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
         for key_node, value_node in node.value:
             line = key_node.start_mark.line + 1
             if not isinstance(key_node, yaml.ScalarNode):
-                problem = f"got a list or block as a key in line {line}, expected text"
+                problem = f"got a list or block as a key on line {line}, expected text"
                 raise SceneError(path, problem)
             key = key_node.value
             here = key_path(path, key)
             if key in block:
                 raise SceneError(
-                    here, f"got this key a second time in line {line}, expected it once"
+                    here, f"got this key a second time on line {line}, expected it once"
                 )
             value = _plain(loader, value_node, here, anchors)
             if key == "<<" and anchors and isinstance(value, dict):

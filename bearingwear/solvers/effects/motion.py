@@ -72,7 +72,7 @@ def slip(chosen: Choice) -> Iterator[str]:
         who = "model.slip_over" if model.slip_over else "model.contact: paper"
         yield f"slip: on the centre line of the ellipse ({who}); neglects {size}"
     else:
-        yield f"slip: over the whole ellipse; its centre line alone would neglect {size}"
+        yield f"slip: evaluated over the whole ellipse; its centre line alone would miss {size}"
 
 
 def traction_borne(chosen: Choice) -> Iterator[str]:
