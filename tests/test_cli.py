@@ -355,7 +355,7 @@ def test_output_replaces_results_alone(command, tmp_path, capsys):
     other = tmp_path / "other.yaml"
     other.write_text("name: another scene\n")
     assert main([command, str(SCENE), "-o", str(other)]) == 2
-    assert "got a file that is not a result" in capsys.readouterr().err
+    assert "got an existing file that is not a result" in capsys.readouterr().err
     assert other.read_text() == "name: another scene\n"
 
 
