@@ -69,5 +69,7 @@ onsuccess:
             for path in study.page_answers():
                 if path.endswith("answer.json"):
                     print(load_document(Path(path)).title, file=sys.stderr)
-        folder = os.environ.get("BEARINGWEAR_STUDY", "")  # from where the command was given
+        folder = os.environ.get(
+            "BEARINGWEAR_STUDY", ""
+        )  # from where the command was given
         print(f"page: {Path(folder, PAGE)}", file=sys.stderr)
