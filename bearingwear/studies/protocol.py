@@ -57,6 +57,7 @@ class Task:
     work: float = 0.0
     rule: str = ""  # of the workflow: its name after that of its study
     priority: int = 0  # jobs of a higher one start first
+    kernel: str = ""  # of its jobs: one alone starts while this is not compiled, others would wait
     # whether it takes every core: nothing is timed beside it, and `workers` of its function, if it
     # has them, are that many processes
     alone: bool = False

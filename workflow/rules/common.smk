@@ -13,6 +13,7 @@ from snakemake.logging import logger
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
 from bearingwear.document.document import load_document
+from bearingwear.kernels.build.folder import is_compiled
 from bearingwear.scene.changes import leaves
 from bearingwear.scene.read import as_data
 from bearingwear.studies import fork_server
@@ -47,6 +48,10 @@ for target in sys.argv[1:] if workflow.is_main_process else ():
     for study in STUDIES.values():
         if reason := study.refused(target):
             refuse(reason)
+
+# One job compiles the largest kernel, the others of its rule would wait for it.
+if workflow.resource_settings.nodes is None:
+    workflow.register_resource("compiler", 1)
 
 # Jobs on a cluster read this file as well, while results come and go.
 if workflow.is_main_process:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from bearingwear.solvers.effects.choice import LARGEST_KERNEL
 from bearingwear.studies.axis import GRID_KEYS, in_name
 from bearingwear.studies.grid.figures.drawn import bundles
 from bearingwear.studies.grid.grid import Case, Line
@@ -134,7 +135,8 @@ def _lived(plan: Plan) -> list[Step]:
             about="{scene}: a case solved dynamically",
             label="{scene}, dynamic: {case}",
             work=1.0,
-            priority=1,  # the longest jobs
+            priority=1,  # the longest to compile
+            kernel=LARGEST_KERNEL["dynamic"],
         ),
         step("wear_life", "wear_life.nc", "life.study_life", [*plan.grids], scene=SCENE,
             study="study.nc", label="{scene}: wear life", work=1.0),
