@@ -248,7 +248,7 @@ EFFECTS = (
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
         "the preload of the fixed position by {value:+.0f} % of its initial value",
-        "add a block temperature or thermal to the scene",
+        "add a temperature or thermal block to the scene",
         modelled=growth.temperature,
     ),
     Effect(

@@ -253,10 +253,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         said.append(f"{mine.sentence}, including all uncertain values.")
         if mine.longest:
             said.append(
-                sentence(
-                    f"{method_words(scene, method)} gives the longer life in {mine.longest.text} % "
-                    "of bearings, each with the same uncertain values by either method"
-                )
+                f"{_as_subject(found, method)} gives the longer life in {mine.longest.text} % of "
+                "bearings, each with the same uncertain values by either method."
             )
     else:
         band, taken = band_by_wear(scene, life)
