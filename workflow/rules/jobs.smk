@@ -19,10 +19,10 @@ for study in STUDIES.values():
             wildcard_constraints:
                 **job.matches,
             priority: job.priority
-            resources:
-                compiler=int(bool(job.kernel) and not is_compiled(job.kernel)),
             localrule: not job.work
             threads: (workflow.resource_settings.cores or 1) if job.alone else 1
+            resources:
+                compiler=int(bool(job.kernel) and not is_compiled(job.kernel)),
             params:
                 made_from=made_from(job),
                 calls=calls_of(job),
