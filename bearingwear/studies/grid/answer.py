@@ -258,7 +258,7 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
     counts = f"Life counts the wear of {WORDS[lives[0].counts]}."
     if not any(life.spread for life in lives):
-        return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}f"
+        return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
         f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which includes all "
         f"uncertain values of the scene. {causes_told(scene)}"
