@@ -28,7 +28,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Rough, in_print, key_in_words, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.results.words import scene_of
-from bearingwear.scene.changes import leaves
+from bearingwear.scene.checking.errors import leaves
 
 _TEMPLATE, _STYLE, _SCRIPT = (
     Path(__file__).with_name(name) for name in ("page.html", "page.css", "page.js")

@@ -14,7 +14,7 @@ from bearingwear.results.kinds import kind_of
 from bearingwear.results.netcdf import CaseFileError, opened
 from bearingwear.results.units import display
 from bearingwear.results.variables import CASE, DIAGNOSTICS, LIFE
-from bearingwear.scene.changes import leaves
+from bearingwear.scene.checking.errors import leaves
 
 SAID_OF_RESULTS = ("fidelity", "modelled", "settled")
 """Attributes that say what was solved; the others say how a file was made."""
@@ -72,7 +72,7 @@ def difference(
         if kind != other_kind:
             raise CaseFileError(
                 f"{os.fspath(second)}: got a {other_kind} and a {kind}, expected two files of the "
-                f"same kind"
+                "same kind"
             )
         found = file_differences(a, b, tolerance)
     lines = [f"A {os.fspath(first)}", f"B {os.fspath(second)}", "", *_lines(found)]

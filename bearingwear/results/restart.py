@@ -13,7 +13,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.provenance import source_hash
 from bearingwear.results.netcdf import CaseFileError, opened
 from bearingwear.scene.accuracy import REGULARISATION
-from bearingwear.scene.changes import leaves
+from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.scene import Scene
 
 MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGULARISATION)

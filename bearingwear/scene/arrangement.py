@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.scene.checking.errors import SceneError, shown
-from bearingwear.scene.checking.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError, leaves, shown
+from bearingwear.scene.checking.records import keyed, reduced, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -80,7 +79,7 @@ class Arrangement:
     # fmt: on
 
     def __post_init__(self) -> None:
-        flat = dict(flat_keys(self.second))
+        flat = flat_keys(self.second)
         for key in flat:
             block, _, name = key.partition(".")
             shared = block == "operation" and name in SHARED_KEYS
@@ -100,9 +99,7 @@ class Arrangement:
         return hash((*given, repr(dict(self.second))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # a mapping proxy can be neither pickled nor copied
-        plain: dict[str, Any] = {**self.__dict__, "second": dict(self.second)}
-        return partial(Arrangement, **plain), ()
+        return reduced(self)
 
     @property
     def is_pair(self) -> bool:
@@ -117,14 +114,9 @@ class Arrangement:
         return free and alone and not self.second and self.external_axial_N == 0.0
 
 
-def flat_keys(block: Mapping[str, Any], above: str = "") -> Any:
+def flat_keys(block: Mapping[str, Any]) -> dict[str, Any]:
     """Keys with all their parts, and their values; blocks within blocks are keys too."""
-    for name, value in block.items():
-        key = f"{above}.{name}" if above else name
-        if isinstance(value, Mapping):
-            yield from flat_keys(value, key)
-        else:
-            yield key, tuple(value) if isinstance(value, list) else value
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in leaves(block).items()}
 
 
 def _check_kind(a: Arrangement) -> None:

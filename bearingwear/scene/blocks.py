@@ -84,7 +84,7 @@ class Material:
         "(0, 100]", default=None)
     thermal_expansion_1_K: float | None = setting(
         f"Linear thermal expansion ({STEEL_EXPANSION:g}, bearing steel, assumed if omitted, "
-        f"required for different materials with temperatures)", "1/K", "[0, 1e-4]",
+        "required for different materials with temperatures)", "1/K", "[0, 1e-4]",
         default=None)
     film: Film | None = setting(
         "A solid film on the balls or races of this material, none if omitted", default=None)
@@ -255,8 +255,7 @@ SEEN_AS = {
 
 @keyed
 class Calibrated:
-    """Tests from which `bearingwear calibrate` derived friction and wear coefficients of a "
-    "scene."""
+    """Tests from which `bearingwear calibrate` derived friction and wear coefficients."""
 
     tests: str = setting("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")
     sha256: str = setting("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)

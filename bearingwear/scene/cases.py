@@ -39,7 +39,7 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
         if name == NOMINAL or not re.fullmatch(NAME, name):
             problem = f"got {shown(name)}, expected another name: {NOMINAL} is the scene itself"
             raise SceneError("cases", problem)
-        found[name] = dict(flat_keys(changes))
+        found[name] = flat_keys(changes)
         for key in found[name]:
             if key in SHARED_BY_CASES or key.partition(".")[0] in SHARED_BY_CASES:
                 problem = f"got {shown(found[name][key])}, which all cases share"

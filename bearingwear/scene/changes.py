@@ -16,17 +16,6 @@ METHOD_KEY, KIND_KEY = "operation.preload_method", "arrangement.kind"
 KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 
 
-def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Values of nested data by their whole keys, `operation.preload_N`."""
-    found: dict[str, Any] = {}
-    for key, value in block.items():
-        if isinstance(value, Mapping):
-            found |= leaves(value, f"{path}{key}.")
-        else:
-            found[f"{path}{key}"] = value
-    return found
-
-
 def changes_of(texts: Iterable[str]) -> dict[str, Any]:
     """Changes from texts `operation.preload_N=9`, as `--set` takes them, their values in YAML.
 

@@ -22,8 +22,7 @@ class Film:
     # fmt: off
     wear_coefficient: float | None = setting(
         "Wear coefficient of the film (if omitted, the value of friction.film, for a cage, its "
-        "own)", "1",
-        _SHARE, default=None)
+        "own)", "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, the value of "
         "friction.film or of the material below, for a cage, its own)", "GPa", "[0.001, 100]",
         default=None)
@@ -50,22 +49,19 @@ class FilmFriction:
     shear_strength_MPa: float = setting("Shear strength S_0 of the film without pressure", "MPa",
         "[0, 10000]")
     pressure_coefficient: float = setting("Increase alpha_S of its shear strength with pressure",
-        "1",
-        "[0, 2]", default=0.0)
+        "1", "[0, 2]", default=0.0)
     thickness_um: float | None = setting("Thickness of the film on each race when new "
         "(materials.NAME.film for balls), never worn through if omitted", "um", _THICKNESS,
         default=None)
     wear_coefficient: float | None = setting(
         "Wear coefficient of both surfaces while a film remains (if omitted, the values of the "
-        "materials)",
-        "1", _SHARE, default=None)
+        "materials)", "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting(
         "Hardness of the film (if omitted, the value of the material below)", "GPa", "[0.001, 100]",
         default=None)
     bare_ball_race: float | None = setting(
         "Coulomb coefficient where the film is worn through (if omitted, the value of the film)",
-        "1",
-        "[0, 2]", default=None)
+        "1", "[0, 2]", default=None)
     pressure_exponent: float | None = setting("Exponent of the film wear rate over mean contact "
         "pressure, relative to reference_pressure_GPa (none if omitted)", "1", "[0, 10]",
         default=None)
@@ -134,7 +130,7 @@ def check_films(scene: Scene) -> None:
         raise SceneError(
             "friction.film.thickness_um",
             f"got {given.thickness_um:g} with materials.{b.race_material}.film, which also coats "
-            f"the races, expected one of the two",
+            "the races, expected one of the two",
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)

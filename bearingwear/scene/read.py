@@ -220,9 +220,7 @@ def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
     return plain
 
 
-def variant(
-    source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Mapping[str, Any]
-) -> Scene:
+def variant(source: Source, changes: Mapping[str, Any]) -> Scene:
     """A scene with some of its values replaced, checked.
 
     changes: `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out
@@ -237,10 +235,10 @@ def variant(
     return changed_scene(data, changes, name)
 
 
-_CHECKED_ALONE = frozenset(
-    {"bearing", "materials", "operation", "arrangement", "temperature", "thermal", "fits"}
-    | {"friction", "lubricant", "wear"}
-)
+_CHECKED_ALONE = {
+    *("bearing", "materials", "operation", "arrangement", "temperature", "thermal", "fits"),
+    *("friction", "lubricant", "wear"),
+}
 """Blocks on which nothing elsewhere depends but what a scene checks when it is made."""
 
 _END = "wear.end_of_life"

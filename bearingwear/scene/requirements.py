@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import keyed, setting
+from bearingwear.scene.checking.records import keyed, reduced, setting
 
 _G, _DENSITY = "[0, 1e5]", "(0, 1e4]"
 
@@ -116,10 +115,7 @@ class Drive:
         return hash((self.torque_Nm, repr(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # a mapping proxy can be neither pickled nor copied
-        plain: dict[str, Any]
-        plain = {k: dict(v) if isinstance(v, Mapping) else v for k, v in self.__dict__.items()}
-        return partial(Drive, **plain), ()
+        return reduced(self)
 
     @property
     def rule(self) -> Mapping[str, float]:

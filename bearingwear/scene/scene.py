@@ -31,8 +31,8 @@ from bearingwear.scene.blocks import (
     Wear,
 )
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
-from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, setting, whole
+from bearingwear.scene.checking.errors import SceneError, leaves
+from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, reduced, setting, whole
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.requirements import Drive, Launch
 from bearingwear.scene.uncertain import (
@@ -103,9 +103,8 @@ class Scene:
         "Accelerations of the stationary rotor at launch, none if omitted", default=None)
     drive: Drive | None = setting("Drive of the shaft, for its torque margin, none if omitted",
         default=None)
-    temperature: Temperature | None = setting("Temperatures of the parts, mounting temperature if "
-        "omitted",
-        default=None)
+    temperature: Temperature | None = setting(
+        "Temperatures of the parts, mounting temperature if omitted", default=None)
     thermal: Thermal | None = setting(
         "Network that computes the temperatures of rings and balls from the friction heat",
         default=None)
@@ -125,8 +124,7 @@ class Scene:
         "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
         default=None)
     cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions, each a "
-        "named case with the keys of the scene that change and their values",
-        least=1,
+        "named case with the keys of the scene that change and their values", least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
     model: Model = setting("Choice of model and accuracy, overrides the choice of the program",
@@ -164,8 +162,6 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """In a notebook: the line, and every key below it."""
-        from bearingwear.scene.changes import leaves
-
         rows = "".join(
             f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"
             for key, value in leaves(self.to_dict()).items()
@@ -178,11 +174,7 @@ class Scene:
         return hash((plain, repr(dict(self.cases or {}))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # a mapping proxy can be neither pickled nor copied
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        plain: dict[str, Any]
-        plain = {key: dict(v) if isinstance(v, Mapping) else v for key, v in values.items()}
-        return functools.partial(Scene, **plain), ()
+        return reduced(self)
 
     def nominal(self, name: str) -> float:
         """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""

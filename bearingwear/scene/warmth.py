@@ -91,9 +91,8 @@ class Fits:
         "[-5000, 5000]", default=0.0)
     shaft_bore_mm: float = setting("Bore diameter of the shaft, 0 if solid", "mm", "[0, 20000]",
         default=0.0)
-    shaft_material: str | None = setting("Material of the shaft, the material of the races if "
-        "omitted",
-        pattern=NAME, default=None)
+    shaft_material: str | None = setting(
+        "Material of the shaft, the material of the races if omitted", pattern=NAME, default=None)
     housing_material: str | None = setting(
         "Material of the (thick) housing, the material of the races if omitted", pattern=NAME,
         default=None)
@@ -189,8 +188,7 @@ def _check_expansions(scene: Scene) -> None:
             raise SceneError(
                 key,
                 f"got a temperature {abs(kelvin):g} K from the mounting temperature, expected at "
-                f"most "
-                f"{most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
+                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
 

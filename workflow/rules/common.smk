@@ -14,7 +14,7 @@ from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
 from bearingwear.document.document import load_document
 from bearingwear.kernels.build.folder import is_compiled
-from bearingwear.scene.changes import leaves
+from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.read import as_data
 from bearingwear.studies import fork_server
 from bearingwear.studies.protocol import flat_files
@@ -49,9 +49,10 @@ for target in sys.argv[1:] if workflow.is_main_process else ():
         if reason := study.refused(target):
             refuse(reason)
 
-# One job compiles the largest kernel, the others of its rule would wait for it.
+# While one job compiles the largest kernel, those that need it wait: one core is for the others.
 if workflow.resource_settings.nodes is None:
-    workflow.register_resource("compiler", 1)
+    cores = workflow.resource_settings.cores or 1
+    workflow.register_resource("compiler", max(1, cores - 1))
 
 # Jobs on a cluster read this file as well, while results come and go.
 if workflow.is_main_process:

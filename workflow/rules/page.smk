@@ -69,7 +69,6 @@ onsuccess:
             for path in study.page_answers():
                 if path.endswith("answer.json"):
                     print(load_document(Path(path)).title, file=sys.stderr)
-        folder = os.environ.get(
-            "BEARINGWEAR_STUDY", ""
-        )  # from where the command was given
+        # the folder from where the command was given
+        folder = os.environ.get("BEARINGWEAR_STUDY", "")
         print(f"page: {Path(folder, PAGE)}", file=sys.stderr)

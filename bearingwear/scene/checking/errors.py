@@ -47,6 +47,15 @@ def key_path(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
 
+def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    """Values of nested data by their whole keys, `operation.preload_N`."""
+    found: dict[str, Any] = {}
+    for name, value in block.items():
+        key = key_path(path, name)
+        found |= leaves(value, key) if isinstance(value, Mapping) else {key: value}
+    return found
+
+
 def yaml_number(value: float) -> str:
     """A number written so that every YAML reader takes it for one: 1.0e-5, not 1e-05."""
     mantissa, e, exponent = repr(value).partition("e")

@@ -98,6 +98,14 @@ def keyed(record_type: type[R]) -> type[R]:
     return dataclass(frozen=True, kw_only=True)(record_type)
 
 
+def reduced(record: Any) -> tuple[Any, ...]:
+    """`__reduce__` of a record with mapping proxies, which can be neither pickled nor copied."""
+    values = {f.name: getattr(record, f.name) for f in fields(record)}
+    plain = {name: dict(v) if isinstance(v, Mapping) else v for name, v in values.items()}
+    kind: Any = type(record)
+    return functools.partial(kind, **plain), ()
+
+
 @dataclass(frozen=True)
 class Part:
     """A field of a record, resolved."""
