@@ -99,9 +99,8 @@ def command_parser() -> argparse.ArgumentParser:
 def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
     calibrate.add_argument("tests", metavar="TESTS.csv",
-        help="a table with a line of column names and a line per test; columns: keys of the "
-            "scene, and one of "
-        f"{', '.join(SEEN)}")
+        help="a table with a line of column names and a line per test; columns: keys of the scene, "
+        f"and one of {', '.join(SEEN)}")
     calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
         help="the scene to write; an .nc file of the same name contains the values before and "
         "after")
@@ -116,8 +115,8 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
         "ends; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
-        help="minimum shaft turns of a run; default 30; a hanging cage may change its motion "
-            "after hundreds of turns")
+        help="minimum shaft turns of a run; default 30; a hanging cage may change its motion after "
+        "hundreds of turns")
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
         help="maximum shaft turns of a run that has not settled; default 150")
     cage.add_argument("--life", action="store_true",
@@ -155,8 +154,7 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
         help="preload class, instead of --preload; default light. With --maker, a class of the "
-            "maker: EL, L, M, H "
-        "for NSK, L, M, F for SNFA; default L")
+        "maker: EL, L, M, H for NSK, L, M, F for SNFA; default L")
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument("--clearance", choices=CLEARANCES,
         help="radial clearance group of a deep groove bearing, which determines its free contact "
@@ -233,9 +231,9 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all", type=_study_name,
         metavar="SCENE.yaml | NAME | FILE",
-        help=f"a scene, for its own study (wear states, lives and their spread, recommended "
-            f"preload, page); a study of the current folder: {', '.join(NAMES)}; or one of its "
-        f"results, results/..., to compute it again; default: the main study")
+        help="a scene, for its own study (wear states, lives and their spread, recommended "
+        f"preload, page); a study of the current folder: {', '.join(NAMES)}; or one of its "
+        "results, results/..., to compute it again; default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
         help="folder of the study of a scene; default: named after the scene's file")
     study.add_argument("-j", "--jobs", type=int, metavar="N",
@@ -243,8 +241,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
     _add_limits(study)
     study.epilog = (
         "Further arguments are passed to Snakemake; they follow the name of a study, as in "
-        "`bearingwear study "
-        "all --configfile other.yaml`."
+        "`bearingwear study all --configfile other.yaml`."
     )
 
 
@@ -274,7 +271,7 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
         "more")
     sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
         help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format of "
-            "ross.BearingElement.load")
+        "ross.BearingElement.load")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
         help="bearing of a pair; default 1")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",

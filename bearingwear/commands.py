@@ -353,7 +353,7 @@ def _tried(path: str) -> list[str]:
 
     if not is_compiled(LARGEST_KERNEL["steady"]):
         return [
-            f"not solved yet: the first solve compiles the solver, which takes up to "
+            "not solved yet: the first solve compiles the solver, which takes up to "
             f"{compile_time()}"
         ]
     from bearingwear.scene.read import load_scene
@@ -372,8 +372,7 @@ def _tried(path: str) -> list[str]:
         axial, radial = (1e-6 * one for one in pair.rigidity)
         lines.append(
             f"a rigid pair of these bearings at rest: {axial:.3g} N/um axial, {radial:.3g} "
-            f"radial; an axial "
-            f"force of {pair.lift_off:.3g} N unloads one bearing"
+            f"radial; an axial force of {pair.lift_off:.3g} N unloads one bearing"
         )
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 

@@ -14,7 +14,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
 from bearingwear.solvers.compose import worn_bearings
-from bearingwear.solvers.condition import Accuracy, innermost
+from bearingwear.solvers.condition import innermost
 from bearingwear.solvers.rotor import states_of
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint
@@ -51,7 +51,6 @@ class Grooves:
         scene: Scene,
         cells: tuple[int, int] = WORN_CELLS,
         step: float = STEP,
-        accuracy: Accuracy = Accuracy.CHECKED,
         only_times: bool = False,
         rough: bool = False,
     ):
@@ -60,7 +59,7 @@ class Grooves:
         self.by_stiffness = end is not None and end.system_axial_stiffness_N_um is not None
         self.only_times = only_times
         self.solves = 0
-        self.status, self.bearings = worn_bearings(scene, cells, accuracy)
+        self.status, self.bearings = worn_bearings(scene, cells)
         self.sides: tuple[Worn, ...] = ()
         if self.status == code.OK:
             self.sides = tuple(map(innermost, self.bearings.sides))

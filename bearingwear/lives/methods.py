@@ -45,8 +45,8 @@ class Simpson(Method):
 
     def __init__(self, tolerance: float, first: float, farthest: float | None = None):
         self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
-        self.farthest, self.quick = farthest, farthest is not None
-        if self.quick:
+        self.farthest = farthest
+        if farthest is not None:
             self.root = tolerance
 
     def at(self, x: float) -> Node:
@@ -56,9 +56,10 @@ class Simpson(Method):
         start = life.last
         if self._solved and start.x < bound < self._solved.end:
             return self._part(start, self._solved, bound)
-        self.tried = h = min(self.length, bound - start.x)
+        h = min(self.length, bound - start.x)
         if self.farthest is not None and self.farthest - start.x > self.shortest:
-            self.tried = h = min(h, self.farthest - start.x)
+            h = min(h, self.farthest - start.x)
+        self.tried = h
         end = start.x + h
         nodes = [self.at(x) for x in (*(start.x + share * h for share in QUARTERS), end)]
         failed = [node for node in nodes if node.status != code.OK]
@@ -79,7 +80,7 @@ class Simpson(Method):
             error=error,
             is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
         )
-        self._solved = step if self.quick and not step.is_rough else None
+        self._solved = step if self.farthest is not None and not step.is_rough else None
         return step
 
     def _part(self, start: Node, step: LifeStep, end: float) -> LifeStep:

@@ -14,7 +14,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import largest_loss
 from bearingwear.lives.follow import Node, States
-from bearingwear.lives.surfaces import Coating, FilmWear
+from bearingwear.lives.surfaces import Coating, FilmWear, wear_through
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
@@ -188,10 +188,7 @@ class Motion:
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
-        part = event
-        for films, depths in self.films_at(node.worn):
-            films.wear_through(part, depths)
-            part -= films.cover.size
+        wear_through(self.films_at(node.worn), event)
         self.gone.append(event)
         self._since = node.x, node.worn
         return True

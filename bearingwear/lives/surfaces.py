@@ -4,7 +4,7 @@ The state depends on what each bearing has lost, and, where films or running in 
 surface wears, on how deep that is.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, largest_loss
-from bearingwear.lives.follow import Life, Method, Node, States, follow
+from bearingwear.lives.follow import Life, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing.films import (
@@ -56,6 +56,13 @@ class Coating:
     def wear_through(self, part: int, depths: np.ndarray) -> None:
         """The film of a part is gone, if it is one of these, and any other with nothing left."""
         self.cover &= (self.left(depths) > 0.0) & (np.arange(self.cover.size) != part)
+
+
+def wear_through(films: Iterable[tuple[Coating, np.ndarray]], film: int) -> None:
+    """A film is gone, by its number along coatings with their depths [m]; see `Coating`."""
+    for coating, depths in films:
+        coating.wear_through(film, depths)
+        film -= coating.cover.size
 
 
 class EvenWear:
@@ -192,19 +199,21 @@ class Surfaces:
     def wears(self, node: Node) -> bool:
         return min(one.rate.min() for one in node.states) > 0.0
 
+    def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
+        """Films of each bearing, with the depths there [m]."""
+        return [(one.coating, one.depths(part)) for one, part in self.parts(worn)]
+
     def events(self, node: Node) -> np.ndarray:
-        parts = [*self.parts(node.worn)]
+        parts = self.parts(node.worn)
         room = (1.0 - one.condition(part, self.counts).loss / one.largest for one, part in parts)
-        films = [one.coating.left(one.depths(part)) for one, part in parts]
+        films = [coating.left(depths) for coating, depths in self.films_at(node.worn)]
         return np.concatenate([[min(room)], *films])
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
         if event < 1:
             return False
-        for wear, part in self.parts(node.worn):
-            wear.coating.wear_through(event - 1, wear.depths(part))
-            event -= wear.coating.cover.size
+        wear_through(self.films_at(node.worn), event - 1)
         return True
 
 
@@ -243,10 +252,8 @@ def surface_life(
     if len(scene.sides) == 1 and not follows_depths(scene):
         wearing = Surfaces(scene, states, own)
         wearing.origin = float(wearing.start[0])
-        method: Method = Simpson(tolerance, first)
-        if quick:
-            tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
-            method = Simpson(tolerance, first, _largest_permitted(scene))
+        quickly = max(tolerance, _QUICK), _LONGER_FIRST * first, _largest_permitted(scene)
+        method = Simpson(*quickly) if quick else Simpson(tolerance, first)
         life = follow(wearing, ends, method)
     else:
         each = {k: along(k, tolerance, first) for k in counts}

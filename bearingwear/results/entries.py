@@ -70,10 +70,9 @@ def common_attributes() -> dict[str, Any]:
 
 def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     """Variables and global attributes of a result, in the order of the table."""
-    values, table = result.values, _table(result)
-    is_life = "end_criterion" in values
+    values, scene = result.values, _scene(result.attrs.get("scene", "{}"))
+    table, is_life = _table(values, scene), "end_criterion" in values
     require_known(values, {*table, STRIP_POSITION.name, *TIME})
-    scene = _scene(result.attrs.get("scene", "{}"))
     given = {name: stored_data(table[name], values[name]) for name in table if name in values}
     sizes = _sizes(table, given, scene)
     solved = {
@@ -99,7 +98,8 @@ def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
 def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entry], dict[str, Any]]:
     """`entries_of` results of the same shapes, variables along a new first dimension."""
     entries, attrs = entries_of(results[0])
-    table, given = _table(results[0]), results[0].values
+    given = results[0].values
+    table = _table(given, _scene(results[0].attrs.get("scene", "{}")))
     for name, (dims, data, attributes, fill) in entries.items():
         if name in table:  # no coordinate
             if name in given:
@@ -110,9 +110,9 @@ def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entr
     return entries, attrs
 
 
-def _table(result: Result) -> Mapping[str, Variable]:
-    table = LIFE if "end_criterion" in result.values else CASE
-    return of_pair(table) if is_pair(_scene(result.attrs.get("scene", "{}"))) else table
+def _table(values: Mapping[str, Any], scene: Mapping[str, Any]) -> Mapping[str, Variable]:
+    table = LIFE if "end_criterion" in values else CASE
+    return of_pair(table) if is_pair(scene) else table
 
 
 @functools.lru_cache(maxsize=4)

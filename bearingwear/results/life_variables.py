@@ -152,9 +152,8 @@ LIFE = table(
         "wear rate of the cage at its guiding land"),
     Variable("history_pocket_clearance", _STEP, "m",
         "diametral clearance between a pocket and the most worn ball", label="pocket clearance"),
-    Variable("history_guide_clearance", _STEP, "m", "diametral clearance between cage and guiding "
-                                                    "land",
-        label="guide clearance"),
+    Variable("history_guide_clearance", _STEP, "m",
+        "diametral clearance between cage and guiding land", label="guide clearance"),
     Variable("history_pocket_film_worn_share", _STEP, "1",
         "wear depth of the pockets, over the thickness of the cage's film",
         label="film worn off, pockets", shown="%"),

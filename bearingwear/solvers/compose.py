@@ -102,14 +102,12 @@ def _wrapped(solver: Solver) -> Solver:
     return solver if solver.scene.thermal is None else Warm(solver)
 
 
-def worn_bearings(
-    scene: Scene, cells: tuple[int, int], accuracy: Accuracy = Accuracy.CHECKED
-) -> tuple[int, Alone | OnRotor]:
+def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | OnRotor]:
     """The bearings of a scene with grooves that are followed as they wear, unworn at the start.
 
     Returns the status of the unworn state, and its bearings, which are `Worn` where it was found.
     """
-    bearings = solver_of(scene, "steady", accuracy, ROTOR_BALANCED).bearings
+    bearings = solver_of(scene, accuracy=Accuracy.CHECKED).bearings
     found = bearings.solve(bearings.start)
     if found.status != code.OK:
         return found.status, bearings

@@ -87,7 +87,8 @@ class Step(Task):
     inputs: Mapping[str, Given] = field(default_factory=dict)
     # all else that decides the result, as plain data
     settings: Mapping[str, Any] | Callable[[Any], Mapping[str, Any]] = field(default_factory=dict)
-    folder: str = ""  # of its study: where its files lie, and the steps before it by their outputs
+    # of its study: where its files lie, and the steps before it by their outputs
+    folder: str = ""
     before: Mapping[str, Step] = field(default_factory=dict)
     # place of figures (SVG) and tables (Markdown) in the report of the jobs; none without a caption
     caption: str = ""
@@ -231,8 +232,8 @@ class Bundle(Task):
     """Steps without wildcards in one process: Python starts more slowly than a figure is drawn."""
 
     steps: tuple[Step, ...]
-    folder: str  # where their files lie; where they stand in the report of the jobs
-    category: str
+    folder: str  # where their files lie
+    category: str  # where they stand in the report of the jobs
 
     matches: Mapping[str, str] = field(default_factory=dict, init=False)
     after: Sequence[str] = field(default=(), init=False)

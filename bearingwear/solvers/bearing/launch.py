@@ -92,9 +92,9 @@ class Balls(NamedTuple):
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
         """Stiffness of the bearing by position (4, 4)."""
-        # slopes of the length, and of the direction times the length
-        s, c, (axial, radial) = self.s[:, None], self.c[:, None], self.slopes
-        along, across = s * axial + c * radial, c * axial - s * radial
+        along, (axial, radial) = self.along, self.slopes
+        # slope of the direction, times the length
+        across = self.c[:, None] * axial - self.s[:, None] * radial
         k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
         return (along.T * k) @ along + (across.T * turn) @ across
 

@@ -104,9 +104,9 @@ class ThrustProblem:
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
         """The problem with half the regularisation, and with twice the points, `without_finer`."""
-        half, rule = self.op._replace(v_r=0.5 * self.op.v_r), self.rule
-        finer = parameters.quadrature(scene, refined=2)
-        return replace(self, op=half, fine_rule=rule), replace(self, rule=finer, fine_rule=finer)
+        halved = replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r))
+        doubled = replace(self, rule=parameters.quadrature(scene, refined=2))
+        return halved.without_finer, doubled.without_finer
 
     def undetermined(self) -> int:
         """Status that is known before any solve, or OK."""

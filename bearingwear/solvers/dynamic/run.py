@@ -195,8 +195,7 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} per turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes the place of the next "
-        f"one, to "
-        f"{motion.error:.1e} of the largest speed; {motion.sentence}{drift}"
+        f"one, to {motion.error:.1e} of the largest speed; {motion.sentence}{drift}"
     )
 
 

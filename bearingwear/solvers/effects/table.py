@@ -220,8 +220,7 @@ EFFECTS = (
         "groove_worn",
         _groove,
         "a wear depth of {loss:.3g} um is {value:.2g} times the gap between ball and groove at "
-        "the edge "
-        "of the ellipse; above {limit:g} the contact is no longer Hertzian",
+        "the edge of the ellipse; above {limit:g} the contact is no longer Hertzian",
         "pressure, slip and wear are estimates",
     ),
     Effect("model", modelled=lambda chosen: [f"{chosen.fidelity}: {chosen.why}"]),

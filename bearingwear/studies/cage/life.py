@@ -55,8 +55,8 @@ NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
 
 CAGE_LIFE = table(
     Variable("cage_life", (), "1", "shaft turns to the end"),
-    Variable("cage_life_interval", END.dims, "1", "90 % interval of the life due to the scatter "
-                                                  "of the runs"),
+    Variable("cage_life_interval", END.dims, "1",
+        "90 % interval of the life due to the scatter of the runs"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
         "90 % interval of the life including the uncertainty of the cage's wear coefficient"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),

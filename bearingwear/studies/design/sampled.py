@@ -47,6 +47,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     ones = [one for *_, one in points]
     found = [spread_at(one.sel(uncertain_inputs=ALL_INPUTS)) for one in ones]
     stated = [spread_at(one.sel(uncertain_inputs=ALL_BUT_WEAR)) for one in ones]
+    longest = tuple(one and one.longest for one in found)
     rows = [
         Row("method", "", tuple(name for name, *_ in points), "preload_method"),
         Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
@@ -58,11 +59,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
             f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
             tuple(rough_value(one and one.bearings) for one in stated), "life_wear_as_stated",
         ),
-        *(
-            [Row("longest life by this method", "%", tuple(one and one.longest for one in found))]
-            if any(one and one.longest for one in found)
-            else []
-        ),
+        *([Row("longest life by this method", "%", longest)] if any(longest) else []),
         Row("lives solved", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
         Row("of", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
     ]  # fmt: skip

@@ -198,8 +198,10 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
 
 
 def _compared(value: Any) -> Any:
-    """What cases share: without the description of their scene, and the kind of a pair, which the
-    preload method decides."""
+    """What cases must share: neither the description of their scene nor, of a pair, its kind.
+
+    The preload method decides the kind.
+    """
     if not isinstance(value, str) or not value.startswith("{"):
         return value
     scene = {key: part for key, part in json.loads(value).items() if key != "description"}

@@ -136,7 +136,7 @@ class Plan:
             if not load_scene(_scene_file(scene)).uncertainty:
                 raise ValueError(
                     f"config: uncertain_lives.scenes: got {scene}, whose file has no uncertainty, "
-                    f"expected scenes with one"
+                    "expected scenes with one"
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:

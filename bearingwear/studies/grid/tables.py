@@ -65,7 +65,7 @@ def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> str:
-    """Effect of wear to QV and preload, the wear life, and what could not be solved, as Markdown.
+    """Effect of wear on QV and preload, the wear life, and what could not be solved, as Markdown.
 
     `known` are files of the study of uncertainty, if there are any.
     """

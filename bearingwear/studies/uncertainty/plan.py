@@ -92,7 +92,7 @@ def uncertain_scene(
             raise SceneError(
                 f"uncertainty.{name}.median",
                 f"got {scene.nominal(name):g}, the scene's own value, expected a number > 0 for a "
-                f"lognormal distribution",
+                "lognormal distribution",
                 source=source,
             )
     return scene

@@ -100,7 +100,7 @@ def quantiles_and_indices(
         _add_longest([table[method, choice] for method in methods])
     names = tuple(problem_scene.uncertainty or {})
     quantity = Variable("quantity", ("quantity",), "", "uncertain value", dtype="i1", flags=names)
-    rows = [row for row, *_ in table.values()]
+    rows = [one.row for one in table.values()]
     return _dataset(problem_scene, plan, methods, PRELOAD_CHOICES, rows, {quantity: None})
 
 
@@ -207,21 +207,20 @@ def _quantiles_at(
         if tell:
             tell(f"{method}: sampling {len(rows)} lives, and as many of batches")
         found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
-        life = found.life[1 : len(rows) + 1]
-        solved = found.status[1 : len(rows) + 1] == OK
-        analysed = {
+        independent, known = slice(1, len(rows) + 1), worse(found.cost)
+        life, solved = found.life[independent], found.status[independent] == OK
+        row = {
             "preload": preload,
             "evaluations": solved.size,
             "solved_share": solved.mean(),
             "nominal_life": found.life[0] * HOURS_PER_SECOND,
             **found.cost,
-            **batches.quantiles(found.life[len(rows) + 1 :], worse(found.cost)),
+            **batches.quantiles(found.life[len(rows) + 1 :], known),
+            **_quantiles_of(life * HOURS_PER_SECOND, found.wear_factor[independent], known),
         }
-        factor, known = found.wear_factor[1 : len(rows) + 1], worse(found.cost)
-        analysed |= _quantiles_of(life * HOURS_PER_SECOND, factor, known)
-        table.append(Analysed(analysed, life, known))
+        table.append(Analysed(row, life, known))
     _add_longest(table)
-    return _dataset(scene, plan, list(preloads), [choice], [row for row, *_ in table])
+    return _dataset(scene, plan, list(preloads), [choice], [one.row for one in table])
 
 
 def _dataset(
@@ -273,7 +272,8 @@ def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Samp
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
     halves = [np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)]
-    found |= _quantiles_of(halves[0], halves[1], worse(found))
+    known = worse(found)
+    found |= _quantiles_of(halves[0], halves[1], known)
     shape = 2, len(scene.uncertainty or {}), 2
     for name, variable in ANALYSED.items():
         if variable.dims == INDEX:
@@ -289,7 +289,7 @@ def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Samp
     of_batches = lives(at_preload, batches.rows)
     found |= batches.quantiles(of_batches.life, worse(of_batches.cost))
     found["class_index"] = class_indices(at_preload, plan)
-    return Analysed(found | _one_at_a_time(at_preload), halves[0], worse(found))
+    return Analysed(found | _one_at_a_time(at_preload), halves[0], known)
 
 
 def _add_longest(methods: Sequence[Analysed]) -> None:
@@ -315,23 +315,26 @@ def longest_shares(life: np.ndarray, known: Sequence[Stated]) -> np.ndarray:
     share = sum(one.share for one in known)
     for k in range(2):
         lives = life[:, np.isfinite(life[..., k]).all(axis=0), k]
-        count = lives.shape[1]
-        if not count:
+        if not lives.size:
             continue
-        for m, own in enumerate(lives):
-            others = np.delete(lives, m, axis=0)
-            apart = np.delete(error, m, axis=0)
-            surely = (own * (1.0 - error[m]) > others * (1.0 + apart)).all(axis=0).sum()
-            maybe = (own * (1.0 + error[m]) > others * (1.0 - apart)).all(axis=0).sum()
-            least, most = (
-                stats.binomtest(int(n), count).proportion_ci(CONFIDENCE) for n in (surely, maybe)
+        least, most = lives * (1.0 - error), lives * (1.0 + error)
+        for m in range(len(lives)):
+            others = np.arange(len(lives)) != m
+            is_longest, is_surely, is_maybe = (
+                (own[m] > other[others]).all(axis=0)
+                for own, other in ((lives, lives), (least, most), (most, least))
             )
             found[m, :, k] = (
-                (own > others).all(axis=0).mean(),
-                max(least.low - share, 0.0),
-                min(most.high + share, 1.0),
+                is_longest.mean(),
+                max(_interval(is_surely).low - share, 0.0),
+                min(_interval(is_maybe).high + share, 1.0),
             )
     return found
+
+
+def _interval(happened: np.ndarray) -> Any:
+    """Confidence interval of a probability, by what happened how often."""
+    return stats.binomtest(int(happened.sum()), happened.size).proportion_ci(CONFIDENCE)
 
 
 def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:

@@ -108,9 +108,8 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "are absolute values relative to each scene's reference (`config/accuracy.yaml`). The "
         "first column is the median over the scenes; the others refer to the worst scene and, for "
         "a single contact, to the worse contact. All other settings are as in the reference. "
-        "Speeds are relative to "
-        "that reference: medians over the scenes, with compiled code on an idle machine. "
-        f"Scenes: {scenes}.",
+        "Speeds are relative to that reference: medians over the scenes, with compiled code on an "
+        f"idle machine. Scenes: {scenes}.",
         f"Repeated runs agree within a factor of {tolerance.error:g} in errors and "
         f"{tolerance.time:g} in times. Errors below {100.0 * tolerance.floor:g} % (dynamic: "
         f"{100.0 * tolerance.floor_dynamic:g} %) are noise. The study checks these tables.",

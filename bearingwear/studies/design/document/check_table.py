@@ -85,9 +85,8 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
         f"and near {middle}. Life counts {in_words(scene['wear']['counts'])}. "
         f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state: agreement "
-        f"means that the motion remains in that state, not that every start leads to it. The "
-        f"gyroscopic "
-        "slip share has no error estimate."
+        "means that the motion remains in that state, not that every start leads to it. The "
+        "gyroscopic slip share has no error estimate."
     )
     settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
     made = Document(
