@@ -184,7 +184,7 @@ def _headline(name: str, lives: Sequence[MethodLife], contests: Sequence[_Contes
     if winners == {None}:
         return f"{name}: both preload methods give the same life"
     if len(winners) == 1:
-        return f"{name}: {in_words(str(*winners))} gives the longest life"
+        return f"{name}: {in_words(str(*winners))} gives the longer life"
     return f"{name}: the better preload method depends on friction"
 
 

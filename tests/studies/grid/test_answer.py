@@ -47,7 +47,7 @@ C, F = CONSTANT, FIXED
 TWO = [life(m, mu, 1.0 + ((mu == 0.1) == (m == C))) for mu in (0.1, 0.2) for m in (C, F)]
 OTHER = [life(m, 0.1, 3.0, scene="b") for m in PRELOAD_METHODS]
 EQUAL, NONE = "both preload methods give the same life", "neither preload method can be used"
-LONG = "{} gives the longest life"
+LONG = "{} gives the longer life"
 HEADLINES = [
     ([life(C, 0.1, 2.0), life(F, 0.1, 1.0)], LONG.format("constant force"), "2 times as long"),
     ([life(C, 0.1, 1.0), life(F, 0.1, 1.05)], LONG.format("fixed position"), "by 5 % at"),

@@ -201,7 +201,7 @@ def what_would_change_it(found: xr.Dataset) -> str:
         )
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
-    more = f"; {len(near) - NEAREST} others require larger changes" if len(near) > NEAREST else ""
+    more = "; larger changes of other values would do so too" if len(near) > NEAREST else ""
     said = "; or if ".join(text for _, text in near[:NEAREST])
     return f"{other} becomes the better method if {said}{more}."
 
