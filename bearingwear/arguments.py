@@ -25,6 +25,9 @@ from bearingwear.studies import NAMES
 
 BAD_INPUT = 2
 
+STUDY_NAMES = ", ".join(("a scene, MINE.yaml", "a file below results/", "all", *NAMES))
+"""What `study` accepts, for messages."""
+
 
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors take one line."""
@@ -229,7 +232,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
-    study.add_argument("name", nargs="?", default="all", type=_study_name,
+    study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
         help="a scene, for its own study (wear states, lives and their spread, recommended "
         f"preload, page); a study of the current folder: {', '.join(NAMES)}; or one of its "
@@ -323,11 +326,9 @@ def _speeds(text: str) -> list[float]:
         ) from None
 
 
-def _study_name(text: str) -> str:
-    if text not in ("all", *NAMES) and not text.endswith(SCENE_SUFFIXES) and not is_result(text):
-        allowed = ", ".join(("a scene, MINE.yaml", "a file below results/", "all", *NAMES))
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected {allowed}")
-    return text
+def is_study(text: str) -> bool:
+    """Whether `study` accepts it as the name of a study."""
+    return text in ("all", *NAMES) or text.endswith(SCENE_SUFFIXES) or is_result(text)
 
 
 def is_result(text: str) -> bool:

@@ -18,7 +18,7 @@ import re
 import sys
 from collections.abc import Sequence
 
-from bearingwear.arguments import BAD_INPUT, command_parser
+from bearingwear.arguments import BAD_INPUT, STUDY_NAMES, command_parser, is_study
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
 from bearingwear.studies import NAMES
@@ -121,16 +121,33 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         _sort_plot(parser, args)
     if args.command == "study":
         args.more, left = left, []
-        given = [one.option for key, one in LIMITED.items() if getattr(args, key) is not None]
-        given += ["--output"] if args.output is not None else []
-        if given and args.name in ("all", *NAMES):
-            parser.error(f"study: got {given[0]} without a scene; only allowed with SCENE.yaml")
+        _check_study(parser, args, argv)
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
     elif left:
         parser.error(f"got {left[0]!r}, an argument that this command does not accept")
     return args
+
+
+def _check_study(
+    parser: argparse.ArgumentParser, args: argparse.Namespace, argv: Sequence[str]
+) -> None:
+    """Refuse a name that is no study's, or that an option of Snakemake may take for its value."""
+    from bearingwear.studies.launch import DRY_RUN
+
+    options = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
+    if options and args.name in argv[argv.index(options[0]) :]:
+        parser.error(
+            f"study: got {args.name} after {options[0]}; the name of a study precedes it: "
+            f"`bearingwear study all {options[0]} {args.name}`"
+        )
+    if not is_study(args.name):
+        parser.error(f"study: got {args.name!r}, expected {STUDY_NAMES}")
+    given = [one.option for key, one in LIMITED.items() if getattr(args, key) is not None]
+    given += ["--output"] if args.output is not None else []
+    if given and args.name in ("all", *NAMES):
+        parser.error(f"study: got {given[0]} without a scene; only allowed with SCENE.yaml")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

@@ -238,6 +238,9 @@ def test_print_on_a_full_disk(unbuffered):
         ["solve", "a.yaml", "-o", "x.nc", "more"],
         ["solve", "a.yaml", "-o", "x.nc", "b\nc"],
         ["check", "a.yaml", "--set", "a=1", "b"],
+        ["study", "a"],
+        ["study", "--report", "results/a.html"],
+        ["study", "--report", "a.html", "a.yaml"],
     ],
 )
 def test_wrong_arguments(argv, capsys):
