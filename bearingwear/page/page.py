@@ -36,8 +36,8 @@ _TEMPLATE, _STYLE, _SCRIPT = (
 UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
     "QV": "Load times slip speed, integrated over a contact (W). Wear is proportional to QV.",
-    "constant force, fixed position": "Preload by a spring, whose force remains constant as parts "
-    "wear, or by a spacer, whose force decreases with wear.",
+    "constant force (spring pair), fixed position (rigid pair)": "Preload by a spring, whose force "
+    "remains constant as parts wear, or by a spacer, whose force decreases with wear.",
     "residual preload": "The axial force that remains at speed and after wear.",
     "slip, gyroscopic share": "The share of ball slip perpendicular to the rolling direction.",
     "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",

@@ -7,6 +7,7 @@ import xarray as xr
 from bearingwear.document.document import Block, Row
 from bearingwear.document.study import rough_value, spread_rows
 from bearingwear.document.table import flag_names
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
@@ -38,8 +39,14 @@ def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
 
 
 def _quantiles(uncertainty: xr.Dataset) -> Block:
+    scene = scene_of(uncertainty)
     points = [
-        (in_words(name), where, in_words(way), of_method.isel(preload_choice=c, loss_basis=k))
+        (
+            method_words(scene, name),
+            where,
+            in_words(way),
+            of_method.isel(preload_choice=c, loss_basis=k),
+        )
         for name, of_method in methods(uncertainty)
         for c, where in enumerate(flag_names(uncertainty["preload_choice"]))
         for k, way in enumerate(COUNTS)
@@ -65,7 +72,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     ]  # fmt: skip
     said = (
         f"{int(uncertainty.attrs['samples'])} base samples, seed "
-        f"{int(uncertainty.attrs['seed'])}. {causes_told(scene_of(uncertainty))}",
+        f"{int(uncertainty.attrs['seed'])}. {causes_told(scene)}",
         *_with_grooves(uncertainty),
     )
     return Block("Uncertainty of the life", rows=tuple(rows), axes=3, lines=said)
@@ -96,7 +103,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     used = []
     for method, of_method in methods(uncertainty):
         one = of_method.sel(preload_choice=preload_drawn(of_method)).isel(loss_basis=basis)
-        words = in_words(method)
+        words = method_words(scene_of(uncertainty), method)
         class_index = tuple(map(float, one["class_index"].values))
         rows.append(Row(f"{words}, within its kind", "", class_index, f"class_index.{method}"))
         for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):

@@ -12,6 +12,7 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import dataset_csv, table_of
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     load_quantiles,
 )
@@ -108,11 +109,13 @@ def _not_compared(lives: xr.Dataset) -> str:
 
 def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
     """Each case in words and its place in the grid."""
+    scene = scene_of(study)
     for i, (name, _) in enumerate(methods(study)):
+        words = method_words(scene, name)
         for j, mu in enumerate(study["friction"].values):
             for k, loss in enumerate(study["ball_diameter_loss"].values):
                 place = dict(zip(AXES, (i, j, k), strict=True))
-                yield f"{in_words(name)}, friction {mu:g}, loss {loss:g} µm", place
+                yield f"{words}, friction {mu:g}, loss {loss:g} µm", place
 
 
 def unsolved_cases(study: xr.Dataset, status: str = "status", model: str = "") -> Iterator[str]:

@@ -299,6 +299,7 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
             texts = figure.get_suptitle(), figure.axes[0].get_title(loc="left")
             said = " ".join(" ".join(texts).split())
             assert (f"gyro_s1, {bearing} bearing" in said) == (force > 0.0)
+            assert "fixed position" not in said and (path == lives or "rigid pair" in said)
 
 
 # verdict, tables, figures

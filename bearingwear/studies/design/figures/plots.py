@@ -19,6 +19,7 @@ from bearingwear.plotting.drawing import (
     method_keys,
     new_figure,
 )
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, preload_drawn, spread_at, spread_text
 from bearingwear.results.units import Rough, digits, display, span
 from bearingwear.results.words import in_words, methods, scene_of
@@ -70,15 +71,16 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
     basis = counted(uncertainty)
     said = []
     for panel, (name, one) in zip(panels[0], rows, strict=True):
+        words = method_words(scene_of(uncertainty), name)
         drawn = one.sel(preload_choice=preload_drawn(one), uncertain_inputs=ALL_INPUTS)
         draw_cumulated(panel, drawn, COLOURS[name])
-        panel.set_title(f"{in_words(name)}, {digits(float(drawn['preload']))} N")
+        panel.set_title(f"{words}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")
         panel.set_ylabel("share worn out")
         spread = spread_at(drawn.isel(loss_basis=basis))
         if spread:
             panel.axvspan(*spread.bearings, color=COLOURS[name], alpha=0.12, linewidth=0.0)
-        said.append(f"{in_words(name)}, {spread_text(spread)}")
+        said.append(f"{words}, {spread_text(spread)}")
     handles = [
         *(key(f"counting {in_words(w)}", color="0.3", linestyle=d) for w, d in LOSS_DASHES.items()),
         key(

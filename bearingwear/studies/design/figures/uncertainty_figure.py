@@ -15,6 +15,7 @@ from bearingwear.plotting.drawing import (
     method_keys,
     new_figure,
 )
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
@@ -45,7 +46,7 @@ QUANTITY_WORDS = {
 
 def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     """Spread of lives, the effect of each uncertain value, and the main one."""
-    rows = methods(uncertainty)
+    rows, scene = methods(uncertainty), scene_of(uncertainty)
     figure, panels = new_figure(len(rows), 3, 7.2, 2.9 * len(rows) + 0.9)
     basis = counted(uncertainty)
     names = quantities_of(uncertainty)
@@ -54,7 +55,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         colour = COLOURS[name]
         drawn = one.sel(preload_choice=preload_drawn(one))
         draw_cumulated(cumulated, drawn.sel(uncertain_inputs=ALL_INPUTS), colour)
-        cumulated.set_title(f"{in_words(name)}, {float(drawn['preload']):.3g} N")
+        cumulated.set_title(f"{method_words(scene, name)}, {float(drawn['preload']):.3g} N")
         cumulated.set_xlabel("wear life (h)")
         cumulated.set_ylabel("share worn out")
         _tornado(tornado, drawn.isel(loss_basis=basis), names, colour)
@@ -64,7 +65,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         row[2].set_yticks(row[1].get_yticks(), [])
         row[2].set_ylim(row[1].get_ylim())
     handles = [
-        *method_keys([name for name, _ in rows]),
+        *method_keys([name for name, _ in rows], scene),
         *(
             key(f"counting {in_words(way)}", color="0.3", linestyle=d)
             for way, d in LOSS_DASHES.items()

@@ -30,9 +30,10 @@ from bearingwear.plotting.drawing import (
     new_figure,
     race_keys,
 )
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spreads_of
 from bearingwear.results.units import Display, Interval, Rough, display
-from bearingwear.results.words import in_words, methods, mu_is, percent, scene_of
+from bearingwear.results.words import methods, mu_is, percent, scene_of
 
 WEAR_RATE = display("m3 s-1")
 
@@ -79,7 +80,8 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
         return "too few cases were solved to compare"
     first, last = np.flatnonzero(solved)[[0, -1]]
     ratios = " and ".join(
-        f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} ({in_words(name)})"
+        f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} "
+        f"({method_words(scene_of(state), name)})"
         for name, state in states
     )
     last_mu, first_mu = (mu_is(float(mu[k])) for k in (last, first))
@@ -101,7 +103,7 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
     for case, scene in zip(cases, scenes, strict=True):
         name, mu = scene["operation"]["preload_method"], scene["friction"]["ball_race"]
         if int(case["status"]) != OK:
-            failed.append(f"{in_words(name)}, {mu_is(mu)}")
+            failed.append(f"{method_words(scene, name)}, {mu_is(mu)}")
             continue
         shares[mu] = max(shares.get(mu, 0.0), float(case["gyroscopic_slip_share"].max()))
         for row, variable in zip(panels, ("rolling_slip", "gyroscopic_slip"), strict=True):
@@ -161,8 +163,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     frame(
         figure,
         (f"{bearing}: " if columns == 1 else "")
-        + f"QV in {in_words(name)} after {loss:g}\N{NO-BREAK SPACE}µm of wear, relative to new: "
-        + ", ".join(shares),
+        + f"QV in {method_words(scene, name)} after {loss:g}\N{NO-BREAK SPACE}µm of wear, "
+        "relative to new: " + ", ".join(shares),
         method_keys((name for name, _ in states), scene_of(studies[0]))
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
@@ -214,7 +216,7 @@ def life_figure(
             one = of_method.sel(friction=mu)
             end = ends[int(one["end_criterion"])]
             if int(one["status"]) not in (OK, CRITERION_NOT_REACHED):
-                failed.append(f"{in_words(name)}, {mu_is(mu)}")
+                failed.append(f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
             elif end not in met:
                 met.append(end)
             for k, column in zip(shown, panels.T, strict=True):
@@ -291,7 +293,7 @@ def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str)
 
 def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     found = [
-        (float(one["life"][-1]), f"{in_words(name)}, {mu_is(mu)}")
+        (float(one["life"][-1]), f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
         for name, of_method in methods(lives)
         for mu in frictions
         if int((one := of_method.sel(friction=mu))["status"]) == OK
