@@ -58,6 +58,7 @@ def surface_error(scene: Scene, life: Life) -> dict:
 def _changed_along(life: Life, states: Remembered, ends: Criteria) -> np.ndarray | None:
     """Relative change of a life by other states at its start, middle and end."""
     nodes = [life.nodes[k] for k in (0, len(life.nodes) // 2, -1)]
+    states.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
     others = [states.at(node.x) for node in nodes]
     if not all(one.is_solved for one in others):
         return None

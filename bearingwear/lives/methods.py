@@ -36,17 +36,17 @@ class Simpson(Method):
     """Adaptive Simpson integration of the time over the loss, t = integral of d(loss)/rate(loss).
 
     Both ways of counting wear (ball, ball and races) share the states and differ in the clock.
-    A quick life ends at a loss, `farthest`, or before: no step leads beyond it, and the time to an
-    end within a step is that of the quartic through its nodes.
+    A life ends at a loss, `farthest`, or before: no step leads beyond it. The time to an end within
+    a step of a quick life is that of the quartic through its nodes.
     """
 
     shorter = 0.5
     _solved: LifeStep | None = None  # the last step of a quick life, unless it was rough
 
-    def __init__(self, tolerance: float, first: float, farthest: float | None = None):
+    def __init__(self, tolerance: float, first: float, farthest: float, quick: bool):
         self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
-        self.farthest = farthest
-        if farthest is not None:
+        self.farthest, self.quick = farthest, quick
+        if quick:
             self.root = tolerance
 
     def at(self, x: float) -> Node:
@@ -57,7 +57,7 @@ class Simpson(Method):
         if self._solved and start.x < bound < self._solved.end:
             return self._part(start, self._solved, bound)
         h = min(self.length, bound - start.x)
-        if self.farthest is not None and self.farthest - start.x > self.shortest:
+        if self.farthest - start.x > self.shortest:
             h = min(h, self.farthest - start.x)
         self.tried = h
         end = start.x + h
@@ -80,7 +80,7 @@ class Simpson(Method):
             error=error,
             is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
         )
-        self._solved = step if self.farthest is not None and not step.is_rough else None
+        self._solved = step if self.quick and not step.is_rough else None
         return step
 
     def _part(self, start: Node, step: LifeStep, end: float) -> LifeStep:

@@ -252,8 +252,9 @@ def surface_life(
     if len(scene.sides) == 1 and not follows_depths(scene):
         wearing = Surfaces(scene, states, own)
         wearing.origin = float(wearing.start[0])
-        quickly = max(tolerance, _QUICK), _LONGER_FIRST * first, _largest_permitted(scene)
-        method = Simpson(*quickly) if quick else Simpson(tolerance, first)
+        if quick:
+            tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
+        method = Simpson(tolerance, first, _largest_permitted(scene), quick)
         life = follow(wearing, ends, method)
     else:
         each = {k: along(k, tolerance, first) for k in counts}

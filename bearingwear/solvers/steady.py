@@ -26,7 +26,6 @@ from bearingwear.solvers.bearing.outputs import (
     slips_across,
     stiffness_of_loads,
     wear_rates,
-    wear_values,
 )
 from bearingwear.solvers.bearing.stiffness import quasistatic_matrix
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, time_scale_values
@@ -109,39 +108,43 @@ class Steady:
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
-        g, c = problem.g, case.contacts
-        D = np.array([g.D0 - loss])
-        worn_by = c[None, :, summary.QV], c[None, :, summary.MAJOR], c[None, :, summary.TRACK]
-        wear = wear_values(self.scene, D, *worn_by)
+        g, c, D = problem.g, case.contacts, problem.g.D0 - loss
+        load, qv = c[:, summary.LOAD], c[:, summary.QV]
+        major, track = c[:, summary.MAJOR], c[:, summary.TRACK]
+        ball_rate, race_rate = wear_rates(self.scene, qv, major)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
-        used = friction_used(c[None, :, summary.FRICTION], D, gyroscopic, c[None, :, summary.LOAD])
         values = {
             "ball_diameter_loss": loss,
-            "ball_diameter_loss_rate": wear["ball_diameter_loss_rate"],
+            "ball_diameter_loss_rate": diameter_loss_rates(
+                g.n_balls, D, ball_rate, race_rate, major, track
+            ),
             "residual_preload": solution.force,
-            "contact_load": c[:, summary.LOAD],
+            "contact_load": load,
             "contact_angle": c[:, summary.ANGLE],
-            "semi_major_axis": c[:, summary.MAJOR],
-            "qv": c[:, summary.QV],
-            "total_qv": float(g.n_balls * c[:, summary.QV].sum()),
+            "semi_major_axis": major,
+            "qv": qv,
+            "total_qv": g.n_balls * float(qv.sum()),
             "gyroscopic_slip_share": c[:, summary.SHARE],
             "skid_ratio": case.skid,
             "maximum_pressure": float(c[:, summary.PRESSURE].max()),
             "axial_stiffness": solution.stiffness,
             "quasistatic_axial_stiffness": solution.quasistatic,
             "friction_power": self.heat(solution).total,
-            "ball_wear_rate": float(wear["ball_wear_rate"][0]),
-            "race_wear_rate": wear["race_wear_rate"],
+            "ball_wear_rate": float(ball_rate.sum()),
+            "race_wear_rate": g.n_balls * race_rate,
             "axial_displacement": solution.place,
-            "friction_used_by_gyroscopic_moment": float(used[0]),
+            "friction_used_by_gyroscopic_moment": float(
+                friction_used(c[:, summary.FRICTION], D, gyroscopic, load)
+            ),
             "friction_coefficient": c[:, summary.FRICTION],
         }
         if limits_depth(self.scene):
             motion = case.u[None], np.array([case.r]), c[None]
-            v1, v2 = slips_across(self.scene, g, problem.op, D, *motion)
+            v1, v2 = slips_across(self.scene, g, problem.op, np.array([D]), *motion)
             values["depth_peak"] = depth_peak(values, v1, v2)
         if follows_depths(self.scene):
-            values["loss_per_wear"] = loss_per_wear(g.n_balls, D, *worn_by)
+            worn_by = qv[None], major[None], track[None]
+            values["loss_per_wear"] = loss_per_wear(g.n_balls, np.array([D]), *worn_by)
         return State(solution.status, values, solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:

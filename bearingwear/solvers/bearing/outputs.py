@@ -87,8 +87,8 @@ def depth_peak(values: Mapping[str, Any], v1: np.ndarray, v2: np.ndarray) -> np.
 def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
     """Share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that gyroscopic moments [N m] take up [1].
 
-    Friction coefficients [1] and loads [N] are those of the contacts (n, 2), D (n,) worn diameters
-    [m].
+    Friction coefficients [1] and loads [N] are those of the contacts (..., 2), D (...) worn
+    diameters [m].
     """
     friction = mu[..., 1] * Q.sum(axis=-1) + (mu[..., 0] - mu[..., 1]) * Q[..., 0]
     most = friction * 0.5 * D
@@ -150,19 +150,19 @@ def wear_rates(
 
 
 def groove_depth_rates(n: int, race_rate: np.ndarray, a: np.ndarray, track: np.ndarray):
-    """Rates (k, 2) at which grooves deepen on the mean of their width [m/s] (theory.md Eq. 24)."""
+    """Rates (..., 2) of the depth of grooves, mean over their width [m/s] (theory.md Eq. 24)."""
     return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 
 def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray:
-    """Rates (k, 2) at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
+    """Rates (..., 2) at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
 
-    Counting the balls alone, and balls and races: from worn diameters (k,) [m], the wear of ball
-    and race in each contact [m3/s], semi-major axes and radii of the tracks [m] (k, 2).
+    Counting the balls alone, and balls and races: from worn diameters (...) [m], the wear of ball
+    and race in each contact [m3/s], semi-major axes and radii of the tracks [m] (..., 2).
     """
-    rates = np.empty((len(D), 2))
-    rates[:, 0] = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
-    rates[:, 1] = rates[:, 0] + groove_depth_rates(n, race_rate, a, track).sum(axis=1)
+    rates = np.empty(ball_rate.shape)
+    rates[..., 0] = 2.0 * ball_rate.sum(axis=-1) / (np.pi * D * D)
+    rates[..., 1] = rates[..., 0] + groove_depth_rates(n, race_rate, a, track).sum(axis=-1)
     return rates
 
 

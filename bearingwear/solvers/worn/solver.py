@@ -179,7 +179,6 @@ class Worn(Steady):
         ball, race = self.factors
         moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
         load = np.array([f.Q for f in forces])
-        used = friction_used(mu[None], np.array([D]), moment, load[None])
         return {
             "ball_diameter_loss": self.even_loss(point),
             "residual_preload": seat_force(g, point.seat),
@@ -195,6 +194,6 @@ class Worn(Steady):
             "ball_wear_rate": float(ball * qv.sum()),
             "race_wear_rate": g.n_balls * race * qv,
             "axial_displacement": point.seat.delta_a,
-            "friction_used_by_gyroscopic_moment": float(used[0]),
+            "friction_used_by_gyroscopic_moment": float(friction_used(mu, D, moment, load)),
             "friction_coefficient": mu,
         }
