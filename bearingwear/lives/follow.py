@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.solvers.condition import States
+from bearingwear.solvers.roots import brent_root, monotone_cubic
 from bearingwear.solvers.state import State
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
@@ -115,7 +115,7 @@ class Method:
             found = value(x)
             return found if abs(found) > least else 0.0
 
-        return float(brentq(left, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15))
+        return brent_root(left, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15)
 
     def error_of_end(self, life: "Life") -> np.ndarray:
         """Errors of the times at which a criterion is reached or a way changes (2,) [s]."""
@@ -163,16 +163,15 @@ class Life:
         """
         if self.nodes[0].status != code.OK:
             return np.nan
-        from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are asked this
-
         times, first = self.times[:, counts], np.inf
         for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
             met = np.flatnonzero(margin <= 0.0)
             if met.size and met[0] == 0:
                 return 0.0
             if met.size:
-                a, b = times[met[0] - 1], times[met[0]]
-                first = min(first, float(brentq(PchipInterpolator(times, margin), a, b)))
+                k = int(met[0])
+                within = monotone_cubic(times, margin, k - 1)
+                first = min(first, brent_root(within, times[k - 1], times[k]))
         return first if np.isfinite(first) else np.nan
 
     def fails(self, beyond: Node) -> None:

@@ -13,7 +13,6 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
-from bearingwear.scene.distributions import possible, quantile
 from bearingwear.scene.scene import Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
@@ -50,6 +49,9 @@ def friction_interval(scene: Scene) -> tuple[str, list[float]]:
         given = Distribution(**usual)
     if given is None:
         return key, [own]
+    # it loads slowly, and few scenes have a drive
+    from bearingwear.scene.distributions import possible, quantile
+
     ends = quantile(given, own, possible(key), np.array(_ENDS))
     return key, sorted({*ends.tolist(), own})
 

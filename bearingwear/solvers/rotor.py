@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
@@ -38,6 +37,7 @@ from bearingwear.solvers.condition import (
     States,
     innermost,
 )
+from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.thermal import HEAT_BALANCED
@@ -308,7 +308,7 @@ class OnRotor:
         reach = max(abs(mounted[0]), abs(mounted[1]), 1e-6 * one.g.BD)
         for _ in range(_WIDEST):
             if left(-reach) <= 0.0 <= left(reach):
-                return float(brentq(left, -reach, reach, xtol=NEAR_START * reach))
+                return brent_root(left, -reach, reach, xtol=NEAR_START * reach)
             reach *= 2.0
         return 0.0
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eigh
 
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
@@ -60,6 +59,8 @@ def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray
     m, offset, given = a.rotor_mass_kg, a.rotor_offset_mm * MM, a.rotor_transverse_inertia_kg_mm2
     inertia = SLENDER * m * (a.span_mm * MM) ** 2 if given is None else given * KG_MM2
     M = np.array([[m, -m * offset], [-m * offset, inertia + m * offset * offset]])
+    from scipy.linalg import eigh  # loads slowly; few rotors have mass and span
+
     squares, modes = eigh(K, M)
     radial = int(np.argmax(m * (modes[0] - offset * modes[1]) ** 2))
     found = np.array([axial / m, squares[radial], squares[1 - radial]])

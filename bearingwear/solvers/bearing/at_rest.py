@@ -4,13 +4,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.params import BallState, Geometry
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.mounted import mounted_geometry
 from bearingwear.solvers.bearing.outputs import stiffness_of_loads
+from bearingwear.solvers.roots import brent_root
 
 FIRST_REACH = 1e-6  # [m]
 
@@ -135,7 +135,7 @@ class AxialRotor(NamedTuple):
         reach = FIRST_REACH
         while left(reach) < 0.0 or left(-reach) > 0.0:
             reach *= 2.0
-        slide = float(brentq(left, -reach, reach, xtol=1e-18, rtol=1e-14))
+        slide = brent_root(left, -reach, reach, xtol=1e-18, rtol=1e-14)
         return F_s - k_s * slide if slide > -stop else float(two.force(place - stop))
 
     @property

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.params import Geometry
@@ -22,6 +21,7 @@ from bearingwear.solvers.bearing.at_rest import AxialRotor, PreloadSpring, race_
 from bearingwear.solvers.bearing.mounted import GPA, MM, UM, mounted_geometry, yield_pressure
 from bearingwear.solvers.bearing.parameters import geometry, worn_diameters
 from bearingwear.solvers.bearing.stiffness import azimuths
+from bearingwear.solvers.roots import brent_root
 
 GRAVITY = 9.80665  # standard [m/s2]
 FARTHEST_G = 1e9  # in place of no end, which cannot be interpolated
@@ -125,7 +125,7 @@ def place_as_mounted(g: Geometry, preload: float) -> float:
         return g.n_balls * factor * max(length - g.BD, 0.0) ** 1.5 * A1 / length - preload
 
     free = g.BD * math.sin(g.alpha0)
-    return float(brentq(left, free, free + g.BD, xtol=1e-20, rtol=1e-15)) - free
+    return brent_root(left, free, free + g.BD, xtol=1e-20, rtol=1e-15) - free
 
 
 @dataclass(frozen=True)

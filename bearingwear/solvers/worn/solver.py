@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
@@ -18,6 +17,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import friction_used
 from bearingwear.solvers.condition import Condition, SolvedBearing
+from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.thermal import HeatFlow
@@ -137,7 +137,7 @@ class Worn(Steady):
             if away(low) <= 0.0 <= away(high):
                 break
         try:
-            root = float(brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14))
+            root = brent_root(away, low, high, xtol=1e-9 * scale, rtol=1e-14)
         except ValueError:
             return float("nan")
         self.memory.ahead += (root - guess) / scale

@@ -58,6 +58,7 @@ from bearingwear.studies.design.preload_line import PreloadLine, denser
 from bearingwear.studies.design.room import (
     Assumption,
     criteria_room,
+    friction_end,
     friction_room,
     held,
     limit_end,
@@ -95,6 +96,7 @@ ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 NOT_ASKED = NO_LIFE["status"]
 NO_ERRORS = np.full(2, np.nan)
 NEW_APART = 0.1  # in log preload, new bearings between the preloads of a map
+_WAYS = (False, True)  # down and up
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 
 
@@ -211,13 +213,11 @@ class Search:
             found = answered([search(one, self.limits) for one in known], self._solve)
         rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
         none = {}
-        for line, one in zip(known, found, strict=True):
+        for k, (line, one) in enumerate(zip(known, found, strict=True)):
             if one is None:
                 none[line.method] = why_none(self._of_map(line), self.limits, self.basis)
-        there = {k: one for k, one in enumerate(found) if one is not None}
-        scenes = [self._at(known[k].method, one.best.preload) for k, one in there.items()]
-        for (k, one), more in zip(there.items(), self.each(_printed, scenes), strict=True):
-            rows[k] = _row(known[k], one, self.limits) | more
+            else:
+                rows[k] = _row(line, one, self.limits)
         if self.limits.given:
             self.tell("robustness of the choice")
         return rows, none, self._held(known, rows)
@@ -279,8 +279,11 @@ class Search:
         ]
         return list(self.each(_followed, jobs))
 
-    def _held(self, lines: Sequence[PreloadLine], rows: Sequence[dict[str, Any]]) -> xr.Dataset:
-        """How far the choice holds: limits with new preloads, all else at the recommended ones."""
+    def _held(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> xr.Dataset:
+        """How far the choice holds: limits with new preloads, all else at the recommended ones.
+
+        Completes the rows by what stands beside these.
+        """
         lives = [float(r["life"][self.basis]) if "life" in r else math.nan for r in rows]
         scenes = [
             self._at(line.method, r["preload"]) if "preload" in r else None
@@ -288,26 +291,28 @@ class Search:
         ]
         given_scenes = [one for one in scenes if one is not None]
         first = longer(np.nan_to_num(lives).tolist()) if len(lives) == 2 else None
+        compared = given_scenes, lives, self.basis, first or 0
+        both = first is not None and len(given_scenes) == 2
+        # one life after the other, so it is begun first
+        friction = self.each(_called, [partial(friction_end, *compared, up) for up in _WAYS * both])
         room = [] if first is None else self._limits_room(lines, first)
-        asked: list[Callable[[], Any]] = [partial(lives_by_track, scenes, lives, self.basis)]
-        if first is not None and len(given_scenes) == 2:
-            asked = [  # what takes longest is begun first
-                partial(friction_room, given_scenes, lives, self.basis, first),
-                partial(criteria_room, given_scenes, lives, self.basis, first),
-                *asked,
-            ]
-        *rooms, tracks = self.each(_called, asked)
-        for one in reversed(rooms):
-            room += one
+        asked: list[Callable[[], Any]] = [
+            *[partial(criteria_room, *compared)] * both,
+            *(partial(_printed, scene) for scene in given_scenes),
+            partial(lives_by_track, scenes, lives, self.basis),
+        ]
+        *found, tracks = self.each(_called, asked)
+        if both:
+            room += [*found.pop(0), *friction_room(given_scenes[0], *friction)]
+        for row in rows:
+            row |= found.pop(0) if "preload" in row else {}
         errors = [r.get("life_error_estimate", NO_ERRORS)[self.basis] for r in rows]
         return held(room, tracks, verdict_on(lives, errors, room, tracks))
 
     def _limits_room(self, lines: Sequence[PreloadLine], first: int) -> list[Assumption]:
         names = list(self.limits.given)
         asking = [
-            limit_end(lines, self.limits, name, upward, first)
-            for name in names
-            for upward in (False, True)
+            limit_end(lines, self.limits, name, upward, first) for name in names for upward in _WAYS
         ]
         ends = answered(asking, self._solve)
         return [

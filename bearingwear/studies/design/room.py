@@ -12,7 +12,6 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.groove_life import grooves_followed
@@ -21,6 +20,7 @@ from bearingwear.measures import ENDS
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.solvers.roots import brent_root
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
 from bearingwear.studies.design.plan import DesignLimits
@@ -162,7 +162,7 @@ def _root(
             known[x] = advantage(x)
         return known[x] if known[x] > 0.0 else min(known[x], -1e-9) if known[x] <= 0.0 else -1.0
 
-    root = float(brentq(value, held, lost, xtol=to))
+    root = brent_root(value, held, lost, xtol=to)
     beyond = [x for x in known if not known[x] > 0.0 and (x - held) * (lost - held) > 0.0]
     nearest = min(beyond, key=lambda x: abs(x - held))
     return root if known[nearest] <= 0.0 else math.nan
@@ -276,17 +276,17 @@ def _largest(name: str, limit: float) -> float:
     return max(1.0, min(CRITERIA_FARTHEST, _LARGEST_SHARE / limit))
 
 
-def friction_room(
-    scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int
-) -> list[Assumption]:
-    """Range of friction, and of the wear coefficient, which scales all lives.
+def friction_end(
+    scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int, up: bool
+) -> float:
+    """The factor of friction at which the choice is reversed; NaN for none found.
 
     scenes, lives, basis, first: as of `criteria_room`.
+    up: whether friction rises.
     """
-    mu = scenes[0].friction.coefficient
-    part = key_of_scene(FRICTION_KEY)
-    assert part is not None
-    most = min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
+    mu, most = scenes[0].friction.coefficient, _most_friction(scenes[0])
+    if not most > 1.0:
+        return math.nan
 
     def with_friction(one: Scene, factor: float) -> Scene:
         return replace(one, friction=replace(one.friction, ball_race=factor * mu))
@@ -311,16 +311,25 @@ def friction_room(
         known[k][factor] = printed_life(with_friction(scenes[k], factor), basis, quick=True)
         return known[k][factor]
 
-    K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
-    found = [Assumption(name=WEAR_KEY, now=K)]
-    if most > 1.0:
-        even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
-        low, high = (
-            reversal(quick, exact, factors.tolist(), FOUND_TO, advantage(lives, first))
-            for factors in (CRITERIA_FARTHEST**-even, most**even)
-        )
+    even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
+    factors = most**even if up else CRITERIA_FARTHEST**-even
+    return reversal(quick, exact, factors.tolist(), FOUND_TO, advantage(lives, first))
+
+
+def friction_room(scene: Scene, low: float, high: float) -> list[Assumption]:
+    """Range of the wear coefficient, which scales all lives, and of friction between factors."""
+    K = scene.materials[scene.bearing.race_material].wear_coefficient
+    found, mu = [Assumption(name=WEAR_KEY, now=K)], scene.friction.coefficient
+    if _most_friction(scene) > 1.0:
         found.append(Assumption(name=FRICTION_KEY, now=mu, low=low * mu, high=high * mu))
     return found
+
+
+def _most_friction(scene: Scene) -> float:
+    """How many times larger friction may be; 0 where there is none."""
+    mu, part = scene.friction.coefficient, key_of_scene(FRICTION_KEY)
+    assert part is not None
+    return min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
 
 
 def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:

@@ -16,6 +16,7 @@ from bearingwear.studies.design.room import (
     ONE_LONGER,
     Assumption,
     criteria_room,
+    friction_end,
     friction_room,
     printed_life,
     verdict_on,
@@ -87,7 +88,8 @@ def test_friction_at_which_lives_are_equal(scene):
     """Lives go with one over the wear coefficient by either method, and not so with friction."""
     both = [scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0) for method in METHODS]
     lives = [printed_life(one, 1) for one in both]
-    room = {one.name: one for one in friction_room(both, lives, 1, 1)}
+    ends = (friction_end(both, lives, 1, 1, up) for up in (False, True))
+    room = {one.name: one for one in friction_room(both[0], *ends)}
     wear, mu = room[WEAR_KEY], room[FRICTION_KEY]
     assert np.isnan([wear.low, wear.high]).all() and wear.now > 0.0
     assert mu.now == 0.08 and np.isnan(mu.high)
