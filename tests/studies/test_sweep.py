@@ -161,8 +161,8 @@ def main():
 """
 
 
-def run_script(folder, end):
-    (folder / "script.py").write_text(SCRIPT + end)
+def run_script(folder, text):
+    (folder / "script.py").write_text(text)
     environment = {"PYTHONPATH": str(ROOT), "PATH": ""}
     command = [sys.executable, "script.py"]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
@@ -171,12 +171,21 @@ def run_script(folder, end):
 @pytest.mark.long
 def test_where_processes_start_anew(tmp_path):
     guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
-    done = run_script(tmp_path, guard)
+    done = run_script(tmp_path, SCRIPT + guard)
     assert done.stdout == "all points solved and verified\n", done.stderr
 
 
+UNGUARDED = """
+import multiprocessing
+from bearingwear.studies.sweep import _solved_by
+
+multiprocessing.set_start_method("spawn", force=True)
+list(_solved_by([[]], 2))
+"""
+
+
 def test_a_script_without_its_guard_is_told(tmp_path):
-    done = run_script(tmp_path, "multiprocessing.set_start_method('spawn', force=True)\nmain()")
+    done = run_script(tmp_path, UNGUARDED)
     last = done.stderr.rstrip().splitlines()[-1]
     assert last.startswith("RuntimeError: sweep: ") and "if __name__ == '__main__':" in last
 

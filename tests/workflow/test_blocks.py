@@ -8,7 +8,6 @@ in a thousand.
 
 import contextlib
 import io
-import json
 import os
 import re
 import shlex
@@ -23,6 +22,9 @@ from bearingwear.cli import main
 
 OURS = re.compile(r"bearingwear (?!study)[^|<>&;$*]*( \|\| test \$\? = \d+)?")
 """A line that needs no shell."""
+
+STATEMENT = re.compile(r"^.*<<'END'\n(?:.*\n)*?END\n|^(?:.*\\\n)*.*\n", re.M)
+"""A command with the lines that continue it, or the document that follows it."""
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 PAGES = sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("*.md"), ROOT / "config/README.md"])
@@ -84,14 +86,19 @@ def agree(said: str, printed: str) -> bool:
     )
 
 
-def printed_by(line: str) -> str:
-    """What a command of ours prints, here: a process would take a second to start."""
-    typed, _, allowed = line.partition(" || test $? = ")
+def printed(function, *arguments) -> str:
+    """What a function prints, here: a process would take a second to start."""
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
-        status = main(shlex.split(typed)[1:])
-    assert status in {0, int(allowed or 0)}, f"{line}\n{said.getvalue()}"
+        function(*arguments)
     return said.getvalue()
+
+
+def run_command(line: str) -> None:
+    """Run a command of ours, whose status is 0 or the one that the line allows."""
+    typed, _, allowed = line.partition(" || test $? = ")
+    status = main(shlex.split(typed)[1:])
+    assert status in {0, int(allowed or 0)}, line
 
 
 @pytest.fixture
@@ -113,52 +120,25 @@ def run(tmp_path, monkeypatch):
 
     def run(language, text):
         if language == "python":
-            return session.run(text)
-        lines = lines_of(text)
+            return printed(exec, compile(text, "block", "exec"), names)
+        return "".join(map(by_shell, STATEMENT.findall(text)))
+
+    def by_shell(statement):
+        lines = lines_of(statement)
         if all(OURS.fullmatch(line) for line in lines):
-            return "".join(map(printed_by, lines))
+            return "".join(printed(run_command, line) for line in lines)
         done = subprocess.run(
-            ["bash", "-eu", "-c", text],
+            ["bash", "-eu", "-c", statement],
             cwd=folder, env=environment, capture_output=True, text=True, timeout=3600,
         )  # fmt: skip
-        assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
+        assert done.returncode == 0, f"{statement}\n{done.stdout}{done.stderr}"
         return done.stdout
 
     monkeypatch.chdir(folder)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    names = {"__name__": "__main__"}  # of one Python, block after block
     run.folder = folder
-    session = Session(cwd=folder, env=environment)
-    yield run
-    session.close()
-
-
-class Session:
-    """A Python that runs one block after the other, as a reader's does."""
-
-    LOOP = """
-import json, sys
-names = {"__name__": "__main__"}
-for line in sys.stdin:
-    exec(compile(json.loads(line), "block", "exec"), names)
-    print("\\0", flush=True)
-"""
-
-    def __init__(self, **where):
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-        self.python = subprocess.Popen([sys.executable, "-c", self.LOOP], **pipes, **where)
-
-    def run(self, text):
-        self.python.stdin.write(json.dumps(text) + "\n")
-        self.python.stdin.flush()
-        printed = ""
-        while (line := self.python.stdout.readline()) != "\0\n":
-            assert line, f"ended in:\n{text}\n{printed}"
-            printed += line
-        return printed
-
-    def close(self):
-        self.python.stdin.close()
-        self.python.stdout.close()
-        self.python.wait(120)  # a busy machine takes its time
+    return run
 
 
 def typed(run, page, languages):
