@@ -9,6 +9,7 @@ import sys
 
 import netCDF4
 import pytest
+import yaml
 from support import scene_file
 
 from bearingwear import studies
@@ -335,20 +336,15 @@ def test_a_broken_scene_stops_with_one_line(new_project):
     assert not (project.root / "results").exists()
 
 
-def test_a_case_that_cannot_be_solved(new_project):
-    """Without friction the ball's rotation is undetermined: recorded, marked, said at the end."""
-    project = new_project()
-    study = {**ONE_CASE, "friction": [0.0, 0.02]}
-    project.configure({"studies": [study], "figures": {"worn_loss_um": 0.5, "friction": [0.02]}})
-    run = project.run()
-    failed = "results/gyro_s1/cases/constant_force-mu0.000-loss0.00.nc: undetermined"
-    assert run.status != 0 and failed in run.text
-    results = project.results()
-    assert {f"gyro_s1/figures/{name}.svg" for name in ("fig10_wear", "wear_life")} <= set(results)
-    assert "verdict.txt" not in results
-    assert results["gyro_s1/tables/summary.md"].decode().count("µm: undetermined") == 1
-    again = project.run()
-    assert again.status != 0 and again.jobs == {"verdict": 1} and failed in again.text
+def test_a_configuration_is_whole(first_run):
+    """One that is given takes the place of config.yaml; nothing of that is left."""
+    project, _ = first_run
+    study = {**ONE_CASE, "friction": [0.03]}
+    other = project.root.parent / "other.yaml"
+    figures = {"worn_loss_um": 0.0, "friction": [0.03]}
+    other.write_text(yaml.safe_dump({"studies": [study], "figures": figures}), encoding="utf-8")
+    planned = project.run("-n", "--configfile", str(other)).jobs
+    assert planned["grid_solve"] == planned["grid_gather"] == 1
 
 
 @pytest.mark.long
