@@ -4,8 +4,6 @@ import csv
 import json
 import os
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -13,14 +11,17 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from support import scene_file, step, step_arguments
 
+from bearingwear.cli import main
 from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import load
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.grid.gather import chunk, study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import interpolated_life
+from bearingwear.studies.grid.life import study_life, wear_life
 from bearingwear.studies.unsolved import verdict
 
 GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.08], [0.0, 0.35, 0.7])
@@ -105,10 +106,8 @@ def test_flags_stay_whole_numbers_in_the_file(folder):
 
 
 def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
-    for name in ("a.nc", "b.nc"):
-        step(GATHER, tmp_path / name, paths=cases)
-    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
-    assert (tmp_path / "a.nc").read_bytes() == (folder / "study.nc").read_bytes()
+    assert step(GATHER, tmp_path / "again.nc", paths=cases) == 0
+    assert (tmp_path / "again.nc").read_bytes() == (folder / "study.nc").read_bytes()
 
 
 def truncated(paths):
@@ -267,9 +266,7 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
     from bearingwear.plotting.plot import figure_of
     from bearingwear.results.netcdf import write_result
     from bearingwear.scene.read import load_scene
-    from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.grid.grid import Case
-    from bearingwear.studies.grid.life import study_life
     from bearingwear.studies.grid.solve import solved_cases
     from bearingwear.studies.grid.study import PLOTS
     from bearingwear.studies.grid.tables import study_tables
@@ -385,24 +382,6 @@ def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
         assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
 
 
-@pytest.mark.filterwarnings("error")
-def test_figures_of_a_study_where_nothing_was_solved(folder, tmp_path, monkeypatch):
-    gathered = study(sorted((folder / "cases").glob("*-mu0.000-*.nc")))
-    from bearingwear.studies.dataset import write_dataset
-    from bearingwear.studies.grid.life import wear_life
-
-    write_dataset(gathered, tmp_path / "study.nc")
-    write_dataset(wear_life(scene_file("gyro_s1"), gathered), tmp_path / "wear_life.nc")
-    shutil.copytree(folder / "cases", tmp_path / "cases")
-    for name, (inputs, settings) in FIGURES.items():
-        if name == "slip":
-            inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
-        elif name != "friction":
-            settings = {"friction": [0, 0] if isinstance(settings["friction"], list) else 0}
-        monkeypatch.setitem(FIGURES, name, (inputs, settings))
-        assert draw(name, tmp_path / f"{name}.svg", folder=tmp_path) == 0
-
-
 def test_failed_cases_are_marked(folder):
     from bearingwear.studies.grid.figures import quasistatic
 
@@ -420,17 +399,9 @@ WRITERS = {
 }
 
 
-WITHOUT_ROOM = """
-import json, resource, sys
-from bearingwear.cli import main
-steps = json.loads(sys.argv[1])
-resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
-sys.exit(int([main(step) for step in steps] != [2] * len(steps)))
-"""
-
-
-def test_no_room_leaves_nothing_half_written(folder, tmp_path):
-    pytest.importorskip("resource")
+def test_no_room_leaves_nothing_half_written(folder, tmp_path, monkeypatch, capsys):
+    resource = pytest.importorskip("resource")
+    monkeypatch.chdir(tmp_path)
     steps, names = [], []
     for run, (outputs, inputs) in WRITERS.items():
         settings = {"friction": [0.08]} if run.endswith("draw_life") else {}
@@ -439,13 +410,14 @@ def test_no_room_leaves_nothing_half_written(folder, tmp_path):
         names += outputs
     for name in names:
         (tmp_path / name).write_text("from before")
-    done = subprocess.run(
-        # -B: it would write half of its own files
-        [sys.executable, "-B", "-c", WITHOUT_ROOM, json.dumps(steps)],
-        cwd=tmp_path, capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert done.stderr.splitlines() == [
+    _, most = limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, most))
+    try:
+        statuses = [main(one) for one in steps]
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert statuses == [2] * len(steps)
+    assert capsys.readouterr().err.splitlines() == [
         f"{outputs[0]}: cannot be written (File too large)" for outputs, _ in WRITERS.values()
     ]
     assert sorted(os.listdir(tmp_path)) == sorted(names)
@@ -455,9 +427,24 @@ def test_no_room_leaves_nothing_half_written(folder, tmp_path):
 HOSTILE = '$\\frac{$<script>alert("&")</script>--> x_1^2'
 
 
+@pytest.fixture(scope="module")
+def unsolved(folder, tmp_path_factory):
+    """The cases of which none is solved, and their study."""
+    unsolved = tmp_path_factory.mktemp("unsolved")
+    (unsolved / "cases").mkdir()
+    for path in sorted((folder / "cases").glob("*-mu0.000-*.nc")):
+        shutil.copy(path, unsolved / "cases")
+    gathered = study(sorted((unsolved / "cases").iterdir()))
+    write_dataset(gathered, unsolved / "study.nc")
+    write_dataset(wear_life(scene_file("gyro_s1"), gathered), unsolved / "wear_life.nc")
+    return unsolved
+
+
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", FIGURES)
-def test_figures_show_failed_cases_and_names_as_text(folder, name, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "where"), [*((name, "unsolved") for name in FIGURES), ("wear", "folder")]
+)
+def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_path, monkeypatch):
     """Result files, too, may come from strangers; a scene of ours cannot have such a name."""
     from xml.etree import ElementTree
 
@@ -469,7 +456,15 @@ def test_figures_show_failed_cases_and_names_as_text(folder, name, tmp_path, mon
         return dataset.assign_attrs(scene=json.dumps(scene))
 
     monkeypatch.setattr(steps, "loaded", renamed)
-    assert draw(name, tmp_path / "figure.svg", folder=folder) == 0
+    inputs, settings = FIGURES[name]
+    if where == "unsolved":
+        if "cases" in inputs:
+            inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
+        if "friction" in settings:
+            settings = {"friction": [0] if isinstance(settings["friction"], list) else 0}
+        monkeypatch.setitem(FIGURES, name, (inputs, settings))
+    given = request.getfixturevalue(where)
+    assert draw(name, tmp_path / "figure.svg", folder=given) == 0
     drawn = ElementTree.parse(tmp_path / "figure.svg")
     assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
 
