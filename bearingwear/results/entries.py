@@ -143,7 +143,8 @@ def _sizes(
         dims, shape = table[name].dims, data.shape
         if len(shape) != len(dims):
             raise ValueError(f"{name} has {len(shape)} dimensions, not {len(dims)}")
-        sizes.update(zip(dims, shape, strict=True))
+        if dims:
+            sizes.update(zip(dims, shape, strict=True))
     return sizes
 
 

@@ -158,9 +158,8 @@ def _joined(
     own = {name: _copied(one) for name, one in coordinates.variables.items()}
     every: dict[Any, xr.Variable] = {**variables, **own}
     sizes: dict[Any, int] = {}
-    for one in every.values():
-        if one._dims:
-            sizes.update(zip(one._dims, one._data.shape, strict=True))
+    for dims, shape in {one._dims: one._data.shape for one in every.values()}.items():
+        sizes.update(zip(dims, shape, strict=True))
     indexes = dict(coordinates.xindexes)
     return construct(every, coord_names=set(own), dims=sizes, attrs=attrs, indexes=indexes)
 

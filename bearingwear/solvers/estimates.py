@@ -52,7 +52,8 @@ def halved_part(now: np.ndarray, other: np.ndarray) -> np.ndarray:
     """
     change = changed(now, other)
     friction = change[4:]
-    return HALVED * np.append(change[:4], np.where(friction < VISCOUS, friction, np.inf))
+    friction[~(friction < VISCOUS)] = np.inf
+    return HALVED * change
 
 
 def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:

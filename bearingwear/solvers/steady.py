@@ -215,20 +215,14 @@ def steady_answers(
     """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
     n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
     ball_rate, race_rate = wear_rates(scene, c[..., summary.QV], c[..., summary.MAJOR])
-    diameters = np.full(len(cases), D)
     loss = diameter_loss_rates(
-        n, diameters, ball_rate, race_rate, c[..., summary.MAJOR], c[..., summary.TRACK]
+        n, D, ball_rate, race_rate, c[..., summary.MAJOR], c[..., summary.TRACK]
     )
+    force = [axial_force(case, n) for case in cases]
     drag = [drag_power(problem, D, case) for case in cases]
-    return np.column_stack(
-        [
-            n * c[..., summary.QV].sum(axis=1),
-            [axial_force(case, n) for case in cases],
-            loss,
-            n * c[:, 0, summary.TORQUE],
-            n * c[..., summary.HEAT].sum(axis=1) + drag,
-        ]
-    )
+    of_both = n * c.sum(axis=1)
+    torque, power = n * c[:, 0, summary.TORQUE], of_both[:, summary.HEAT] + drag
+    return np.array([of_both[:, summary.QV], force, *loss.T, torque, power]).T
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:

@@ -31,6 +31,7 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
     races = np.array([op.omega_i, op.omega_o])
     spin = u[:, :3] - u[:, 3:] * (1.0, 0.0, 0.0)  # relative to the orbiting frame
+    turns = len(D) * TURN
     values = {
         "contact_load": rows[..., summary.LOAD],
         "contact_angle": rows[..., summary.ANGLE],
@@ -47,9 +48,9 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "ball_angular_velocity": u[:, :3],
         "orbit_speed": u[:, 3],
         "gyroscopic_moment": gyroscopic,
-        "cage_frequency": np.abs(u[:, 3]).mean() / TURN,
-        "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).mean(axis=1) / TURN,
-        "ball_spin_frequency": np.linalg.norm(spin, axis=1).mean() / TURN,
+        "cage_frequency": np.abs(u[:, 3]).sum() / turns,
+        "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).sum(axis=1) / turns,
+        "ball_spin_frequency": np.sqrt((spin * spin).sum(axis=1)).sum() / turns,
         "total_qv": g.n_balls * rows[..., summary.QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }

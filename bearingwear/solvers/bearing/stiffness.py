@@ -1,6 +1,7 @@
 """Quasi-static stiffness: slope of force over place where balls follow (theory.md section 2)."""
 
 import functools
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -51,24 +52,22 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
     K = np.zeros((DOF, DOF))
     K[0, 0] = N * case.S_quasistatic
     Omega = case.u[3]
-    if not abs(Omega) > STANDING * np.abs(case.u).max():
+    if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
         K[1:, 1:] = np.nan
         return K
-    inertia = np.zeros(k)
-    inertia[:3], inertia[3] = ball_inertia(m, D), m * case.r * case.r
-    motion = np.linalg.solve(1j * Omega * np.diag(inertia) - J, B)
+    inert = -J.astype(complex)
+    inertia = [ball_inertia(m, D)] * 3 + [m * case.r * case.r]
+    inert.flat[: 4 * (k + 1) : k + 1] += 1j * Omega * np.array(inertia)
+    motion = np.linalg.solve(inert, B)
     force, lead = S + C @ motion, motion[3] / (1j * Omega)
     # amplitudes of the groove's displacement by those of the race, over exp(i psi)
     amplitude = np.array([[0.0, 0.0, g.R_i, -1j * g.R_i], [1j, 1.0, 0.0, 0.0]])
-    Q, alpha = case.contacts[0, :2]
-    steady = np.array(
-        [
-            Q * np.sin(alpha) + case.T_i * np.cos(alpha),
-            Q * np.cos(alpha) - case.T_i * np.sin(alpha),
-        ]
-    )
+    Q, alpha = case.contacts[0, :2].tolist()
+    sine, cosine = math.sin(alpha), math.cos(alpha)
+    steady = np.array([Q * sine + case.T_i * cosine, Q * cosine - case.T_i * sine])
     across, turned = _maps_across(g.R_i, N)
-    K[1:, 1:] = (across @ (force @ amplitude) + np.outer(turned @ steady, lead @ amplitude)).real
+    led = (turned @ steady)[:, None] * (lead @ amplitude)
+    K[1:, 1:] = (across @ (force @ amplitude) + led).real
     return K
 
 

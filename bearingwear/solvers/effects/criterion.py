@@ -21,7 +21,7 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[f
             holding = bearings_holding(scene.operation.preload_method)
             held[system] = holding * np.asarray(held[own])
     return {
-        name: ENDS[name].critical(lambda one: np.asarray(held.get(one, np.nan)), preload)
+        name: ENDS[name].critical(lambda one: held.get(one, np.nan), preload)
         for name in (end.criteria if end else ())
         if held.keys() & {*ENDS[name].variables} and (preload or not ENDS[name].over_preload)
     }

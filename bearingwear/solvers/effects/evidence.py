@@ -18,6 +18,8 @@ Finding = dict[str, Any]
 """What fills the sentence of a warning: `value` and `limit`, or the `excess` of the one over the
 other; neither of a fact."""
 
+_UNKNOWN = (math.nan, math.nan)
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -31,7 +33,7 @@ class Evidence:
 
     def contacts(self, name: str) -> np.ndarray:
         """A variable in every contact (n, 2); NaN where it is not known."""
-        return np.atleast_2d(self.state.values.get(name, np.full(2, math.nan)))
+        return np.atleast_2d(self.state.values.get(name, _UNKNOWN))
 
     def mean(self, name: str) -> float:
         return float(np.mean(self.state[name]))

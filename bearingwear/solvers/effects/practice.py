@@ -97,20 +97,20 @@ def over_shoulder(e: Evidence) -> Finding:
             peak = np.cbrt(np.asarray(e.case["maximum_contact_load"]) / load)
         major = major * np.where(np.isfinite(peak), peak, 1.0)
     found = []
-    for race, side, factor, shoulder in (
-        (INNER_SIDE, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
-        (OUTER_SIDE, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
+    radii = np.array([b.inner_groove_factor * D, b.outer_groove_factor * D])
+    edges = np.degrees(angle + major / (_MM * radii))
+    edges = np.where(load > 0.0, edges, -np.inf).max(axis=0)  # not where a ball is lifted off
+    for race, side, r, shoulder in (
+        (INNER_SIDE, -1.0, radii[INNER_SIDE], b.inner_shoulder_mm),
+        (OUTER_SIDE, 1.0, radii[OUTER_SIDE], b.outer_shoulder_mm),
     ):
-        r = factor * D
-        edges = np.degrees(angle[:, race] + major[:, race] / (r * _MM))
-        edges = np.where(load[:, race] > 0.0, edges, -np.inf)  # not where a ball is lifted off
         limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
         source = "where a shoulder is assumed"
         if shoulder is not None:
-            centre = 0.5 * b.pitch_diameter_mm - side * (factor - 0.5) * D * cosine
+            centre = 0.5 * b.pitch_diameter_mm - side * (r - 0.5 * D) * cosine
             rise = side * (0.5 * shoulder - centre) / r
             limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "its shoulder"
-        words = {"value": edges.max(), "limit": limit, "source": source}
+        words = {"value": edges[race], "limit": limit, "source": source}
         found.append(words | {"race": ("inner", "outer")[race]})
     return max(found, key=lambda one: one["value"] / one["limit"])
 
