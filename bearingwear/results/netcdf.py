@@ -70,6 +70,8 @@ def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
         for dim, size in zip(entry.dims, entry.data.shape, strict=True):
             if dim not in file.dimensions:
                 file.createDimension(dim, size)
+    # data after all definitions: netCDF rewrites those of the whole file before data
+    made = []
     for name, entry in entries.items():
         variable = file.createVariable(
             name,
@@ -79,6 +81,8 @@ def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
             compression="zlib" if _is_compressed(entry) else None,
         )
         variable.setncatts(entry.attrs)
+        made.append(variable)
+    for variable, entry in zip(made, entries.values(), strict=True):
         variable[...] = entry.data
 
 
