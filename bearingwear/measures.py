@@ -99,7 +99,7 @@ class Measure:
             return float(values) if self.falls else abs(float(values))
         import numpy as np  # not to name options
 
-        return float(np.min(values) if self.falls else np.max(np.abs(values)))
+        return float(np.min(values) if self.falls else np.abs(values).max())
 
     def value(self, values: Any, preload_N: Any = 1.0) -> float:
         """The worst of the values of one variable [SI]; `preload_N` as in `critical`."""
@@ -112,6 +112,8 @@ class Measure:
         preload_N: initial, of each value of the residual preload.
         """
         found = [(self.value(value_of(name), preload_N), name) for name in self.variables]
+        if len(found) == 1:
+            return found[0]
         known = [one for one in found if one[0] == one[0]] or found
         return min(known) if self.falls else max(known)
 

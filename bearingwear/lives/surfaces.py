@@ -206,7 +206,7 @@ class Surfaces:
     def events(self, node: Node) -> np.ndarray:
         parts = self.parts(node.worn)
         room = (1.0 - one.condition(part, self.counts).loss / one.largest for one, part in parts)
-        films = [coating.left(depths) for coating, depths in self.films_at(node.worn)]
+        films = [film.left(depths) for film, depths in self.films_at(node.worn) if depths.size]
         return np.concatenate([[min(room)], *films])
 
     def passes(self, event: int, node: Node) -> bool:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -74,7 +74,7 @@ class State:
 
     def with_values(self, values: Mapping[str, Any]) -> "State":
         """State with other or further values."""
-        return replace(self, values={**self.values, **values})
+        return State(self.status, {**self.values, **values}, self.answer)
 
 
 def case_state(loss: float, values: Mapping[str, Any]) -> State:

@@ -10,21 +10,22 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.contact import summary
+from bearingwear.kernels.contact.friction import friction_capacity
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
-from bearingwear.solvers.bearing.films import follows_depths, limits_depth
+from bearingwear.solvers.bearing.films import Films, follows_depths, limits_depth
 from bearingwear.solvers.bearing.outputs import (
     TURN,
     contact_values,
     depth_peak,
     diameter_loss_rates,
-    friction_used,
     loss_per_wear,
     slips_across,
     stiffness_of_loads,
+    unworn_factors,
     wear_rates,
 )
 from bearingwear.solvers.bearing.stiffness import quasistatic_matrix
@@ -52,6 +53,8 @@ class Steady:
     def __init__(self, scene: Scene, accuracy: Accuracy = Accuracy.BRIEF):
         self.scene, self.problem = scene, ThrustProblem.of(scene)
         self.mounted = self.problem.preload.delta_a
+        self.films = Films.of(scene)
+        self.limits_depth, self.follows_depths = limits_depth(scene), follows_depths(scene)
         self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
         if accuracy is Accuracy.BRIEF:
             self.problem = self.problem.without_finer
@@ -101,49 +104,51 @@ class Steady:
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
         problem, case, loss = solution.problem, solution.answer, solution.condition.loss
-        inner, outer = (float(problem.g.n_balls * heat) for heat in case.contacts[:, summary.HEAT])
-        return HeatFlow(inner, outer, drag=float(drag_power(problem, problem.g.D0 - loss, case)))
+        inner, outer = case.contacts[:, summary.HEAT].tolist()
+        n, drag = problem.g.n_balls, float(drag_power(problem, problem.g.D0 - loss, case))
+        return HeatFlow(n * inner, n * outer, drag=drag)
 
     def state(self, solution: SolvedBearing) -> State:
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
-        g, c, D = problem.g, case.contacts, problem.g.D0 - loss
-        load, qv = c[:, summary.LOAD], c[:, summary.QV]
-        major, track = c[:, summary.MAJOR], c[:, summary.TRACK]
-        ball_rate, race_rate = wear_rates(self.scene, qv, major)
-        gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
+        g, c = problem.g, case.contacts
+        D, contacts = float(g.D0 - loss), c.T.tolist()  # numbers: NumPy takes ten times as long
+        qv, major, load, mu = (
+            contacts[k] for k in (summary.QV, summary.MAJOR, summary.LOAD, summary.FRICTION)
+        )
+        factors = unworn_factors(self.scene, self.films, c[:, summary.MAJOR])
+        ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
+        rates = ball_rate, race_rate, major, contacts[summary.TRACK]
+        gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
+        used = gyroscopic / (friction_capacity(*mu, *load) * 0.5 * D) if gyroscopic else 0.0
         values = {
             "ball_diameter_loss": loss,
-            "ball_diameter_loss_rate": diameter_loss_rates(
-                g.n_balls, D, ball_rate, race_rate, major, track
-            ),
+            "ball_diameter_loss_rate": np.array(diameter_loss_rates(g.n_balls, D, *rates)),
             "residual_preload": solution.force,
-            "contact_load": load,
+            "contact_load": c[:, summary.LOAD],
             "contact_angle": c[:, summary.ANGLE],
-            "semi_major_axis": major,
-            "qv": qv,
-            "total_qv": g.n_balls * float(qv.sum()),
+            "semi_major_axis": c[:, summary.MAJOR],
+            "qv": c[:, summary.QV],
+            "total_qv": g.n_balls * sum(qv),
             "gyroscopic_slip_share": c[:, summary.SHARE],
             "skid_ratio": case.skid,
-            "maximum_pressure": float(c[:, summary.PRESSURE].max()),
+            "maximum_pressure": max(contacts[summary.PRESSURE]),
             "axial_stiffness": solution.stiffness,
             "quasistatic_axial_stiffness": solution.quasistatic,
             "friction_power": self.heat(solution).total,
-            "ball_wear_rate": float(ball_rate.sum()),
-            "race_wear_rate": g.n_balls * race_rate,
+            "ball_wear_rate": sum(ball_rate),
+            "race_wear_rate": g.n_balls * np.array(race_rate),
             "axial_displacement": solution.place,
-            "friction_used_by_gyroscopic_moment": float(
-                friction_used(c[:, summary.FRICTION], D, gyroscopic, load)
-            ),
+            "friction_used_by_gyroscopic_moment": used,
             "friction_coefficient": c[:, summary.FRICTION],
         }
-        if limits_depth(self.scene):
+        if self.limits_depth:
             motion = case.u[None], np.array([case.r]), c[None]
             v1, v2 = slips_across(self.scene, g, problem.op, np.array([D]), *motion)
             values["depth_peak"] = depth_peak(values, v1, v2)
-        if follows_depths(self.scene):
-            worn_by = qv[None], major[None], track[None]
+        if self.follows_depths:
+            worn_by = (c[None, :, k] for k in (summary.QV, summary.MAJOR, summary.TRACK))
             values["loss_per_wear"] = loss_per_wear(g.n_balls, np.array([D]), *worn_by)
         return State(solution.status, values, solution)
 
@@ -214,15 +219,14 @@ def steady_answers(
 ) -> np.ndarray:
     """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
     n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
-    ball_rate, race_rate = wear_rates(scene, c[..., summary.QV], c[..., summary.MAJOR])
-    loss = diameter_loss_rates(
-        n, D, ball_rate, race_rate, c[..., summary.MAJOR], c[..., summary.TRACK]
-    )
+    rates = wear_rates(scene, c[..., summary.QV], c[..., summary.MAJOR])
+    each = *rates, c[..., summary.MAJOR], c[..., summary.TRACK]
+    losses = diameter_loss_rates(n, D, *(one.T for one in each))
     force = [axial_force(case, n) for case in cases]
     drag = [drag_power(problem, D, case) for case in cases]
     of_both = n * c.sum(axis=1)
     torque, power = n * c[:, 0, summary.TORQUE], of_both[:, summary.HEAT] + drag
-    return np.array([of_both[:, summary.QV], force, *loss.T, torque, power]).T
+    return np.array([of_both[:, summary.QV], force, *losses, torque, power]).T
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:

@@ -102,6 +102,12 @@ class Films:
         """Factor on the wear of films under a mean pressure [Pa], (p/p_ref)^n."""
         return (pressure / self.reference) ** self.exponent if self.exponent else 1.0
 
+    @functools.cached_property
+    def unworn(self) -> Factors:
+        """`wearing` of new surfaces, where pressure does not matter: of each contact (2,) each."""
+        ball, race = self.wearing(self.thickness > 0.0)
+        return np.broadcast_to(ball, 2), np.broadcast_to(race, 2)
+
     @property
     def wear_through(self) -> bool:
         return any(0.0 < part.thickness < math.inf for part in (self.ball, self.race))

@@ -8,7 +8,7 @@ import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.contact import summary
-from bearingwear.kernels.contact.friction import has_friction
+from bearingwear.kernels.contact.friction import friction_capacity, has_friction
 from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Scene
@@ -91,8 +91,7 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
     Friction coefficients [1] and loads [N] are those of the contacts (..., 2), D (...) worn
     diameters [m].
     """
-    friction = mu[..., 1] * Q.sum(axis=-1) + (mu[..., 0] - mu[..., 1]) * Q[..., 0]
-    most = friction * 0.5 * D
+    most = friction_capacity(*np.moveaxis(mu, -1, 0), *np.moveaxis(Q, -1, 0)) * 0.5 * D
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(moment > 0.0, moment / most, 0.0)
 
@@ -124,14 +123,12 @@ def wear_values(
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a)
     in_contact = a.min(axis=1) > 0.0  # balls off a race loosen no fit
-    each = D, ball_rate, race_rate, a, track
-    losses = diameter_loss_rates(
-        n, *(each if in_contact.all() else (one[in_contact] for one in each))
-    )
+    each = ball_rate, race_rate, a, track
+    losses = diameter_loss_rates(n, D[in_contact], *(one[in_contact].T for one in each))
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
         "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),
-        "ball_diameter_loss_rate": losses.sum(axis=0) / len(D),
+        "ball_diameter_loss_rate": np.sum(losses, axis=1) / len(D),
     }
 
 
@@ -143,28 +140,33 @@ def wear_rates(
     Of each contact (..., 2); without `parts` as when new.
     """
     if parts is None:
-        films = Films.of(scene)
-        pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves time
-        parts = films.wearing(films.thickness > 0.0, pressed=pressed)
+        parts = unworn_factors(scene, Films.of(scene), a)
     ball, race = parts
     return ball * qv, race * qv
 
 
-def groove_depth_rates(n: int, race_rate: np.ndarray, a: np.ndarray, track: np.ndarray):
-    """Rates (..., 2) of the depth of grooves, mean over their width [m/s] (theory.md Eq. 24)."""
+def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
+    """K_s/H of balls and races as when new, in contacts of semi-major axes (..., 2) [m]."""
+    if not films.exponent:
+        return films.unworn
+    return films.wearing(films.thickness > 0.0, pressed=films.pressed(mean_pressure(scene, a)))
+
+
+def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):
+    """Rates at which grooves deepen on the mean of their width [m/s] (theory.md Eq. 24)."""
     return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 
-def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray:
-    """Rates (..., 2) at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
+def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> tuple[Any, Any]:
+    """Rates at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
 
-    Counting the balls alone, and balls and races: from worn diameters (...) [m], the wear of ball
-    and race in each contact [m3/s], semi-major axes and radii of the tracks [m] (..., 2).
+    Counting the balls alone, and balls and races: from the worn diameter [m], and of the inner and
+    the outer contact the wear of ball and race [m3/s], semi-major axis and radius of the track [m].
+    Each is a number or an array (k,).
     """
-    rates = np.empty(ball_rate.shape)
-    rates[..., 0] = 2.0 * ball_rate.sum(axis=-1) / (np.pi * D * D)
-    rates[..., 1] = rates[..., 0] + groove_depth_rates(n, race_rate, a, track).sum(axis=-1)
-    return rates
+    balls = 2.0 * (ball_rate[0] + ball_rate[1]) / (np.pi * D * D)
+    inner, outer = (groove_depth_rates(n, race_rate[k], a[k], track[k]) for k in (0, 1))
+    return balls, balls + (inner + outer)
 
 
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
