@@ -150,6 +150,9 @@ def uncertainty(args: argparse.Namespace) -> int:
     )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
+    if not (found["solved_share"] > 0.0).any():
+        sys.stderr.write(one_line(f"{args.scene}: no life could be solved (see {args.output})"))
+        return NOT_SOLVED
     if not args.quiet:
         _print_file(args.output, args)
     return OK
@@ -322,7 +325,7 @@ def study(args: argparse.Namespace) -> int:
     if not CONFIG.is_file():  # refused, and no folder made
         return launch(args.name, jobs, args.more)
     with only_run(Path()) as held:
-        more = [*again, "--rerun-incomplete", *args.more]
+        more = [*args.more, *again, "--rerun-incomplete"]
         return launch(args.name, jobs, more, files=[held])
 
 

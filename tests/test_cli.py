@@ -461,6 +461,15 @@ def test_recommend_at_a_cliff(capsys):
     assert cut < 0.8 * counted
 
 
+def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
+    scene, file = tmp_path / "a.yaml", tmp_path / "a.nc"
+    text = SCENE.read_text(encoding="utf-8")
+    scene.write_text(text.replace("preload_N: 7.0", "preload_N: 1.0e+6"), encoding="utf-8")
+    assert main(["uncertainty", str(scene), "--samples", "4", "-o", str(file)]) == 3
+    told, error = capsys.readouterr()
+    assert not told and error.endswith(f"{scene}: no life could be solved (see {file})\n")
+
+
 def test_recommend_says_where_nothing_could_be_solved(capsys):
     without_friction = ["recommend", str(SCENE), "--set", "friction.ball_race=0"]
     for limits in ([], ["--pressure", "2"]):

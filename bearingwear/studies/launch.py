@@ -188,7 +188,7 @@ def launch_own(
     """
     # nobody runs it: a lock of Snakemake is left by a run that was killed
     shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)
-    status = launch("all", jobs, ["--rerun-incomplete", *more], folder, [held])
+    status = launch("all", jobs, [*more, "--rerun-incomplete"], folder, [held])
     return status, own_page(folder)
 
 

@@ -97,9 +97,9 @@ def found_lives(
 
         hertzian = interpolated(places, solver(hertzian_lives, _QUICK), *HERTZIAN, HERTZIAN_TO)
         left.drop(_QUICK)
-        if not hertzian.kind[:, 2].any():
-            return _found(hertzian)
         asked = np.flatnonzero(np.isfinite(hertzian.log[:, _RACES]))
+        if not (asked.size and hertzian.kind[:, 2].any()):
+            return _found(hertzian)
         solve = solver(followed_lives, _WORN)
 
         def worn_lives(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
