@@ -119,7 +119,13 @@ def _numbers(chart: Chart) -> str:
             "y": [y.low, y.high],
             "units": [_unit(chart.x_label), _unit(chart.y_label)],
             "lines": [
-                {"points": line.points, "notes": line.notes, "star": line.star, "ends": line.ends}
+                {
+                    "points": line.points,
+                    "notes": line.notes,
+                    "star": line.star,
+                    "ends": line.ends,
+                    "digits": 2 if line.band else 3,
+                }
                 for line in chart.lines
             ],
         }

@@ -25,9 +25,12 @@ from bearingwear.page.charts import LARGE_CHART, SMALL_CHART, chart_html
 from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.sketch import sketch
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.units import Rough, in_print, key_in_words, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.results.words import scene_of
+from bearingwear.scene.arrangement import METHODS
+from bearingwear.scene.changes import KIND_KEY, METHOD_KEY
 from bearingwear.scene.checking.errors import leaves
 
 _TEMPLATE, _STYLE, _SCRIPT = (
@@ -353,6 +356,9 @@ _MOST = 4  # scene_differences that are named
 def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[KeyRow]:
     """Rows of the table of scenes: key in words, a value for each, whether they differ."""
     flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
+    for scene, values in zip(scenes, flat, strict=True):
+        if is_pair(scene) and METHOD_KEY not in values:  # both were studied
+            values[KIND_KEY] = _value(list(METHODS))
     names = list(dict.fromkeys(name for values in flat for name in values))
     blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
     for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):

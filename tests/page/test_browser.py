@@ -209,7 +209,9 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
                 there = {point[0]: point[1] for point in line["points"]}
                 text = next(texts)
                 if stops[k] in there and there[stops[k]] is not None:
-                    assert float(text.split()[0]) == pytest.approx(there[stops[k]], rel=6e-3)
+                    assert float(text.split()[0]) == pytest.approx(
+                        there[stops[k]], rel=6.0 * 10.0 ** -line["digits"]
+                    )
         assert all(
             d.startswith("M")
             for d in charts.locator(".cursor").evaluate_all(
