@@ -121,6 +121,10 @@ def test_the_report_of_the_jobs(solved):
     for category in ("across scenes", "gyro_s1_drag", "the report page"):
         assert category in report
     assert "Slip (race minus ball) over the contact ellipses" in report  # a caption
+    for label in ("slip over the contacts", "cases and lives, table, to download"):
+        assert label in report
+    figures = {str(path.relative_to(solved.root)) for path in solved.root.glob("results/**/*.svg")}
+    assert figures and figures == set(re.findall(r'"(results/[^"]*\.svg)": ?{', report))
     assert "gyro_s1_drag</strong>: " in report  # the first page
 
 

@@ -153,13 +153,18 @@ def outputs_of(job):
 def shown(step):
     if not step.caption:
         return step.outputs
-    told = {
-        "caption": f"../report/{step.caption}.rst",
-        "category": step.category,
-        "labels": {"result": step.result},
-    }
+    about = {".svg": step.result, ".md": f"{step.result}, to download"}
     return [
-        in_report(path, **told) if path.endswith((".svg", ".md")) else path
+        (
+            in_report(
+                path,
+                caption=f"../report/{step.caption}.rst",
+                category=step.category,
+                labels={"result": about[ending]},
+            )
+            if (ending := os.path.splitext(path)[1]) in about
+            else path
+        )
         for path in step.outputs
     ]
 
@@ -200,7 +205,7 @@ def made_from(job):
         keys = tuple(sorted(replaced))
         scenes = "".join(decisive(path, keys) for path in files if is_scene(path))
         other = contents_hash(path for path in files if not is_scene(path))
-        return "".join([*map(result_hash, modules), text_hash(scenes), other])
+        return text_hash("".join([*map(result_hash, modules), text_hash(scenes), other]))
 
     return contents
 

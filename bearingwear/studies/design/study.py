@@ -39,6 +39,14 @@ PLOTS = {
 """What `bearingwear plot` draws of the kinds of files that this study makes and reads."""
 
 
+_SHOWN = {
+    "design": "life and limits over preload",
+    "map": "life and limits over preload and friction",
+    "uncertainty": "uncertainty of the life",
+}
+"""Figures in words, for the report of the jobs."""
+
+
 def study(config: Mapping[str, Any]) -> DesignStudy:
     """The study of config/design.yaml."""
     sampled = read_record(UncertaintyPlan, _SAMPLED).scenes if _SAMPLED.is_file() else ()
@@ -146,7 +154,8 @@ def _checked(plan: DesignPlan) -> list[Step]:
             label="{scene}: {times} times the recommended preload, {fidelity}", work=1.0),
         table_step("check", "document.check_table.check_table", name="check_table",
             recommendation="recommendation.nc", cases=check,
-            label="{scene}: the recommended preload, solved dynamically", result="design, dynamic"),
+            label="{scene}: the recommended preload, solved dynamically",
+            result="dynamic check, table"),
     ]  # fmt: skip
 
 
@@ -175,7 +184,7 @@ def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
 
 def _figure(name: str, inputs: Mapping[str, str]) -> Step:
     run = f"figures.draw.draw_{name}"
-    return figure_step(name, run, name=f"figure_{name}", inputs=inputs, result=f"design, {name}")
+    return figure_step(name, run, name=f"figure_{name}", inputs=inputs, result=_SHOWN[name])
 
 
 def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
@@ -183,7 +192,7 @@ def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
     paths = ("map.csv", "design.md")
     return [
         table_step(paths, "document.sheets.tables", name="tables", inputs=inputs,
-            result="design, table"),
+            result="recommendation, table"),
         step("answer", "answer.json", "document.sheets.design_answer", inputs=answered),
         step("charts", "charts.json", "document.charts.design_charts",
             inputs={name: path for name, path in answered.items() if name != "beside"}),

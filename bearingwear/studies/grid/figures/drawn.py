@@ -13,6 +13,18 @@ from bearingwear.studies.protocol import Bundle, Step, bundle, figure_step, tabl
 
 _ACROSS = "across scenes"
 
+_SHOWN = {
+    "friction": "QV and contact load over friction",
+    "slip": "slip over the contacts",
+    "wear": "QV, preload and wear rates over wear",
+    "life": "wear life",
+    "dynamic": "dynamic cases with the cage",
+    "running_average": "running averages of wear rates",
+    "overlay": "QV, preload and loss rate of several scenes",
+    "life_overlay": "QV over the life of several scenes",
+}
+"""Kinds of figures in words, for the report of the jobs."""
+
 
 def bundles(plan: Plan) -> list[Bundle]:
     """Those of each scene, of each scene solved dynamically, and of several scenes side by side."""
@@ -35,7 +47,7 @@ def _scene_steps(plan: Plan, scene: str) -> list[Step]:
     return [
         *(step for one in plan.bearings(scene) for step in _bearing_steps(plan, scene, one, lives)),
         table_step(("cases.csv", "summary.md"), "tables.study_tables", name="summary",
-            study="study.nc", caption="summary", result="summary", **lives),
+            study="study.nc", caption="summary", result="cases and lives, table", **lives),
     ]  # fmt: skip
 
 
@@ -44,23 +56,25 @@ def _bearing_steps(
 ) -> Iterator[Step]:
     """Figures of the only bearing of a scene, or of one of two that differ."""
     which, suffix = ({"bearing": bearing}, f"-{bearing}") if bearing else ({}, "")
+    more = f", {bearing} bearing" if bearing else ""
     grid, mu = plan.grids[scene], {"friction": plan.frictions(scene), **which}
     for name, loss in plan.losses.items():
         if len(grid.friction) > 1 and loss in grid.ball_diameter_loss_um:
             settings = {"loss_um": loss, **which}
-            yield _figure(name + suffix, "friction", study="study.nc", settings=settings)
+            worn = f", {loss:g} µm worn{more}" if loss else f", new{more}"
+            yield _figure(name + suffix, "friction", worn, study="study.nc", settings=settings)
     if slip := plan.slip_cases(scene):
-        yield _figure(f"fig09_slip{suffix}", "slip", cases=slip, settings=which)
-    yield _figure(f"fig10_wear{suffix}", "wear", studies=["study.nc"], settings=mu)
-    yield _figure(f"wear_life{suffix}", "life", settings=mu, **lives)
+        yield _figure(f"fig09_slip{suffix}", "slip", more, cases=slip, settings=which)
+    yield _figure(f"fig10_wear{suffix}", "wear", more, studies=["study.nc"], settings=mu)
+    yield _figure(f"wear_life{suffix}", "life", more, settings=mu, **lives)
 
 
 def _dynamic_steps(plan: Plan, scene: str) -> list[Step]:
     compared = {"study": "study.nc", "dynamic": "dynamic.nc"}
     reference = dict(zip(("reference",), plan.reference(scene), strict=False))
     averages = [
-        _figure(f"fig06_running_average-{case}", "running_average", case=f"dynamic/{case}.nc",
-            result=f"fig06_running_average, {case}", **reference)
+        _figure(f"fig06_running_average-{case}", "running_average", f", {case}",
+            case=f"dynamic/{case}.nc", **reference)
         for case in plan.dynamic[scene].cases()
         if scene in plan.config.figures.running_averages
     ]  # fmt: skip
@@ -69,7 +83,8 @@ def _dynamic_steps(plan: Plan, scene: str) -> list[Step]:
     return [
         _figure("dynamic", "dynamic", **compared),
         table_step(("dynamic.csv", "dynamic.md"), "dynamic_tables.comparison",
-            name="dynamic_tables", caption="dynamic_tables", result="dynamic, table", **compared),
+            name="dynamic_tables", caption="dynamic_tables", result="dynamic cases, table",
+            **compared),
         *averages,
     ]  # fmt: skip
 
@@ -81,18 +96,18 @@ def _steps_across(plan: Plan) -> list[Step]:
     return [
         *([wear] if columns else []),
         *(
-            _figure(f"spread_{name}", "overlay", studies=plan.studies(*overlay.scenes),
+            _figure(f"spread_{name}", "overlay", f", {name}", studies=plan.studies(*overlay.scenes),
                 settings={"friction": overlay.friction})
             for name, overlay in plan.spreads.items()
         ),
         *(
-            _figure(f"lives_{name}", "life_overlay", lives=plan.lives(*overlay.scenes),
+            _figure(f"lives_{name}", "life_overlay", f", {name}", lives=plan.lives(*overlay.scenes),
                 settings={"friction": overlay.friction})
             for name, overlay in plan.config.figures.lives.items()
         ),
     ]  # fmt: skip
 
 
-def _figure(name: str, kind: str, **rest: Any) -> Step:
-    run = f"figures.draw.draw_{kind}"
-    return figure_step(name, run, **{"name": f"figure_{kind}", "caption": kind, **rest})
+def _figure(name: str, kind: str, more: str = "", **rest: Any) -> Step:
+    run, result = f"figures.draw.draw_{kind}", f"{_SHOWN[kind]}{more}"
+    return figure_step(name, run, name=f"figure_{kind}", caption=kind, result=result, **rest)
