@@ -205,7 +205,9 @@ def made_from(job):
         keys = tuple(sorted(replaced))
         scenes = "".join(decisive(path, keys) for path in files if is_scene(path))
         other = contents_hash(path for path in files if not is_scene(path))
-        return text_hash("".join([*map(result_hash, modules), text_hash(scenes), other]))
+        return text_hash(
+            "".join([*map(result_hash, modules), text_hash(scenes), other])
+        )
 
     return contents
 
