@@ -30,19 +30,28 @@ def to_stderr(text: str) -> None:
 
 
 class BrokenSilence:
-    """Passes on lines of progress, and adds one after 3, 6, 12, ... s without any."""
+    """Passes on lines of progress, and adds one after 3, 6, 12, ... s without any.
+
+    Each states the time `left` if that is known.
+    """
+
+    left: TimeLeft | None = None
 
     def __init__(self, tell: Tell) -> None:
         self._tell, self._last, self._wait = tell, time.monotonic(), LINE_EVERY
 
     def __call__(self, text: str) -> None:
-        self._tell(text)
+        self._say(text)
         self._last, self._wait = time.monotonic(), LINE_EVERY
+
+    def _say(self, text: str) -> None:
+        seconds = self.left.seconds if self.left else 0.0
+        self._tell(f"{text}, about {seconds:.0f} s left" if seconds else text)
 
     def result(self, future: Future[Any]) -> Any:
         """Result of a job, waited for."""
         while not wait([future], max(self._last + self._wait - time.monotonic(), 0.0)).done:
-            self._tell(f"still running after {time.monotonic() - self._last:.0f} s")
+            self._say(f"still running after {time.monotonic() - self._last:.0f} s")
             self._wait *= 2.0
         return future.result()
 
@@ -120,12 +129,14 @@ class TimeLeft:
     def done(self, kind: str, count: float) -> None:
         """So many of a kind were done since the last time."""
         now, (before, seconds) = time.monotonic(), self._done.get(kind, (0.0, 0.0))
+        self._ahead.setdefault(kind, (0.0, 1.0))
         self._done[kind] = before + count, seconds + now - self._last
         self._last = now
 
     def drop(self, kind: str) -> None:
         """No more of a kind come."""
-        self._ahead[kind] = self._done.get(kind, (0.0, 0.0))[0], self._ahead[kind][1]
+        cost = self._ahead.get(kind, (0.0, 1.0))[1]
+        self._ahead[kind] = self._done.get(kind, (0.0, 0.0))[0], cost
 
     @property
     def seconds(self) -> float:
@@ -148,8 +159,9 @@ def told_in_lines(
     tell: Tell = to_stderr,
     kind: str = "",
     left: TimeLeft | None = None,
+    timed: bool = True,
 ) -> Iterator[Any]:
-    """Results, with a line every few seconds: number of `count` done, time left.
+    """Results, with a line every few seconds: number of `count` done, time left if `timed`.
 
     what: `CALLER: {} of {} THINGS`, filled with what is done and all there is.
     kind, left: of which kind they are, where others come after them.
@@ -163,6 +175,7 @@ def told_in_lines(
         left.done(kind, size(result))
         now = time.monotonic()
         if now - last > LINE_EVERY and left.seconds:
-            seconds = f", about {left.seconds:.0f} s left" if number >= _ENOUGH else ""
+            known = timed and number >= _ENOUGH
+            seconds = f", about {left.seconds:.0f} s left" if known else ""
             tell(f"{what.format(done, count)}{seconds}")
             last = now

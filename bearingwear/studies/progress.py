@@ -10,6 +10,7 @@ from typing import Any
 
 from bearingwear.studies.pool import LINE_EVERY
 from bearingwear.studies.protocol import Bundle, Step
+from bearingwear.studies.seconds import job_times, kind, seconds_of
 
 PROCESS, FIGURE = 1.0, 0.5
 """What a process takes to start, and a figure or a table to make [s]."""
@@ -30,6 +31,13 @@ _WITHOUT_EVENT = (
 """Beginnings of messages that say nothing of the study."""
 
 
+def _expected(job: Step | Bundle) -> float:
+    """Seconds of a job: as measured, else by the figures and tables that it makes."""
+    if kind(job.rule) in job_times():
+        return seconds_of(job.rule, job.work or 1.0)
+    return job.seconds or PROCESS + FIGURE * len(job.steps)
+
+
 class JobLines(logging.Filter):
     """Handler of Snakemake's logger that prints a line for each finished job.
 
@@ -41,6 +49,7 @@ class JobLines(logging.Filter):
         self._handler, self._format = handler, handler.format
         self._seconds: dict[int, float] = {}  # estimates of the jobs that are left
         self._rules: dict[int, str] = {}  # of all jobs
+        self._alone: set[int] = set()  # jobs that take every core
         self._known: dict[str, list[float]] = {}  # times of finished jobs
         self._labels: dict[int, str] = {}
         self._started: dict[int, float] = {}
@@ -52,10 +61,8 @@ class JobLines(logging.Filter):
 
     def begin(self, jobs: Mapping[int, Step | Bundle | None]) -> None:
         """Take the jobs of a run by their numbers; none for those that are no study's."""
-        self._seconds = {
-            job: (one.seconds or PROCESS + FIGURE * len(one.steps)) if one else PROCESS
-            for job, one in jobs.items()
-        }
+        self._seconds = {job: _expected(one) if one else PROCESS for job, one in jobs.items()}
+        self._alone = {job for job, one in jobs.items() if one and one.alone}
         self._rules = {job: one.rule if one else "" for job, one in jobs.items()}
         self._count, self._begin = len(jobs), time.monotonic()
         self._last = self._begin
@@ -96,14 +103,16 @@ class JobLines(logging.Filter):
         now = time.monotonic()
         pace = (self._took + PACE_ASSUMED) / (self._estimated + PACE_ASSUMED)
         run = {job: now - start for job, start in list(self._started.items())}
-        left = []
+        left = {}
         for job, seconds in list(self._seconds.items()):
             known = self._known.get(self._rules[job])
             whole = sum(known) / len(known) if known else pace * seconds
             passed = run.get(job, 0.0)
-            left.append(max(whole - passed, LATE * passed))
+            left[job] = max(whole - passed, LATE * passed)
         at_a_time = (self._took + sum(run.values())) / max(now - self._begin, 1e-3)
-        return max(sum(left) / max(at_a_time, 1.0), *left, 0.0)
+        alone = sum(seconds for job, seconds in left.items() if job in self._alone)
+        shared = (sum(left.values()) - alone) / max(at_a_time, 1.0)
+        return max(alone + shared, *left.values(), 0.0)
 
     def _break_silence(self) -> None:
         silence = LINE_EVERY

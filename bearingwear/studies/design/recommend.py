@@ -67,7 +67,14 @@ from bearingwear.studies.design.room import (
     verdict_on,
 )
 from bearingwear.studies.design.search import Found, Request, answered, search
-from bearingwear.studies.pool import BrokenSilence, Tell, processes, to_stderr, told_in_lines
+from bearingwear.studies.pool import (
+    BrokenSilence,
+    Tell,
+    TimeLeft,
+    processes,
+    to_stderr,
+    told_in_lines,
+)
 from bearingwear.studies.solve import life_scene
 
 RECOMMENDATION = "recommendation"
@@ -92,6 +99,21 @@ WORST_CASES = "worst_cases"
 
 ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 """What is found of a recommended preload and is no variable."""
+
+_MAP, _SEARCH, _LIMITS, _BESIDE = "map", "search", "limits", "beside"
+_EXACT = 2.7  # time of an exact life over that of a quick one
+
+
+def _usual_work(methods: int, limits: int) -> dict[str, tuple[float, float]]:
+    """How many quick lives the stages of a recommendation usually take, and the time of each.
+
+    The ends of friction are solved beside the limits; what stands beside the preloads is four jobs.
+    """
+    found = {_MAP: (0.0, _EXACT), _BESIDE: (4.0, 7.0)}
+    if limits:
+        found |= {_SEARCH: (16.0 * methods, 1.0), _LIMITS: (15.0 * limits, 1.2)}
+    return found
+
 
 NOT_ASKED = NO_LIFE["status"]
 NO_ERRORS = np.full(2, np.nan)
@@ -141,15 +163,21 @@ def mapped(
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
         workers, tell = 1, None
     waiting = tell if isinstance(tell, BrokenSilence) else None
+    left = TimeLeft(_usual_work(len(axes.preload_method), len(limits.given)))
     with processes(workers, "recommend", waiting) as each:
         lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
         if not quick:
             lives = each(_followed, [(one, slip_limit, False) for one in scenes])
         if not quick and tell is not None:
-            lives = told_in_lines(lives, len(scenes), "{} of {} lives of the map", tell=tell)
+            line, timed = "{} of {} lives of the map", waiting is not None
+            lives = told_in_lines(
+                lives, len(scenes), line, tell=tell, kind=_MAP, left=left, timed=timed
+            )
         design = map_of(scene, axes.values, slip_limit, list(lives))
         design = with_choices(design.assign_attrs(limits=json.dumps(limits.given)))
-        return design, recommendation(scene, design, each, tell)
+        if waiting is not None:
+            waiting.left = left
+        return design, recommendation(scene, design, each, tell, left)
 
 
 def recommendation(
@@ -157,6 +185,7 @@ def recommendation(
     design: xr.Dataset,
     each: Callable[..., Iterator[Any]] = map,
     tell: Tell | None = None,
+    left: TimeLeft | None = None,
 ) -> xr.Dataset:
     """The preload to take for each method at the scene's own friction and speed, between the
     map's preloads.
@@ -167,6 +196,7 @@ def recommendation(
     design: the map.
     each: `map`, or one whose calls share processes.
     tell: given a line of text now and then.
+    left: counts what is done.
     CaseFileError: where the map is of another scene or does not hold its friction and speed.
     """
     if json.loads(design.attrs["scene"]) != scene.to_dict():
@@ -178,7 +208,8 @@ def recommendation(
                 f"the design map does not contain the {axis} {value:g} of the scene"
             )
     lines = design.sel(point, drop=True)
-    search = Search(scene, limits_of(design), counted(design), each, tell or (lambda text: None))
+    known = limits_of(design), counted(design)
+    search = Search(scene, *known, each, tell or (lambda text: None), left or TimeLeft({}))
     rows, none, held_so = search.answers(lines)
     found = _dataset(rows, lines).merge(held_so, combine_attrs="override")
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
@@ -198,6 +229,7 @@ class Search:
     basis: int
     each: Callable[..., Iterator[Any]]  # `map`, or one whose calls share processes
     tell: Tell
+    left: TimeLeft
 
     def answers(self, lines: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, str], xr.Dataset]:
         """Best point of each method, reasons for none, and robustness of the choice.
@@ -210,7 +242,9 @@ class Search:
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:
             self.tell("the best preloads between preloads of the map")
-            found = answered([search(one, self.limits) for one in known], self._solve)
+            solve = partial(self._solve, _SEARCH)
+            found = answered([search(one, self.limits) for one in known], solve)
+        self.left.drop(_SEARCH)
         rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):
@@ -243,7 +277,7 @@ class Search:
     def _of_map(self, line: PreloadLine) -> xr.Dataset:
         """Lives at the preloads of the map, over these alone; those not tried are solved."""
         missing = [(line, preload, False) for preload in line.ahead if preload not in line.tried]
-        for (_, preload, exact), values in zip(missing, self._solve(missing), strict=True):
+        for (_, preload, exact), values in zip(missing, self._solve(_SEARCH, missing), strict=True):
             line.add(preload, values, exact)
         points = [line.tried[preload].values for preload in line.ahead]
         operation = self.scene.operation
@@ -271,13 +305,15 @@ class Search:
             more = denser(preloads, limit_margins(found, self.limits))
         return found | {"preload": np.array(preloads)}
 
-    def _solve(self, requests: Sequence[Request]) -> list[dict[str, Any]]:
+    def _solve(self, kind: str, requests: Sequence[Request]) -> list[dict[str, Any]]:
         slip_limit = self.limits.gyroscopic_slip_share
         jobs = [
             (self._at(line.method, preload), slip_limit, not exact)
             for line, preload, exact in requests
         ]
-        return list(self.each(_followed, jobs))
+        solved = list(self.each(_followed, jobs))
+        self.left.done(kind, sum(_EXACT if exact else 1.0 for *_, exact in requests))
+        return solved
 
     def _held(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> xr.Dataset:
         """How far the choice holds: limits with new preloads, all else at the recommended ones.
@@ -301,7 +337,11 @@ class Search:
             *(partial(_printed, scene) for scene in given_scenes),
             partial(lives_by_track, scenes, lives, self.basis),
         ]
-        *found, tracks = self.each(_called, asked)
+        found = []
+        for one in self.each(_called, asked):
+            found.append(one)
+            self.left.done(_BESIDE, 1.0)
+        tracks = found.pop()
         if both:
             room += [*found.pop(0), *friction_room(given_scenes[0], *friction)]
         for row in rows:
@@ -314,7 +354,8 @@ class Search:
         asking = [
             limit_end(lines, self.limits, name, upward, first) for name in names for upward in _WAYS
         ]
-        ends = answered(asking, self._solve)
+        ends = answered(asking, partial(self._solve, _LIMITS))
+        self.left.drop(_LIMITS)
         return [
             Assumption(name=f"{LIMIT_KEY}{name}", now=self.limits.given[name], low=low, high=high)
             for name, low, high in zip(names, ends[::2], ends[1::2], strict=True)
