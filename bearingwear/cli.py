@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import atexit
+import contextlib
 import difflib
 import functools
 import gc
@@ -21,9 +22,12 @@ from collections.abc import Sequence
 from bearingwear.arguments import BAD_INPUT, STUDY_NAMES, command_parser, is_study
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.studies import NAMES
 
 _OK, INTERRUPTED = 0, 130
+NEED_LIVES = {"solve", "life", "uncertainty", "recommend", "study"}
+"""Commands that need the kernels of a life, or after which a life is usual."""
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 
 RENAMED = {
@@ -161,6 +165,16 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
     args.output = args.output or [args.file.with_suffix(".svg")]
 
 
+def _compiled_beside(args: argparse.Namespace) -> contextlib.AbstractContextManager[None]:
+    """The kernels of a first life are compiled beside what the command compiles."""
+    file = args.name if args.command == "study" else getattr(args, "scene", "")
+    if args.command not in NEED_LIVES or not str(file).endswith(SCENE_SUFFIXES):
+        return contextlib.nullcontext()
+    from bearingwear.studies.ahead import compiled_beside
+
+    return compiled_beside(file, getattr(args, "set", ()))
+
+
 def _run(args: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
     from bearingwear.atomic import OutputError
@@ -168,8 +182,10 @@ def _run(args: argparse.Namespace) -> int:
     from bearingwear.scene.checking.errors import NotAvailable
     from bearingwear.scene.scene import SceneError
 
+    handler = getattr(importlib.import_module("bearingwear.commands"), args.run)
     try:
-        return getattr(importlib.import_module("bearingwear.commands"), args.run)(args)
+        with _compiled_beside(args):
+            return handler(args)
     except NotAvailable as error:
         # the model knows the scene by its name, the user by its file
         problem = str(error).partition(": ")[2]
