@@ -42,6 +42,13 @@ OVER_TURNS = {
 """What the long name of a variable of a dynamic case adds, by its cell method."""
 
 
+AXES = COORDINATES | {STRIP_POSITION.name: STRIP_POSITION}
+"""Variables along a dimension: its coordinate, and the places of strips."""
+
+_GIVEN = np.empty(0)
+"""Stands for data that a value replaces."""
+
+
 class Entry(NamedTuple):
     """A variable as it stands in a file."""
 
@@ -71,37 +78,35 @@ def common_attributes() -> dict[str, Any]:
 def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     """Variables and global attributes of a result, in the order of the table."""
     values, scene = result.values, _scene(result.attrs.get("scene", "{}"))
-    table, is_life = _table(values, scene), "end_criterion" in values
-    require_known(values, {*table, STRIP_POSITION.name, *TIME})
-    given = {name: stored_data(table[name], values[name]) for name in table if name in values}
-    sizes = _sizes(table, given, scene)
-    solved = {
-        name: _entry(variable, given.get(name), sizes)
-        for name, variable in table.items()
-        if name in given or variable.always
+    is_life, fidelity = "end_criterion" in values, result.attrs.get("fidelity")
+    table = _table(is_life, is_pair(scene))
+    require_known(values, table)
+    given = {name: stored_data(table[name], value) for name, value in values.items()}
+    layout = _layout(
+        is_life=is_life,
+        of_two=is_pair(scene),
+        over_turns=fidelity == "dynamic" and not is_life,
+        shapes=tuple((name, data.shape) for name, data in given.items()),
+        strips=scene.get("model", {}).get("strips", STANDARD.strips),
+        balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
+    )
+    entries = {
+        name: Entry(dims, given[name] if name in given else data.copy(), attrs.copy(), fill)
+        for name, (dims, data, attrs, fill) in layout.items()
     }
-    if result.attrs.get("fidelity") == "dynamic" and not is_life:
-        for name, entry in solved.items():
-            if name in values and (method := _cell_methods(table[name])):
-                entry.attrs["cell_methods"] = method
-                if entry.dims[: len(TIME)] != TIME:
-                    entry.attrs["long_name"] += OVER_TURNS[method]
-    coordinates = _coordinates({dim for e in solved.values() for dim in e.dims}, values, sizes)
-    if "ball" in coordinates and sizes["ball"] == 1 and "bearing" in scene:
-        coordinates["ball"].attrs["represents"] = np.int32(scene["bearing"]["ball_count"])
     kind = "wear life" if is_life else "case"
     title = {"title": f"{kind} of {scene['name']}" if "name" in scene else kind}
     attrs = common_attributes() | title | result.attrs
-    return coordinates | solved, {key: _attribute(value) for key, value in attrs.items()}
+    return entries, {key: _attribute(value) for key, value in attrs.items()}
 
 
 def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entry], dict[str, Any]]:
     """`entries_of` results of the same shapes, variables along a new first dimension."""
     entries, attrs = entries_of(results[0])
     given = results[0].values
-    table = _table(given, _scene(results[0].attrs.get("scene", "{}")))
+    table = _table("end_criterion" in given, is_pair(_scene(results[0].attrs.get("scene", "{}"))))
     for name, (dims, data, attributes, fill) in entries.items():
-        if name in table:  # no coordinate
+        if name not in AXES:
             if name in given:
                 data = stored_data(table[name], [result.values[name] for result in results])
             else:
@@ -110,9 +115,11 @@ def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entr
     return entries, attrs
 
 
-def _table(values: Mapping[str, Any], scene: Mapping[str, Any]) -> Mapping[str, Variable]:
-    table = LIFE if "end_criterion" in values else CASE
-    return of_pair(table) if is_pair(scene) else table
+@functools.cache
+def _table(is_life: bool, of_two: bool) -> Mapping[str, Variable]:
+    """Variables of a file, its coordinates first."""
+    table = LIFE if is_life else CASE
+    return AXES | (of_pair(table) if of_two else table)
 
 
 @functools.lru_cache(maxsize=4)
@@ -126,11 +133,20 @@ def require_known(values: Iterable[str], known: Container[str]) -> None:
         raise KeyError(f"not in the table of variables: {', '.join(unknown)}")
 
 
-def _sizes(
-    table: Mapping[str, Variable], given: Mapping[str, np.ndarray], scene: Any
-) -> dict[str, int]:
-    """Length of every dimension, from the values where they have it."""
-    strips = scene.get("model", {}).get("strips", STANDARD.strips)
+@functools.lru_cache(maxsize=16)  # results in a loop are alike
+def _layout(
+    is_life: bool,
+    of_two: bool,
+    over_turns: bool,
+    shapes: tuple[tuple[str, tuple[int, ...]], ...],
+    strips: int,
+    balls: int,
+) -> dict[str, Entry]:
+    """Entries of a result whose values have these shapes, with data where there is no value.
+
+    Shared, so do not write to it.
+    """
+    table, given = _table(is_life, of_two), dict(shapes)
     sizes = {
         "ball": 1,
         "race": len(RACES),
@@ -139,53 +155,70 @@ def _sizes(
         "strip": strips,
         OF_BEARING: len(BEARINGS),
     }
-    for name, data in given.items():
-        dims, shape = table[name].dims, data.shape
+    for name, shape in shapes:
+        dims = table[name].dims
         if len(shape) != len(dims):
             raise ValueError(f"{name} has {len(shape)} dimensions, not {len(dims)}")
-        if dims:
-            sizes.update(zip(dims, shape, strict=True))
-    return sizes
+        sizes.update(zip(dims, shape, strict=True))
+    solved = {
+        name: _entry(variable, given.get(name), sizes)
+        for name, variable in table.items()
+        if name not in AXES and (name in given or variable.always)
+    }
+    if over_turns:
+        for name, entry in solved.items():
+            if name in given and (method := _cell_methods(table[name])):
+                entry.attrs["cell_methods"] = method
+                if entry.dims[: len(TIME)] != TIME:
+                    entry.attrs["long_name"] += OVER_TURNS[method]
+    coordinates = _coordinates({dim for e in solved.values() for dim in e.dims}, given, sizes)
+    if balls and "ball" in coordinates and sizes["ball"] == 1:
+        coordinates["ball"].attrs["represents"] = np.int32(balls)
+    return coordinates | solved
 
 
 def _coordinates(
-    used: Container[str], values: Mapping[str, Any], sizes: Mapping[str, int]
+    used: Container[str], given: Mapping[str, tuple[int, ...]], sizes: Mapping[str, int]
 ) -> dict[str, Entry]:
     """Coordinates of the dimensions that are used; they have a value everywhere."""
     found = {}
-    for name, variable in COORDINATES.items():
-        if name in used:
-            value = values.get(name)
-            if value is None and variable.dtype[0] != "i":
-                raise ValueError(f"{name} is missing")
-            value = np.arange(sizes[name]) if value is None else value
-            found[name] = _entry(variable, stored_data(variable, value), sizes)
-    if "strip" in used:
-        strips = sizes["strip"]
-        middles = (2.0 * np.arange(strips) + 1.0) / strips - 1.0
-        position = values.get(STRIP_POSITION.name, middles)
-        position = stored_data(STRIP_POSITION, position)
-        found[STRIP_POSITION.name] = _entry(STRIP_POSITION, position, sizes)
-    return {name: entry._replace(fill=None) for name, entry in found.items()}
+    for name, variable in AXES.items():
+        dim = variable.dims[0]
+        if dim not in used:
+            continue
+        data = None
+        if variable is STRIP_POSITION:
+            data = (2.0 * np.arange(sizes[dim]) + 1.0) / sizes[dim] - 1.0
+        elif variable.dtype[0] == "i":
+            data = np.arange(sizes[dim], dtype=variable.dtype)
+        elif name not in given:
+            raise ValueError(f"{name} is missing")
+        found[name] = _entry(variable, given.get(name), sizes, data)._replace(fill=None)
+    return found
 
 
-def _entry(variable: Variable, data: np.ndarray | None, sizes: Mapping[str, int]) -> Entry:
+def _entry(
+    variable: Variable,
+    given: tuple[int, ...] | None,
+    sizes: Mapping[str, int],
+    data: np.ndarray | None = None,
+) -> Entry:
     dims = variable.dims
     shape = tuple(map(sizes.__getitem__, dims))
-    if data is None:
-        data = np.full(shape, variable.missing)
-    elif data.shape != shape:
-        raise ValueError(f"{variable.name} has shape {data.shape}, not {shape}")
+    if given is not None and given != shape:
+        raise ValueError(f"{variable.name} has shape {given}, not {shape}")
     attrs = variable.attributes
     if len(dims) > 1 and "strip" in dims:
         attrs["coordinates"] = STRIP_POSITION.name
+    if data is None:
+        data = _GIVEN if given is not None else np.full(shape, variable.missing)
     return Entry(dims, data, attrs, None if variable.dtype[0] == "i" else variable.missing)
 
 
 def stored_data(variable: Variable, value: Any) -> np.ndarray:
     """Values as they stand in a file."""
     data = np.array(value, dtype=variable.dtype)
-    if data.dtype.kind == "f" and variable.scale != 1.0:
+    if variable.scale != 1.0 and data.dtype.kind == "f":
         data = np.asarray(data * data.dtype.type(variable.scale))
     return data
 

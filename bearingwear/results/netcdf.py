@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearingwear.atomic import SIGNATURE, reason, whole_file
-from bearingwear.results.entries import SOURCE, Entry, entries_of, stacked_entries
+from bearingwear.results.entries import AXES, SOURCE, Entry, entries_of, stacked_entries
 from bearingwear.results.labels import named_data
-from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
+from bearingwear.results.variables import STRIP_POSITION, TIME
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,8 +111,7 @@ def _shapes(result: Result) -> tuple[Any, ...]:
 
 
 def _dataset(entries: dict[str, Entry], attrs: dict[str, Any], by_name: bool = False) -> xr.Dataset:
-    names = [*filter(entries.__contains__, (*COORDINATES, STRIP_POSITION.name))]
-    own = {name: entries.pop(name) for name in names}
+    own = {name: entries.pop(name) for name in AXES if name in entries}
     made = _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)
     if STRIP_POSITION.name in own:  # no index, so it may be written to: each has its own
         made.variables[STRIP_POSITION.name].data = own[STRIP_POSITION.name].data
