@@ -91,7 +91,8 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
     Friction coefficients [1] and loads [N] are those of the contacts (..., 2), D (...) worn
     diameters [m].
     """
-    most = friction_capacity(*np.moveaxis(mu, -1, 0), *np.moveaxis(Q, -1, 0)) * 0.5 * D
+    pairs = (mu[..., 0], mu[..., 1], Q[..., 0], Q[..., 1])  # moveaxis takes ten times as long
+    most = friction_capacity(*pairs) * 0.5 * D
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(moment > 0.0, moment / most, 0.0)
 
