@@ -42,7 +42,7 @@ OVER_TURNS = {
 """What the long name of a variable of a dynamic case adds, by its cell method."""
 
 
-AXES = COORDINATES | {STRIP_POSITION.name: STRIP_POSITION}
+ALL_COORDINATES = COORDINATES | {STRIP_POSITION.name: STRIP_POSITION}
 """Variables along a dimension: its coordinate, and the places of strips."""
 
 _GIVEN = np.empty(0)
@@ -106,7 +106,7 @@ def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entr
     given = results[0].values
     table = _table("end_criterion" in given, is_pair(_scene(results[0].attrs.get("scene", "{}"))))
     for name, (dims, data, attributes, fill) in entries.items():
-        if name not in AXES:
+        if name not in ALL_COORDINATES:
             if name in given:
                 data = stored_data(table[name], [result.values[name] for result in results])
             else:
@@ -119,7 +119,7 @@ def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entr
 def _table(is_life: bool, of_two: bool) -> Mapping[str, Variable]:
     """Variables of a file, its coordinates first."""
     table = LIFE if is_life else CASE
-    return AXES | (of_pair(table) if of_two else table)
+    return ALL_COORDINATES | (of_pair(table) if of_two else table)
 
 
 @functools.lru_cache(maxsize=4)
@@ -163,7 +163,7 @@ def _layout(
     solved = {
         name: _entry(variable, given.get(name), sizes)
         for name, variable in table.items()
-        if name not in AXES and (name in given or variable.always)
+        if name not in ALL_COORDINATES and (name in given or variable.always)
     }
     if over_turns:
         for name, entry in solved.items():
@@ -182,7 +182,7 @@ def _coordinates(
 ) -> dict[str, Entry]:
     """Coordinates of the dimensions that are used; they have a value everywhere."""
     found = {}
-    for name, variable in AXES.items():
+    for name, variable in ALL_COORDINATES.items():
         dim = variable.dims[0]
         if dim not in used:
             continue

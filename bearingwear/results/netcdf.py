@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearingwear.atomic import SIGNATURE, reason, whole_file
-from bearingwear.results.entries import AXES, SOURCE, Entry, entries_of, stacked_entries
+from bearingwear.results.entries import ALL_COORDINATES, SOURCE, Entry, entries_of, stacked_entries
 from bearingwear.results.labels import named_data
 from bearingwear.results.variables import STRIP_POSITION, TIME
 
@@ -111,7 +111,7 @@ def _shapes(result: Result) -> tuple[Any, ...]:
 
 
 def _dataset(entries: dict[str, Entry], attrs: dict[str, Any], by_name: bool = False) -> xr.Dataset:
-    own = {name: entries.pop(name) for name in AXES if name in entries}
+    own = {name: entries.pop(name) for name in ALL_COORDINATES if name in entries}
     made = _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)
     if STRIP_POSITION.name in own:  # no index, so it may be written to: each has its own
         made.variables[STRIP_POSITION.name].data = own[STRIP_POSITION.name].data
