@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 _ADDRESS = "BEARINGWEAR_FORK_SERVER"
 _MOST_BYTES = 1 << 16
 
+_LIBRARIES = "netCDF4", "numba.np.arrayobj", "numba.cpython.charseq"
+"""Those that a job would import only as it writes a file or loads its first kernel."""
+
 
 def started(modules: list[str]) -> subprocess.Popen[bytes] | None:
     """Start a server that imports modules; jobs find it, and it ends with this process.
@@ -100,13 +103,14 @@ def _serve(address: str, modules: list[str]) -> None:
 
 
 def _imports(modules: list[str]) -> list[str]:
-    """Names of all modules that some modules import, directly or through each other."""
+    """Names of all modules that some modules import, directly or through each other, or need."""
     from bearingwear.provenance import PACKAGE, sources
 
     paths = sources("bearingwear.studies.run_step", "bearingwear.results.netcdf", *modules)
     places = [path.relative_to(PACKAGE.parent) for path in paths if path.suffix == ".py"]
     names = [".".join(place.with_suffix("").parts).removesuffix(".__init__") for place in places]
-    return [*names, "bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"]
+    commands = "bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"
+    return [*_LIBRARIES, *names, *commands]
 
 
 def _forked(client: socket.socket, listener: socket.socket) -> int:

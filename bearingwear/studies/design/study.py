@@ -78,7 +78,7 @@ class DesignStudy(Study):
             "design",
             plan,
             *_chosen(plan),
-            *_small(plan, small, spread_of, sample),
+            *_small(plan, small, spread_of, sample, alone=len(studied) < 2),
             *(_drawn(scene, scene in sampled) for scene in plan.maps),
             *(_small_drawn(plan, scene, scene in spread_of) for scene in small),
             *_checked(plan),
@@ -108,7 +108,11 @@ def _chosen(plan: DesignPlan) -> list[Step]:
 
 
 def _small(
-    plan: DesignPlan, scenes: Sequence[str], spread_of: Sequence[str], sample: Mapping[str, Any]
+    plan: DesignPlan,
+    scenes: Sequence[str],
+    spread_of: Sequence[str],
+    sample: Mapping[str, Any],
+    alone: bool,
 ) -> list[Step]:
     """The small map, and lives at the preload that it recommends."""
     found: dict[str, Any] = {
@@ -123,8 +127,9 @@ def _small(
                 "axes": asdict(plan.small_maps[scene]),
                 "limits": plan.scenes[scene].limits.given,
             },
-            label="{scene}: small map and recommended preload", default=True, alone=True,
-            tells=True),
+            label="{scene}: small map and recommended preload", default=True,
+            # most of the work of a study of one scene; else the start of the longest chain
+            alone=alone, priority=int(not alone), tells=True),
         step("beside", f"{_SMALL}/beside.nc", "beside.lives_beside",
             [scene for scene in scenes if plan.beside(scene)],
             settings=lambda scene: {"cases": plan.beside(scene)},
