@@ -4,7 +4,8 @@
     case = bearingwear.solve(scene.with_({"operation.preload_N": 200}))
     lives = bearingwear.sweep(scene, {"operation.preload_N": [100, 200, 300]}, what="life")
 
-Results are `xarray.Dataset`s. docs/python.md shows it all, docs/variables.md lists what they hold.
+Results are `xarray.Dataset`s. docs/python.md explains the functions, docs/variables.md lists the
+variables.
 """
 
 import importlib

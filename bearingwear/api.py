@@ -62,7 +62,7 @@ CHOICES: Mapping[str, Collection[str]] = {
     "pair": tuple(pair for pair, _ in RUBBING),
     "film": FILMS,
 }
-"""Names that `new` takes."""
+"""Choices of the options of `new`."""
 
 RADIAL_CLEARANCE = "radial_clearance_um"
 
@@ -78,33 +78,33 @@ def solve(
     Parameters
     ----------
     scene : path, dict or Scene
-        A scene file, a dict of the same shape, or a `Scene`.
+        A scene file, a dict with the same structure, or a `Scene`.
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
         Overrides `model.fidelity` of the scene.
     restart : path, optional
-        A dynamic case file to go on from the end of. Its scene may differ in `wear` and `model`
-        only.
+        A dynamic case file, from whose final state the run continues. The scenes may differ only
+        in `wear` and `model`.
     progress : callable, optional
-        Given one line of text every few seconds of a dynamic solve.
+        Called with one line of text every few seconds of a dynamic solve.
 
     Returns
     -------
     xarray.Dataset
-        What a case file holds, names in place of codes (`sel(race="inner")`), and the attributes
-        `message` and `wall_time_s`. Its `status` is "ok" where the numbers may be used.
+        The contents of a case file, with names instead of codes (`sel(race="inner")`), and the
+        attributes `message` and `wall_time_s`. If `status` is "ok", the numbers may be used.
 
     Raises
     ------
     SceneError, NotAvailable
-        Both are ValueErrors: the scene is wrong, or no model solves it.
+        Both are ValueErrors: the scene is invalid, or no model can solve it.
     CaseFileError
-        A ValueError, too: the file cannot be gone on from.
+        Also a ValueError: the run cannot continue from this file.
 
     Warns
     -----
     UserWarning
-        The solver has not reached a verified answer; `status` and `message` say why. Or there is
-        more to say of the result: the attribute `warnings`.
+        No verified solution was found (`status` and `message` give the reason), or the result has
+        warnings (attribute `warnings`).
     """
     checked = as_scene(scene)
     from bearingwear.solvers.solve import solve as solved
@@ -123,27 +123,28 @@ def life(
     Parameters
     ----------
     scene : path, dict or Scene
-        With at least one criterion under `wear.end_of_life`.
+        A scene with at least one criterion under `wear.end_of_life`.
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
         Overrides `model.fidelity` of the scene.
     progress : callable, optional
-        Given one line of text at each step of a dynamic life.
+        Called with one line of text at each step of a dynamic life.
 
     Returns
     -------
     xarray.Dataset
-        What a life file holds, names in place of codes, and the attributes `message` and
+        The contents of a life file, with names instead of codes, and the attributes `message` and
         `wall_time_s`.
 
     Raises
     ------
     SceneError, NotAvailable
-        Both are ValueErrors: the scene is wrong, or no model solves it.
+        Both are ValueErrors: the scene is invalid, or no model can solve it.
 
     Warns
     -----
     UserWarning
-        No life was found; `status` and `message` say why. Or as `solve`.
+        No life was found (`status` and `message` give the reason), or the result has warnings
+        (attribute `warnings`).
     """
     checked = for_life(as_scene(scene))
     from bearingwear.lives.life import life as lived
@@ -160,34 +161,36 @@ def cage(
     workers: int = 1,
     path: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """Motions of a scene's cage and what they wear, by an ensemble of runs: `bearingwear cage`.
+    """Cage motion and cage wear from an ensemble of runs, like `bearingwear cage`.
 
     Parameters
     ----------
     scene : path, dict or Scene
-        With a cage. What is drawn stands under `uncertainty` and `cage_uncertainty`.
+        A scene with a cage. Random values are drawn from `uncertainty` and `cage_uncertainty`.
     runs : int
-        At the most.
+        Maximum number of runs.
     within : float
-        Half of the 90 % interval of the mean work in a turn, over it, at which no more are run.
+        Relative half-width of the 90 % interval of the mean work per turn at which the ensemble is
+        complete.
     seed : int
     life : bool
-        Whether to follow the cage's wear to its end, by ensembles along the way.
+        Whether to compute the life of the cage as well, from ensembles at further wear states.
     workers : int
-        Processes; they change nothing but the time.
+        Number of processes, which affects only the time.
     path : path, optional
-        File to write, from which a killed call goes on.
+        File to write. If a call is interrupted, the next one continues from this file.
 
     Returns
     -------
     xarray.Dataset
-        Over `run`, what each has; `share` of each motion; `mean_*` over all runs and over those of
-        a motion (`group`), with intervals; of a life, `cage_life` (turns), `cage_hours`, `node_*`.
+        The results of each `run`; the `share` of each motion; `mean_*` over all runs and over the
+        runs of each motion (`group`), with intervals; for a life, `cage_life` (turns),
+        `cage_hours` and `node_*`.
 
     Raises
     ------
     SceneError
-        A ValueError of one line.
+        A ValueError with a message of one line.
     """
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.cage.life import cage_found
@@ -199,28 +202,28 @@ def cage(
 
 
 def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration:
-    """A scene calibrated by tests of bearings: `bearingwear calibrate`.
+    """A scene calibrated with bearing tests, like `bearingwear calibrate`.
 
     Parameters
     ----------
     scene : path, dict or Scene
-        With an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
-        then that of the table of coefficients is taken.
+        A scene with `uncertainty.wear_coefficient` and a value that scatters between bearings. A
+        scene without `uncertainty` uses that of the table of coefficients.
     tests : path
-        CSV: a line of column names, then a test each (docs/calibrate.md).
+        CSV file with a header and one row per test (docs/calibrate.md).
     workers : int
-        Processes that share the lives.
+        Number of processes that compute the lives.
 
     Returns
     -------
     Calibration
-        `scene`, with what the tests leave unknown, and `data`: friction, K_s/H and life before and
-        after, and the tests.
+        `scene`, with the remaining uncertainty, and `data`: friction, K_s/H and life before and
+        after the tests, and the tests.
 
     Raises
     ------
     SceneError, CaseFileError
-        Both are ValueErrors of one line; one that names the row and column at fault.
+        Both are ValueErrors with a message of one line, which names the invalid row and column.
     """
     from bearingwear.studies.uncertainty.calibration import calibrated
 
@@ -247,18 +250,18 @@ def load(path: str | os.PathLike[str] | xr.Dataset) -> xr.Dataset | Any:
     Parameters
     ----------
     path : path or Dataset
-        A result file of any kind, or a scene (`.yaml`, `.yml`). Of a dataset that xarray has read,
-        codes become names: `xr.open_mfdataset(..., preprocess=bearingwear.load)`.
+        A result file of any kind, or a scene (`.yaml`, `.yml`). In a dataset read by xarray, codes
+        are replaced by names: `xr.open_mfdataset(..., preprocess=bearingwear.load)`.
 
     Returns
     -------
     xarray.Dataset or Scene
-        The file's contents, names in place of codes; a case or a life with its `message`.
+        The contents of the file, with names instead of codes; a case or life also has `message`.
 
     Raises
     ------
     SceneError, CaseFileError
-        Both are ValueErrors of one line.
+        Both are ValueErrors with a message of one line.
     """
     if not isinstance(path, str | os.PathLike):
         return labelled(path)
@@ -271,27 +274,31 @@ def load(path: str | os.PathLike[str] | xr.Dataset) -> xr.Dataset | Any:
 
 
 def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
-    """Write a dataset of this package as the commands do, with codes for names; or a scene.
+    """Write a scene or a dataset to a file.
 
-    Folders that are missing are made.
+    A dataset is written like those of the commands, with codes instead of names. Missing folders
+    are created.
 
     Parameters
     ----------
     data : Dataset or Scene
     path : path
-        Of a scene, one that ends with `.yaml` or `.yml`; of a dataset, any other.
+        For a scene, a name with the suffix `.yaml` or `.yml`; for a dataset, any other name.
 
     Raises
     ------
     OutputError
-        An OSError of one line.
+        An OSError with a message of one line.
     """
     from bearingwear.atomic import OutputError, write_text
 
     if isinstance(data, Scene) != (Path(path).suffix in SCENE_SUFFIXES):
-        given, allowed = ("a scene", "") if isinstance(data, Scene) else ("a dataset", " no")
+        given, allowed = (
+            ("a scene", "with") if isinstance(data, Scene) else ("a dataset", "without")
+        )
         raise OutputError(
-            f"{path}: got {given}, expected{allowed} {' or '.join(SCENE_SUFFIXES)} for it"
+            f"{path}: got {given}, expected a file name {allowed} the suffix "
+            f"{' or '.join(SCENE_SUFFIXES)}"
         )
     if isinstance(data, Scene):
         write_text(path, yaml_of(data.to_dict()))
@@ -302,19 +309,19 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
 
 
 def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False) -> Document:
-    """The sheet that `bearingwear show` prints: `print(show(case))`, a table in a notebook.
+    """The sheet of `bearingwear show`, for `print(show(case))` or display in a notebook.
 
     Parameters
     ----------
     data : path, Dataset or Scene
-        A scene, a result file of any kind, or what this package has made of it.
+        A scene, a result file of any kind, or a dataset of this package.
     every : bool
-        With residuals, error estimates and versions, as `bearingwear show --all`.
+        Whether to include residuals, error estimates and versions, like `bearingwear show --all`.
 
     Raises
     ------
     SceneError, CaseFileError
-        Both are ValueErrors of one line.
+        Both are ValueErrors with a message of one line.
     """
     from bearingwear.document.show import scene_sheet, sheet
 
@@ -336,16 +343,16 @@ def new(
     name: str = "bearing",
     **known: float | str,
 ) -> Scene:
-    """A scene from the numbers of a catalogue, as `bearingwear new` makes it.
+    """A scene from a few catalogue numbers, like `bearingwear new`.
 
     Parameters
     ----------
     bore, outside : float, optional
-        Diameters [mm], unless a designation says them.
+        Diameters [mm], unless a designation gives them.
     name : str
-        Of the scene.
+        Name of the scene.
     **known : float or str
-        What else is known, by the names of the command's options: `designation`, `maker`, `balls`,
+        Further values, named like the options of the command: `designation`, `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
         `ball_material`, `preload_method`, `pair` and `film`.
@@ -353,12 +360,12 @@ def new(
     Returns
     -------
     Scene
-        Its `description` says what was assumed, or is of a catalogue.
+        Its `description` lists the values that are assumed or from a catalogue.
 
     Raises
     ------
     SceneError
-        A ValueError of one line.
+        A ValueError with a message of one line.
     """
     from bearingwear.scene.new.scene_file import OPTIONS, scene_text
 
@@ -374,7 +381,7 @@ def new(
             raise SceneError("", problem, source=option)
     if RADIAL_CLEARANCE in known:
         if "clearance" in known:
-            raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected one of them")
+            raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected only one of them")
         known["clearance"] = known.pop(RADIAL_CLEARANCE)
     given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
     others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
@@ -384,7 +391,7 @@ def new(
     except SceneError as error:
         raise error.in_source(_argument(error.source)) from None
     made = scene_from_dict(data_of(written, name), name)
-    more = f"Not given: {'; '.join(assumed)}."
+    more = f"Values not given: {'; '.join(assumed)}."
     return made.with_({"description": f"{made.description} {more}"})
 
 
@@ -394,7 +401,7 @@ def _argument(option: str) -> str:
 
 
 def example() -> Scene:
-    """The scene `gyro_s1`: an instrument bearing with balls of 2 mm at 30 000 r/min."""
+    """The scene `gyro_s1`, an instrument bearing with 2 mm balls at 30 000 r/min."""
     from bearingwear.studies.launch import snakefile
 
     return load_scene(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
@@ -403,8 +410,8 @@ def example() -> Scene:
 class Plot:
     """Figures of results: `plot(data)`, or `plot.case(data)`, `plot.life(data)`, ... for one kind.
 
-    The names are the kinds of files that `bearingwear plot` draws. A dataset or file of another
-    kind is then refused. Nothing is saved or shown.
+    The names are the kinds of files that `bearingwear plot` draws. Each function refuses files and
+    datasets of another kind. The figure is neither saved nor shown.
 
     Examples
     --------
@@ -420,14 +427,15 @@ class Plot:
         Parameters
         ----------
         data : path or Dataset
-            A result file of any kind, or what this package has made of it.
+            A result file of any kind, or a dataset of this package.
         bearing : {"first", "second"}, optional
-            Which bearing of a pair; needed where they differ.
+            Bearing of a pair, which is required if the two differ.
 
         Raises
         ------
         CaseFileError
-            A ValueError of one line: a file that cannot be read, or a kind that cannot be drawn.
+            A ValueError with a message of one line: the file cannot be read, or its kind cannot be
+            drawn.
         """
         return self._drawn(data, registry("PLOTS"), bearing)
 
@@ -462,7 +470,7 @@ class Plot:
             if isinstance(data, xr.Dataset):
                 return figure_of(coded(data), "plot", figures, bearing)
         kind = type(data).__name__
-        raise CaseFileError(f"plot: got a {kind}, expected a result: a file or a Dataset")
+        raise CaseFileError(f"plot: got a {kind}, expected a result file or a Dataset")
 
 
 plot = Plot()

@@ -54,19 +54,19 @@ def command_parser() -> argparse.ArgumentParser:
         return sub
 
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
-    check = command("check", "check a scene; report which model would be used, and why")
+    check = command("check", "check a scene and report which model would be used, and why")
     solve = command("solve", "solve a scene and print the sheet; -o writes a case file")
-    launch = command("launch", "compute gaps and dents of a rotor's bearings at launch")
+    launch = command("launch", "compute whether the bearings of a rotor open or dent at launch")
     life = command("life", "compute the wear life and print the sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
-        help="continue from the end of a dynamic case; its scene may differ in wear and model only",
+        help="continue a dynamic case from its end; the scenes may differ only in wear and model",
     )
     for sub in (check, solve, life, launch):
-        sub.add_argument("--case", metavar="NAME", help="one of the scene's cases")
+        sub.add_argument("--case", metavar="NAME", help="select one of the cases of the scene")
     for sub in (solve, life):
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
@@ -76,18 +76,16 @@ def command_parser() -> argparse.ArgumentParser:
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
     _add_calibrate(
-        command(
-            "calibrate", "fit friction and wear coefficients to tests; write the calibrated scene"
-        )
+        command("calibrate", "fit friction and wear to test results; write the calibrated scene")
     )
-    _add_cage(command("cage", "compute motions and wear of a cage from an ensemble of runs"))
+    _add_cage(command("cage", "compute cage motion and cage wear from an ensemble of runs"))
     recommend = command("recommend", "recommend a preload for each method, within limits")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
     _add_launch(launch)
-    _add_margin(command("margin", "compute the torque margin of a drive: cold to hot, new to worn"))
-    _add_export(command("export", "write bearing stiffness over speed as CSV, or as TOML for ROSS"))
+    _add_margin(command("margin", "compute the torque margin of a drive, cold to hot, new to worn"))
+    _add_export(command("export", "write stiffness against speed as CSV, or as TOML for ROSS"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
         command("compare", "list the differences between two result files; exit 1 if there are any")
@@ -102,11 +100,11 @@ def command_parser() -> argparse.ArgumentParser:
 def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
     calibrate.add_argument("tests", metavar="TESTS.csv",
-        help="a table with a line of column names and a line per test; columns: keys of the scene, "
-        f"and one of {', '.join(SEEN)}")
+        help="a table with a header and one line per test; the columns are keys of the scene and "
+        f"one of {', '.join(SEEN)}")
     calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
         help="the scene to write; an .nc file of the same name contains the values before and "
-        "after")
+        "after the calibration")
     _add_formats(calibrate)
 
 
@@ -114,8 +112,8 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
     cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
     cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="relative half-width of the 90 %% interval of the mean work at which the ensemble "
-        "ends; default 0.1")
+        help="relative half-width of the 90 %% interval of the mean work at which the ensemble is "
+        "complete; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
         help="minimum shaft turns of a run; default 30; a hanging cage may change its motion after "
@@ -123,7 +121,7 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
         help="maximum shaft turns of a run that has not settled; default 150")
     cage.add_argument("--life", action="store_true",
-        help="compute the wear life of the cage, from ensembles stored with the file")
+        help="also compute the wear life of the cage, from ensembles at further wear states")
     cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
@@ -140,11 +138,11 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
-        help="the scene to write, else named by the designation; an existing file is never "
-        "replaced. 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, 62xx, 63xx, 6xx: "
-        "7008C, 608; with --maker one of its catalogue")
+        help="the scene file to write, named after the designation if omitted; an existing file is "
+        "never replaced. Designations: 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, "
+        "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any bearing of its catalogue")
     new.add_argument("--maker", choices=tuple(MAKERS),
-        help="use balls, grooves, preload classes and speed limits of this maker's bearing")
+        help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
         help="list the known bearings of a maker, or only those of SERIES, and exit")
     new.add_argument("--bore", type=float, metavar="MM",
@@ -156,14 +154,14 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         text = f"{text}; assumed if omitted"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
-        help="preload class, instead of --preload; default light. With --maker, a class of the "
-        "maker: EL, L, M, H for NSK, L, M, F for SNFA; default L")
+        help="preload class, instead of --preload (default: light); with --maker, a class of that "
+        "maker (EL, L, M, H for NSK; L, M, F for SNFA; default: L)")
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument("--clearance", choices=CLEARANCES,
         help="radial clearance group of a deep groove bearing, which determines its free contact "
         "angle; default CN")
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
-        help="the radial clearance itself, instead of its group")
+        help="radial clearance, instead of a clearance group")
     _add_rubbing(new)
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
@@ -185,7 +183,7 @@ def _add_scene(sub: argparse.ArgumentParser) -> None:
 def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     setting = sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-        help="replace a value of the scene, as in operation.preload_N=9; may be repeated")
+        help="replace a value of the scene, for example operation.preload_N=9; may be repeated")
     setting.completer = _scene_keys  # type: ignore[attr-defined]
 
 
@@ -204,7 +202,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
         help="the file to write; a missing folder is created")
     sub.add_argument("--record-timing", action="store_true",
-        help="store the duration of the solve (two files of one case then differ)")
+        help="store the duration of the solve (two files of the same case then differ)")
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if the solver fails; the file contains the reason")
 
@@ -222,7 +220,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--friction", type=float, metavar="MU",
         help="ball-race friction coefficient; default: value of the scene")
     sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
-        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the scene's")
+        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: method of the scene")
     sub.add_argument("--samples", type=int, metavar="N",
         help="base samples, a power of two; 2 N lives are sampled")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
@@ -234,25 +232,25 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
-        help="a scene, for its own study (wear states, lives and their spread, recommended "
+        help="a scene, for a study of that scene (wear states, lives and their spread, recommended "
         f"preload, page); a study of the current folder: {', '.join(NAMES)}; or one of its "
-        "results, results/..., to compute it again; default: the main study")
+        "results, results/..., which is then recomputed; default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
         help="folder of the study of a scene; default: named after the scene's file")
     study.add_argument("-j", "--jobs", type=int, metavar="N",
         help="number of parallel jobs; default: one per core")
     _add_limits(study)
     study.epilog = (
-        "Further arguments are passed to Snakemake; they follow the name of a study, as in "
-        "`bearingwear study all --configfile other.yaml`."
+        "Further arguments, after the name of a study, are passed to Snakemake, as in `bearingwear "
+        "study all --configfile other.yaml`."
     )
 
 
 def _add_launch(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
-    for way, words in (("axial", "along the axis"), ("radial", "across it")):
+    for way, words in (("axial", "along"), ("radial", "across")):
         sub.add_argument(f"--{way}", type=_not_negative, metavar="G",
-            help=f"{words}; sets launch.{way}_g")
+            help=f"acceleration {words} the axis; sets launch.{way}_g")
     _add_formats(sub)
 
 
@@ -270,21 +268,21 @@ def _add_margin(sub: argparse.ArgumentParser) -> None:
 def _add_export(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
     sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
-        help="shaft speeds, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS requires five or "
-        "more")
+        help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
+        "at least five")
     sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
         help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format of "
         "ross.BearingElement.load")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
         help="bearing of a pair; default 1")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",
-        help="tilt of the shaft in the bearing, which ROSS does not model; default held")
+        help="shaft tilt in the bearing, which ROSS does not model; default held")
     sub.add_argument("--damping", type=_positive, metavar="N_S_M",
         help="damping in x, y, z; default 0, assumed")
     sub.add_argument("--node", type=int, default=0, metavar="N",
         help="node of the rotor; default 0")
     sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
-        help="major version of ROSS, which determines the name of the speeds; default 2")
+        help="major version of ROSS, which determines the key of the speeds; default 2")
 
 
 def _add_show(sub: argparse.ArgumentParser) -> None:
@@ -297,9 +295,10 @@ def _add_show(sub: argparse.ArgumentParser) -> None:
 def _add_plot(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
     sub.add_argument("-o", "--output", nargs="+", default=[], metavar="FIGURE", type=Path,
-        help="SVG, PNG or PDF by the suffix; default: FILE.svg in the folder of the file")
+        help="figure, as SVG, PNG or PDF according to the suffix; default: FILE.svg in the folder "
+             "of the file")
     sub.add_argument("--bearing", choices=("first", "second"),
-        help="bearing of a pair; required if they differ")
+        help="bearing of a pair; required if the two differ")
 
 
 def _add_compare(sub: argparse.ArgumentParser) -> None:
@@ -322,7 +321,7 @@ def _speeds(text: str) -> list[float]:
         return [start + (end - start) * k / (n - 1) for k in range(n)]
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers, 1000,2000,5000"
+            f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers such as 1000,2000,5000"
         ) from None
 
 

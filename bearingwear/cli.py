@@ -130,7 +130,7 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
     elif left:
-        parser.error(f"got {left[0]!r}, an argument that this command does not accept")
+        parser.error(f"got {left[0]!r}, which this command does not accept")
     return args
 
 
@@ -143,7 +143,7 @@ def _check_study(
     options = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
     if options and args.name in argv[argv.index(options[0]) :]:
         parser.error(
-            f"study: got {args.name} after {options[0]}; the name of a study precedes it: "
+            f"study: got {args.name} after {options[0]}; the name of the study must come first: "
             f"`bearingwear study all {options[0]} {args.name}`"
         )
     if not is_study(args.name):
@@ -159,7 +159,7 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
     if args.file is None:
         results = [path for path in args.output if path.suffix == ".nc"]
         if len(results) != 1:
-            parser.error(f"plot: got {len(results)} result files, expected one, FILE.nc")
+            parser.error(f"plot: got {len(results)} result files, expected one (FILE.nc)")
         (args.file,) = results
         args.output.remove(args.file)
     args.output = args.output or [args.file.with_suffix(".svg")]

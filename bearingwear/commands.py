@@ -54,7 +54,7 @@ def new(args: argparse.Namespace) -> int:
     names = "bore outside clearance ball_material preload_method preload_class maker pair film"
     others = {name: getattr(args, name) for name in names.split()}
     lines = write_scene(path, given=known, designation=designation, **others)
-    print(f"{path}: written; these values are assumed or from a catalogue, and marked in the file:")
+    print(f"{path}: written; assumed values and values from a catalogue, marked in the file:")
     for line in lines:
         print(f"  {line}")
     for line in _tried(path):
@@ -189,7 +189,7 @@ def calibrate(args: argparse.Namespace) -> int:
     _tell_of_new_folder(args.output)
     found.write(args.output)
     _print_file(data, args)
-    _tell(f"{args.output}: calibrated scene; {data}: results for show and plot")
+    _tell(f"{args.output}: calibrated scene; {data}: results, for `show` and `plot`")
     return OK
 
 
@@ -226,7 +226,7 @@ def margin(args: argparse.Namespace) -> int:
     args.set += [f"drive.{key}={value}" for key, value in given.items() if value is not None]
     scene = _scene(args)
     if scene.drive is None:
-        raise UsageError(f"{args.scene}: drive: got nothing, expected a drive, or --drive N_M")
+        raise UsageError(f"{args.scene}: drive: got nothing, expected a drive block or --drive N_M")
     from bearingwear.document.margin import margin_document
     from bearingwear.lives.margin import torque_corners
 
@@ -319,7 +319,7 @@ def study(args: argparse.Namespace) -> int:
                 held = stack.enter_context(only_run(folder))
             status, page = launch_own(folder, jobs, held, args.more)
         if page:
-            _print(f"the same page: {page}")
+            _print(f"page: {page}")
         return status
     again = ["--force"] if is_result(args.name) else []
     if not CONFIG.is_file():  # refused, and no folder made
@@ -356,7 +356,7 @@ def _tried(path: str) -> list[str]:
 
     if not is_compiled(LARGEST_KERNEL["steady"]):
         return [
-            "not solved yet: the first solve compiles the solver, which takes up to "
+            "not solved yet; the first solve compiles the solver, which takes up to "
             f"{compile_time()}"
         ]
     from bearingwear.scene.read import load_scene

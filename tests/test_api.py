@@ -109,9 +109,13 @@ def test_a_saved_scene_is_the_same(name, tmp_path):
 
 def test_save_knows_a_scene_from_a_dataset(tmp_path):
     scene = bearingwear.example()
-    with pytest.raises(OSError, match="a.nc: got a scene, expected .yaml or .yml for it"):
+    with pytest.raises(
+        OSError, match="a.nc: got a scene, expected a file name with the suffix .yaml"
+    ):
         bearingwear.save(scene, tmp_path / "a.nc")
-    with pytest.raises(OSError, match="a.yaml: got a dataset, expected no .yaml or .yml for it"):
+    with pytest.raises(
+        OSError, match="a.yaml: got a dataset, expected a file name without the suffix .yaml"
+    ):
         bearingwear.save(xr.Dataset(), tmp_path / "a.yaml")
     assert not list(tmp_path.iterdir())
 

@@ -288,8 +288,11 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
 @pytest.mark.parametrize(
     ("run", "said"),
     [
-        ("studies.grid.gather.nothing", "step: got studies.grid.gather.nothing, which is not"),
-        ("studies.nothing.gather.study", "step: got studies.nothing.gather.study, which is not"),
+        (
+            "studies.grid.gather.nothing",
+            "step: got studies.grid.gather.nothing, which does not exist",
+        ),
+        ("studies.nothing.gather.study", "step: got studies.nothing.gather.study, which does not"),
         ("os.system", "step: got os.system, expected studies.STUDY.MODULE.FUNCTION"),
         ("model.solve.solve", "step: got model.solve.solve, expected"),
     ],
@@ -488,7 +491,10 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
             ["--pressure", "2000"],
             "maximum_pressure_GPa: got 2000.0, expected a number > 0 and <= 20",
         ),
-        (["--set", "operation.rotating_load_N=1"], "expected one with a steady state (for its own"),
+        (
+            ["--set", "operation.rotating_load_N=1"],
+            "expected one with a steady state (for a single life",
+        ),
     ],
 )
 def test_recommend_refuses_in_one_line(capsys, arguments, said):

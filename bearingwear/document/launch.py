@@ -61,7 +61,7 @@ def launch_verdict(found: Launched) -> list[str]:
     ]
     if opened:
         gap, k, name = max(opened)
-        said.append(f"gap: bearing {k} opens by {digits(_UM * gap)} um, {name}")
+        said.append(f"bearing {k} opens by {digits(_UM * gap)} um, {name}")
     elif found.loads and not said:
         said.append("no gap: every bearing remains loaded")
     if found.loads:

@@ -101,7 +101,7 @@ def _calibrated(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """By which tests the scene was calibrated."""
     calibration = scene.get("calibrated")
     return (
-        (f"calibrated by {calibration['rows']} tests of {calibration['tests']}",)
+        (f"calibrated with {calibration['rows']} tests from {calibration['tests']}",)
         if calibration
         else ()
     )

@@ -58,7 +58,7 @@ def several(file: Any) -> Document:
 def _statuses(file: Any) -> Iterator[Row]:
     """How many cases have each status; one that none has says why there was nothing to solve."""
     codes, counts = np.unique(values(file, "status"), return_counts=True)
-    missing = str(getattr(file["status"], "missing", "-1: there was none to solve"))
+    missing = str(getattr(file["status"], "missing", "-1: nothing to solve"))
     for code, count in zip(codes, counts, strict=True):
         name = "not solved"
         if np.isfinite(code):

@@ -80,9 +80,9 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     if end is not None and end.groove_depth_um is not None:
         return scene, "grooves: worn profile, because their depth is a criterion"
     share = max(wear_over_gap(one) for one in scene.sides)
-    size = f"the wear at end of life is about {share:.2g} of the gap at the contact's edge"
+    size = f"the wear at the end of life is about {share:.2g} of the gap at the contact edge"
     if math.isinf(share):
-        size = "the wear at end of life is unknown in advance"
+        size = "the wear at the end of life is not known in advance"
     if share > REQUIRED:
         return scene, f"grooves: worn profile; {size}"
     return None, f"grooves: Hertzian contact; {size}"

@@ -94,7 +94,7 @@ def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]])
     drive = scene.drive
     assert drive is not None
     if scene.operation.shaft_speed_rpm == scene.operation.outer_speed_rpm:
-        problem = "got no relative speed of the races, expected one for a torque"
+        problem = "got equal speeds of both races, expected different speeds for a torque"
         raise NotAvailable(f"{scene.name}: operation.shaft_speed_rpm: {problem}")
     key, values = friction_interval(scene)
     found = []

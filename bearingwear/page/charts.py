@@ -97,8 +97,8 @@ def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
         "star: best of its method": any(line.star for line in chart.lines),
-        "vertical bar: life of 90 % of bearings": any(line.band for line in chart.lines),
-        "dashed, shaded, bar below: that method violates a limit": any(
+        "vertical bar: life range of 90 % of the bearings": any(line.band for line in chart.lines),
+        "dashed line, shading or bar below: the method violates a limit": any(
             line.beyond for line in chart.lines
         ),
         "diamond: from here, another criterion ends the life": any(

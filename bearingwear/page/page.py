@@ -44,8 +44,8 @@ GLOSSARY = {
     "residual preload": "The axial force that remains at speed and after wear.",
     "slip, gyroscopic share": "The share of ball slip perpendicular to the rolling direction.",
     "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",
-    "total wear depth": "The loss of ball diameter plus, if the races count, the wear depth of "
-    "both grooves; both reduce the interference between balls and grooves.",
+    "total wear depth": "The loss of ball diameter plus, if the wear of the races is counted, the "
+    "wear depth of both grooves. It reduces the interference between balls and grooves.",
     "wear life": "Hours until wear reaches the first limit; not a fatigue life.",
 }
 """Words that a reader of the page may not know."""
@@ -278,7 +278,7 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
     for file, dataset in datasets.items():
         if "preload_method" not in dataset.dims or "status" not in dataset:
             raise CaseFileError(
-                f"{file}: not a file for this command; it has no preload_method and status"
+                f"{file}: got a file without preload_method or status, expected cases or lives"
             )
         section = sections.setdefault(file.parent, Section(scene_of(dataset)))
         status = dataset["status"].values

@@ -221,7 +221,8 @@ def _words(
     reach = 0.95 * one.ball * scale
     lines = [
         f"ball ø {one.ball:.4g} mm, pitch circle ø {one.pitch:.4g} mm",
-        f"grooves {one.grooves[0] / one.ball:.4g} (inner), {one.grooves[1] / one.ball:.4g} (outer)",
+        f"groove factors {one.grooves[0] / one.ball:.4g} (inner), {one.grooves[1] / one.ball:.4g} "
+        "(outer)",
     ]
     if one.sized:
         lines[0] += f", {2 * one.rims[0]:.4g} × {2 * one.rims[1]:.4g} mm"

@@ -76,9 +76,9 @@ def difference(
             )
         found = file_differences(a, b, tolerance)
     lines = [f"A {os.fspath(first)}", f"B {os.fspath(second)}", "", *_lines(found)]
-    tolerance_text = f" to {tolerance:g} of its largest value" if tolerance else ""
+    tolerance_text = f" to {tolerance:g} of their largest values" if tolerance else ""
     lines.append(
-        f"same {kind}: the scene, and all {found.compared} variables{tolerance_text}"
+        f"same {kind}: the scene and all {found.compared} variables agree{tolerance_text}"
         if found.same
         else f"{len(found.scene)} keys of the scene and {len(found.variables)} of "
         f"{found.compared} variables differ"

@@ -36,8 +36,8 @@ SOURCE = "bearingwear"
 
 OVER_TURNS = {
     "time: mean": ", mean over the evaluated turns",
-    "time: maximum": ", largest of all instants of the evaluated turns",
-    "time: minimum": ", smallest of all instants of the evaluated turns",
+    "time: maximum": ", maximum over all instants of the evaluated turns",
+    "time: minimum": ", minimum over all instants of the evaluated turns",
 }
 """What the long name of a variable of a dynamic case adds, by its cell method."""
 

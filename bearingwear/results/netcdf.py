@@ -279,5 +279,5 @@ def damaged(path: str | os.PathLike[str], error: BaseException) -> CaseFileError
 def foreign(path: str | os.PathLike[str]) -> CaseFileError:
     """The error for a file that bearingwear did not write."""
     return CaseFileError(
-        f"{os.fspath(path)}: got a file that {SOURCE} has not written, expected a result file"
+        f"{os.fspath(path)}: got a file not written by {SOURCE}, expected a result file"
     )

@@ -23,10 +23,10 @@ PAIR_COORDINATES = table(
 # fmt: off
 SYSTEM = table(
     Variable("system_axial_stiffness", (), "N m-1",
-        "dynamic axial stiffness of both bearings together",
+        "combined dynamic axial stiffness of both bearings",
         label="dynamic stiffness of the pair"),
     Variable("system_quasistatic_axial_stiffness", (), "N m-1",
-        "quasi-static axial stiffness of both bearings together",
+        "combined quasi-static axial stiffness of both bearings",
         label="quasi-static stiffness of the pair"),
     Variable("lift_off_force", (), "N",
         "minimum axial force on the rotor that unloads a bearing at rest",
@@ -35,8 +35,8 @@ SYSTEM = table(
     Variable("rotor_axial_shift", (), "m", "axial rotor shift from its mounted position",
         comment="towards +X", label="rotor shift"),
     Variable("natural_frequency", ("mode",), "Hz", "natural frequency of the rigid rotor",
-        comment="not rotating, centre of mass midway between the bearings; the default transverse "
-                "inertia assumes a slender rod",
+        comment="at standstill, centre of mass midway between the bearings; the default transverse "
+                "inertia is that of a slender rod",
         label="natural frequency"),
     Variable("rotor_balance_residual", (), "1",
         "residual of the rotor's force and position balance, over the larger preload"),

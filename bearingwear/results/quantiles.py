@@ -47,7 +47,7 @@ INTERVAL = (0.05, 0.95)
 QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
-NO_QUANTILES = "the spread of life was not computed"
+NO_QUANTILES = "the spread of the life was not computed"
 SEE = "the command bearingwear uncertainty computes it"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
@@ -128,7 +128,7 @@ def load_quantiles(path: str | Path) -> xr.Dataset:
     """
     found = load(path)
     if found.attrs.get("kind") != KIND:
-        raise CaseFileError(f"{path}: not a file of the kind {KIND}")
+        raise CaseFileError(f"{path}: got a file of another kind, expected {KIND}")
     if (
         not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
         or not np.isin(INTERVAL, found["probability"]).all()

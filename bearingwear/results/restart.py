@@ -44,14 +44,16 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
             )
         if file.source_hash != source_hash():
             raise CaseFileError(
-                f"{name}: got a case of another version of the solver, {file.source_hash}, "
-                f"expected one of this version, {source_hash()}"
+                f"{name}: got a case solved with another version of the solver, "
+                f"{file.source_hash}, expected this version, {source_hash()}"
             )
         state = _numbers(file["final_state"])
         time = float(_numbers(file["final_time"]))
         before = json.loads(file.scene)
     if not np.isfinite(state).all() or not np.isfinite(time):
-        raise CaseFileError(f"{name}: got a case without its final state, expected a case with one")
+        raise CaseFileError(
+            f"{name}: got a case without a final state, expected one with a final state"
+        )
     if scene is not None:
         _same_scene(name, before, scene.to_dict())
     return {"state": state, "time": time, "scene": before}

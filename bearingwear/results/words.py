@@ -53,12 +53,12 @@ def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = 
         return known[bearing]
     if bearing is None:
         raise CaseFileError(
-            f"{name}: got a file of two different bearings, expected a choice of one: "
-            "--bearing first or second; in Python plot(..., bearing='first')"
+            f"{name}: got a file with two different bearings, expected a choice: --bearing first "
+            "or second (in Python, plot(..., bearing='first'))"
         )
     allowed = " or ".join(BEARINGS)
     if OF_BEARING not in dataset.dims:
-        allowed = "no bearing, because the file contains one"
+        allowed = "no bearing, because the file contains only one"
     raise CaseFileError(f"{name}: got the bearing {bearing}, expected {allowed}")
 
 

@@ -151,11 +151,11 @@ class Model:
 
     fidelity: str = setting("The model to solve", choices=FIDELITIES, default="auto")
     # fmt: off
-    contact: str = setting("Contact model: paper has slip on the centre line of the ellipse and no "
-        "traction in the normal force balance, hertz has slip over the whole ellipse and traction "
-        "in the balance, worn also follows the grooves along a life, auto is hertz, or worn for "
-        "lives with deep wear", choices=CONTACTS, default="auto")
-    slip_over: str | None = setting("Region over which slip is evaluated, overrides model.contact",
+    contact: str = setting("Contact model: paper evaluates slip on the centre line of the ellipse "
+        "and neglects traction in the normal force balance; hertz evaluates slip over the whole "
+        "ellipse and includes traction; worn also computes the groove profiles along a life; auto "
+        "selects hertz, or worn for lives with deep wear", choices=CONTACTS, default="auto")
+    slip_over: str | None = setting("Region over which slip is evaluated (overrides model.contact)",
         choices=SLIP_OVER, default=None)
     normal_balance: str | None = setting(
         "Whether traction is included in the balance of normal forces (overrides model.contact)",
@@ -163,41 +163,45 @@ class Model:
     cage_results: bool = setting(
         "Solve motion and wear of the cage, which requires the dynamic model", default=False)
     accuracy: str | float = setting(
-        'Sets all keys of accuracy together (those with the default "by model.accuracy"), '
-        "as a preset or as a target error of total QV. With cage_results or a limit of a "
-        f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}", within="[0.0001, 0.1]",
+        'Preset or target error of total QV, which sets all keys with the default "by '
+        'model.accuracy". With cage_results or a clearance limit, model.dynamic_tolerance is at '
+        f'most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")
     strips: int = setting("Points or strips along each contact ellipse (split: the maximum "
         "number, with a quarter of them on each side of a pure-rolling point, at least 20)", "1",
         "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
-        "Points across each strip, where slip is evaluated over the ellipse", "1", "[1, 200]",
+        "Points across each strip if slip is evaluated over the ellipse", "1", "[1, 200]",
         default_by=ACCURACY, default=STANDARD.over_ellipse[1])
     quadrature: str = setting("Quadrature over the contact ellipse: Gauss-Legendre on each half "
         "of the major axis, Gauss-Legendre split at the pure-rolling points and refined there, or "
         "equal strips", choices=("gauss", "split", "strips"), default_by=ACCURACY, default="split")
-    steady_starts: int = setting("Maximum number of starts of the search for other steady states, "
-        "if the force along the orbit permits them (0: no search), steady only", "1", "[0, 10000]",
+    steady_starts: int = setting("Maximum number of starts in the search for other steady states, "
+        "where the force along the orbit permits them (0: no search; steady model only)",
+        "1", "[0, 10000]",
         default_by=ACCURACY, default=STANDARD.steady_starts)
-    simulated_turns: float = setting("Shaft turns simulated, dynamic only", "1", "(0, 1e6]",
+    simulated_turns: float = setting("Shaft turns simulated (dynamic model only)", "1", "(0, 1e6]",
         default_by=ACCURACY, default=STANDARD.simulated_turns)
-    evaluated_turns: float | None = setting("Shaft turns at the end of the simulated ones over "
-        "which averages are taken, their second half if omitted (at most model.simulated_turns)",
+    evaluated_turns: float | None = setting("Number of final shaft turns over which results are "
+        "averaged (if omitted, the second half of the run; at most model.simulated_turns)",
         "1", "(0, 1e6]", default=None)
-    history_points_per_turn: int = setting("Points of the histories per shaft turn, 0 for no "
-        "histories (at most a million in total), dynamic only", "1", "[0, 10000]", default=20)
+    history_points_per_turn: int = setting("History points per shaft turn (0: no histories; at "
+        "most a million points in total; dynamic model only)", "1", "[0, 10000]", default=20)
     integrator: str = setting(
-        "Method of time integration, linearly implicit, or explicit as in the source",
+        "Time integration method: linearly implicit, or explicit as in the source",
         choices=("rosenbrock", "runge_kutta"), default="rosenbrock")
     dynamic_solution: str = setting("Solution of the dynamic model: march steps in time until the "
-        "motion settles, periodic solves for it (identical balls, no cage, one stationary or "
-        "rotating load), auto uses periodic if it applies and no history is requested",
+        "motion settles; periodic solves directly for the periodic motion (identical balls, no "
+        "cage, one stationary or rotating load); auto uses periodic where it applies and no "
+        "history is requested",
         choices=("auto", "periodic", "march"), default="auto")
     dynamic_tolerance: float = setting(
-        "Allowed error of slip velocities in one time step, over the mean slip, dynamic only", "1",
+        "Allowed error of slip velocities in one time step, relative to the mean slip (dynamic "
+        "model only)", "1",
         "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
-    settled_drift: float = setting("Maximum relative change of QV and wear still expected at "
-        "which a run counts as settled and ends, dynamic only", "1", "(0, 1]", default_by=ACCURACY,
+    settled_drift: float = setting("A run counts as settled, and ends, if the expected further "
+        "relative change of QV and wear is below this value (dynamic model only)",
+        "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(
         "Factor on the assumed stiffness of the guiding land, to show its influence", "1",
@@ -205,8 +209,9 @@ class Model:
     life_steps: int = setting(
         "Approximate number of wear steps of a dynamic life, each with a short run", "1",
         "[2, 10000]", default=12)
-    life_run_in_turns: float = setting("Shaft turns before the first rates of a dynamic life, "
-        "until the influence of the cage's start has decayed (0 without a cage)", "1", "[0, 1e6]",
+    life_run_in_turns: float = setting("Shaft turns before the first wear rates of a dynamic life, "
+        "during which the influence of the cage's initial position decays (0 without a cage)",
+        "1", "[0, 1e6]",
         default=200.0)
     tolerance: float = setting("Relative error tolerance of the life", "1", "[1e-12, 0.1]",
         default_by=ACCURACY, default=STANDARD.tolerance)

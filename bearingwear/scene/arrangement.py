@@ -49,17 +49,20 @@ class Arrangement:
     kind: str = setting("A single bearing, a pair at a fixed distance (fixed_position), or a pair "
         "with a spring on the second bearing (constant_force)", choices=ARRANGEMENTS,
         default="single")
-    orientation: str = setting("Orientation of a pair: its contact lines meet the axis outside it "
-        "(back to back) or inside", choices=("back_to_back", "face_to_face"),
+    orientation: str = setting("Orientation of a pair: the contact lines meet the axis outside the "
+        "pair (back to back) or inside it (face to face)", choices=("back_to_back", "face_to_face"),
         default="back_to_back")
     external_axial_N: float = setting("Axial force on the rotor of a pair towards +X, which loads "
         "the first bearing and unloads the second", "N", "[-1e7, 1e7]", default=0.0)
-    spring_stiffness_N_um: float = setting("Stiffness of the spring of a spring pair", "N/um",
+    spring_stiffness_N_um: float = setting("Stiffness of the preload spring of a spring pair",
+                                           "N/um",
         "[0, 1e6]", default=0.0)
-    rotor_mass_kg: float | None = setting("Mass of the rotor of a pair, for its frequencies", "kg",
-        "(0, 1e6]", default=None)
+    rotor_mass_kg: float | None = setting(
+        "Mass of the rotor of a pair, used for its natural frequencies", "kg", "(0, 1e6]",
+        default=None)
     span_mm: float | None = setting(
-        "Distance between the centres of the two bearings, for the rotor's frequencies", "mm",
+        "Distance between the centres of the two bearings, used for the natural frequencies of the "
+        "rotor", "mm",
         "(0, 1e5]", default=None)
     rotor_transverse_inertia_kg_mm2: float | None = setting("Moment of inertia of the rotor about "
         "a transverse axis through its centre of mass (if omitted, a slender rod of the same mass "
@@ -74,7 +77,7 @@ class Arrangement:
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
-        "Keys and values of the second bearing of a pair that differ from this scene",
+        "Keys and values of the second bearing of a pair that differ from those of this scene",
         allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
     # fmt: on
 
@@ -87,7 +90,7 @@ class Arrangement:
             if not name or block not in OWN_BLOCKS or shared:
                 raise SceneError(
                     f"second.{key}" if key else "second",
-                    f"got {shown(flat[key])}, which both bearings share or which is not a key, "
+                    f"got {shown(flat[key])}, which is not a key or is common to both bearings, "
                     f"expected keys of {', '.join(OWN_BLOCKS)} other than speeds, preload, counts "
                     "and end of life",
                 )
@@ -176,7 +179,7 @@ def one_bearing(scene: Scene, source: object) -> Scene:
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
-            f"got {scene.arrangement.kind}, expected single, for cases solved dynamically",
+            f"got {scene.arrangement.kind}, expected single for cases solved dynamically",
             source=str(source),
         )
     return scene

@@ -35,7 +35,7 @@ class Bearing:
     """Nominal, unworn geometry."""
 
     # fmt: off
-    maker: str | None = setting("Maker of the catalogue, for its speed limits",
+    maker: str | None = setting("Maker whose catalogue gives the speed limits",
         choices=tuple(MAKERS), default=None)
     designation: str | None = setting(
         "Designation in the maker's catalogue (`bearingwear new --list`)", longest=40, default=None)
@@ -60,7 +60,7 @@ class Bearing:
         "Outside diameter of the outer ring, used for its growth if it rotates", "mm", _RING,
         default=None)
     inner_shoulder_mm: float | None = setting("Shoulder diameter of the inner ring on the loaded "
-        "side, used to warn of a contact ellipse beyond it", "mm", _RING, default=None)
+        "side, used to warn if the contact ellipse extends beyond it", "mm", _RING, default=None)
     outer_shoulder_mm: float | None = setting(
         "Shoulder diameter of the outer ring on the loaded side, used for the same warning", "mm",
         _RING, default=None)
@@ -79,16 +79,17 @@ class Material:
         "GPa", "[0.001, 100]", example="6.6")
     wear_coefficient: float = setting("Dimensionless wear coefficient, the K_s of Archard's law",
         "1", "(0, 1]", example="5.0e-6")
-    yield_pressure_GPa: float | None = setting("Maximum contact pressure without denting, used "
-        "for a warning (4.2 if omitted, from ISO 76 for steel, assumed for other materials)", "GPa",
+    yield_pressure_GPa: float | None = setting("Maximum contact pressure without denting, used for "
+        "a warning (default: 4.2, which is from ISO 76 for steel and assumed for other materials)",
+        "GPa",
         "(0, 100]", default=None)
     thermal_expansion_1_K: float | None = setting(
-        f"Linear thermal expansion ({STEEL_EXPANSION:g}, bearing steel, assumed if omitted, "
-        "required for different materials with temperatures)", "1/K", "[0, 1e-4]",
+        f"Linear thermal expansion (if omitted, that of bearing steel, {STEEL_EXPANSION:g}, is "
+        "assumed; required if materials differ and temperatures are given)", "1/K", "[0, 1e-4]",
         default=None)
     film: Film | None = setting(
-        "A solid film on the balls or races of this material, none if omitted", default=None)
-    running_in: RunningIn | None = setting("Running-in of its wear coefficient, none if omitted",
+        "A solid film on the balls or races of this material (none if omitted)", default=None)
+    running_in: RunningIn | None = setting("Running-in of the wear coefficient (none if omitted)",
         default=None)
     # fmt: on
 
@@ -103,7 +104,7 @@ class Cage:
 
     material: str = setting("Material of the cage", pattern=NAME, allowed=MATERIAL)
     # fmt: off
-    guiding_race: str = setting("Guidance of the cage: the land of a race, or the balls",
+    guiding_race: str = setting("Guidance of the cage: by the land of a race, or by the balls",
         choices=GUIDES, default="outer")
     restitution: float = setting("Coefficient of restitution of ball/pocket and cage/land impacts",
         "1", "[0, 1]", default=0.5)
@@ -119,9 +120,9 @@ class Cage:
         "Distance of the centre of mass from the cage's centre, towards its first pocket", "um",
         "[0, 1000]", default=0.0)
     worn_share: float = setting("Share of pocket walls and guiding surface over which wear is "
-        "spread, assumed, for lives of cages only", "1", "[0.001, 1]", default=1.0)
-    film: Film | None = setting("A solid film on pocket walls and guiding surface, used only by "
-        "lives of cages, none if omitted", default=None)
+        "spread (assumed; used only for cage lives)", "1", "[0.001, 1]", default=1.0)
+    film: Film | None = setting("A solid film on pocket walls and guiding surface (used only for "
+        "cage lives; none if omitted)", default=None)
     # fmt: on
 
 
@@ -134,18 +135,19 @@ class Operation:
         example="18000")
     outer_speed_rpm: float = setting("Speed of the outer race, in either direction", "r/min",
         "[-1e7, 1e7]", default=0.0)
-    preload_method: str = setting("Application of the preload: by a spring, or at a fixed position",
+    preload_method: str = setting("Preload method: by a spring, or at a fixed position",
         choices=PRELOAD_METHODS)
     preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]",
         example="140")
     radial_load_N: tuple[float, float] = setting("Radial load along Y and Z, fixed in space", "N",
         "[-1e7, 1e7]", each="One component of the radial load", default=(0.0, 0.0))
     rotating_load_N: float = setting(
-        "Radial load that rotates with the shaft, along +Z at the start", "N", "[-1e7, 1e7]",
+        "Radial load that rotates with the shaft, initially along +Z", "N", "[-1e7, 1e7]",
         default=0.0)
     tilt_mrad: float = setting("Tilt of the inner race about Y", "mrad", "[-20, 20]", default=0.0)
     gravity_m_s2: tuple[float, float, float] = setting(
-        "Gravity along X, Y and Z, on the cage alone (Z is up if the shaft is horizontal)", "m/s2",
+        "Gravity along X, Y and Z, acting only on the cage (Z is up if the shaft is horizontal)",
+        "m/s2",
         "[-1000, 1000]", each="One component of gravity", default=(0.0, 0.0, 0.0))
     # fmt: on
 
@@ -207,20 +209,22 @@ class Wear:
 
     # fmt: off
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "Loss of ball diameter of a case, below a tenth of the ball diameter", "um", "[0, 50000]",
+        "Loss of ball diameter of a case (less than a tenth of the ball diameter)",
+        "um", "[0, 50000]",
         single=True, least=1, most=1000, each="Loss of diameter of one ball",
         allowed="a number from 0 to 50000, or a list of one such number for each ball",
         default=(0.0,))
     counts: str = setting(
         "Wear included in the total wear depth of the reported life (files contain both)",
         choices=COUNTS, default=COUNTS[1])
-    ball_track: str = setting("Wear of balls in a life with worn grooves: evenly, because their "
-        "axes wander (spread), or in bands about fixed axes", choices=BALL_TRACKS,
+    ball_track: str = setting("Ball wear in a life with worn grooves: even, because the axes of "
+        "the balls wander (spread), or in bands about fixed axes", choices=BALL_TRACKS,
         default=BALL_TRACKS[0])
     track_wander: float = setting("rms wander of a ball's track in a worn groove, in semi-major "
         "axes of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(
-        "End-of-life criteria, the first one reached ends the life (a life requires at least one)",
+        "End-of-life criteria, of which the first one reached ends the life (a life requires at "
+        "least one)",
         default=None)
     # fmt: on
 
@@ -257,6 +261,6 @@ SEEN_AS = {
 class Calibrated:
     """Tests from which `bearingwear calibrate` derived friction and wear coefficients."""
 
-    tests: str = setting("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")
-    sha256: str = setting("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)
-    rows: int = setting("Number of tests in it", "1", within="[1, inf)")
+    tests: str = setting("Name of the test file", pattern=r"^[^\u0000-\u001f\u007f]*$")
+    sha256: str = setting("SHA-256 of the test file", pattern=r"^[0-9a-f]{64}$", longest=64)
+    rows: int = setting("Number of tests in the file", "1", within="[1, inf)")

@@ -37,7 +37,9 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
     found = {}
     for name, changes in cases.items():
         if name == NOMINAL or not re.fullmatch(NAME, name):
-            problem = f"got {shown(name)}, expected another name: {NOMINAL} is the scene itself"
+            problem = (
+                f"got {shown(name)}, expected another name, because {NOMINAL} is the scene itself"
+            )
             raise SceneError("cases", problem)
         found[name] = flat_keys(changes)
         for key in found[name]:

@@ -26,7 +26,7 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
         key, equals, value = text.partition("=")
         key = key.strip()
         if not equals or not re.fullmatch(KEY, key):
-            problem = f"got {shown(text)}, expected KEY=VALUE, operation.preload_N=7"
+            problem = f"got {shown(text)}, expected KEY=VALUE, for example operation.preload_N=7"
             raise SceneError("", problem, source="--set")
         changes.append((key, data_of(value, f"--set {key}")))
     keys = [key for key, _ in changes]

@@ -109,7 +109,7 @@ RUBBING = {
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins"),
         wear=LogSpread.of(*_ends("two_discs", "bearing_in_vacuum")),
         friction=LogSpread.of(0.03, 0.04),
-        why="from the bearing that did not fail in vacuum to two discs during running-in",
+        why="range from a bearing that did not fail in vacuum to two discs during running-in",
     ),
 }
 """What `new` takes, by balls/races and film."""
@@ -193,7 +193,7 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
         factors[key] = friction.factor
     text = {name: f"{factor:.2g}" for name, factor in factors.items()}
     if row:
-        film = "film mos2 (no other has a source)" if coated else "dry"
+        film = "film mos2 (there is no source for other films)" if coated else "dry"
         said = f"spread of {pair}, {film}, from {', '.join(row.rows)}"
     else:
         said = "spread assumed, because no source covers these materials"

@@ -21,11 +21,11 @@ class Film:
     thickness_um: float = setting("Thickness of the film when new", "um", _THICKNESS)
     # fmt: off
     wear_coefficient: float | None = setting(
-        "Wear coefficient of the film (if omitted, the value of friction.film, for a cage, its "
-        "own)", "1", _SHARE, default=None)
-    brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, the value of "
-        "friction.film or of the material below, for a cage, its own)", "GPa", "[0.001, 100]",
-        default=None)
+        "Wear coefficient of the film (if omitted, that of friction.film; for cage.film, that of "
+        "the cage)", "1", _SHARE, default=None)
+    brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, that of "
+        "friction.film or of the material below; for cage.film, that of the cage)", "GPa",
+        "[0.001, 100]", default=None)
     # fmt: on
 
 
@@ -51,7 +51,8 @@ class FilmFriction:
     pressure_coefficient: float = setting("Increase alpha_S of its shear strength with pressure",
         "1", "[0, 2]", default=0.0)
     thickness_um: float | None = setting("Thickness of the film on each race when new "
-        "(materials.NAME.film for balls), never worn through if omitted", "um", _THICKNESS,
+        "(materials.NAME.film specifies that of the balls; if omitted, the film never wears "
+        "through)", "um", _THICKNESS,
         default=None)
     wear_coefficient: float | None = setting(
         "Wear coefficient of both surfaces while a film remains (if omitted, the values of the "
@@ -62,8 +63,8 @@ class FilmFriction:
     bare_ball_race: float | None = setting(
         "Coulomb coefficient where the film is worn through (if omitted, the value of the film)",
         "1", "[0, 2]", default=None)
-    pressure_exponent: float | None = setting("Exponent of the film wear rate over mean contact "
-        "pressure, relative to reference_pressure_GPa (none if omitted)", "1", "[0, 10]",
+    pressure_exponent: float | None = setting("Exponent of the dependence of the film wear rate on "
+        "mean contact pressure over reference_pressure_GPa (none if omitted)", "1", "[0, 10]",
         default=None)
     reference_pressure_GPa: float | None = setting(
         "Mean pressure at which the wear_coefficient of the film applies", "GPa", "(0, 20]",
@@ -77,14 +78,15 @@ class Friction:
 
     # fmt: off
     ball_race: float | None = setting(
-        "Coulomb coefficient of ball and race, required without friction.film", "1", "[0, 2]",
+        "Coulomb coefficient between ball and race (required without friction.film)", "1", "[0, 2]",
         default=None)
     film: FilmFriction | None = setting(
-        "A solid film between balls and races, in place of one coefficient", default=None)
-    cage: float = setting("Coulomb coefficient of ball and cage, and of cage and land", "1",
-        "[0, 2]", default=0.05)
+        "A solid film between balls and races, instead of one coefficient", default=None)
+    cage: float = setting(
+        "Coulomb coefficient between ball and cage, and between cage and land", "1", "[0, 2]",
+        default=0.05)
     slip_regularisation_m_s: float = setting(
-        "Slip speed below which friction is regularised, an accuracy setting", "m/s", "[1e-9, 1]",
+        "Slip speed below which friction is regularised (an accuracy setting)", "m/s", "[1e-9, 1]",
         default_by=ACCURACY, default=STANDARD.slip_regularisation_m_s)
     # fmt: on
 
@@ -92,7 +94,9 @@ class Friction:
     def coefficient(self) -> float:
         """The one coefficient; raises `SceneError` where a film has none."""
         if self.ball_race is None:
-            raise SceneError("friction.film", "got a film, expected here one friction.ball_race")
+            raise SceneError(
+                "friction.film", "got a film, expected a single friction.ball_race here"
+            )
         return self.ball_race
 
 
@@ -157,7 +161,7 @@ def _check_wear_of_films(scene: Scene) -> None:
     if given is not None and given.thickness_um is not None and common is None:
         raise SceneError(
             "friction.film.wear_coefficient",
-            "got nothing; a film with a thickness needs it",
+            "got nothing; a film with a thickness requires it",
             ("friction.film.thickness_um",),
         )
     thick = has_thickness(scene)

@@ -106,7 +106,7 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
     if end is None or not end.criteria:
         names = ", ".join(whole(EndOfLife).below)
         raise SceneError(
-            "wear.end_of_life", f"got no criterion, expected one of {names} for a life", (), source
+            "wear.end_of_life", f"got no criterion for a life, expected one of {names}", (), source
         )
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(
@@ -155,7 +155,7 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
     source = os.fspath(path)
     data = data_of(text_of(path), source)
     if not isinstance(data, dict):
-        problem = f"got {shown(data)}, expected a block of keys, a scene"
+        problem = f"got {shown(data)}, expected a scene, which is a block of keys"
         raise SceneError("", problem, source=source)
     if "based_on" not in data:
         stem = Path(source).stem

@@ -22,13 +22,14 @@ class Launch:
         "1", _G, default=0.0)
     radial_g: float = setting("Quasi-static radial acceleration (standard g)", "1", _G, default=0.0)
     axial_density_g2_Hz: float | None = setting("Spectral density of random axial acceleration at "
-        "the rotor's axial frequency, replaces axial_g by Miles' equation (three sigma)", "1/Hz",
+        "the rotor's axial frequency, from which Miles' equation (three sigma) gives axial_g",
+        "1/Hz",
         _DENSITY, default=None)
     radial_density_g2_Hz: float | None = setting(
         "Spectral density of random radial acceleration at the rotor's radial frequency", "1/Hz",
         _DENSITY, default=None)
     amplification: float = setting(
-        "Amplification Q = 1/(2 damping ratio) at these frequencies (10 is assumed)", "1",
+        "Amplification Q = 1/(2 damping ratio) at these frequencies (default: 10, assumed)", "1",
         "[0.5, 1000]", default=10.0)
     # fmt: on
 
@@ -57,8 +58,8 @@ RULES: dict[tuple[str, str], dict[str, float]] = {
 its motorization factor of 2 on all but the dynamic and the output torque."""
 
 STANDARDS = {
-    "ecss": "ECSS-E-ST-33-01C (6 March 2009) 4.7.5.3, read in this edition, not in Rev. 1 and 2",
-    "nasa": "NASA-STD-5017B (6 December 2022) eq. 4-1 and table 1, by a secondary text",
+    "ecss": "ECSS-E-ST-33-01C (6 March 2009) 4.7.5.3, this edition was read, not Rev. 1 and 2",
+    "nasa": "NASA-STD-5017B (6 December 2022) eq. 4-1 and table 1, from a secondary source",
     "own": "factors defined in the scene",
 }
 """Rules of a torque margin, their editions and what was read of them."""
@@ -80,13 +81,13 @@ class Drive:
         "environment (ecss: analysis or extremes)", choices=("analysis", "test", "extremes"),
         default="analysis")
     bearings_as: str | None = setting(
-        "Class of resistance of the bearing torque (if omitted friction for ecss, fixed for nasa)",
+        "Resistance class of the bearing torque (if omitted, friction for ecss and fixed for nasa)",
         longest=40, default=None)
     resistances_Nm: Mapping[str, float] = setting(
-        "Other resisting torques, under the names of the standard", each="A torque", unit="N m",
+        "Other resisting torques, each under its name in the standard", each="A torque", unit="N m",
         within="[0, 1e6]", default_factory=dict)
     factors: Mapping[str, float] = setting(
-        "Factors of a user-defined standard, under names of your choice", each="A factor", unit="1",
+        "Factors of your own standard, under names of your choice", each="A factor", unit="1",
         within="(0, 1000]", default_factory=dict)
     # fmt: on
 

@@ -79,14 +79,14 @@ NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
 
 @keyed
 class Scene:
-    """One bearing, how it runs, and how worn it is.
+    """A bearing, its operating conditions and its state of wear.
 
-    SceneError where the values contradict each other: balls that do not fit the pitch circle, a
-    material that is not there, ...
+    Contradictory values raise a SceneError, such as balls that do not fit on the pitch circle, or a
+    missing material.
     """
 
     # fmt: off
-    name: str = setting("Name of the scene, the name of its file if omitted", pattern=NAME,
+    name: str = setting("Name of the scene (if omitted, the name of its file)", pattern=NAME,
         default="bearing")
     description: str = setting("Description of the scene and sources of its numbers",
         pattern=NO_CONTROL, longest=4000,
@@ -97,28 +97,29 @@ class Scene:
     cage: Cage | None = setting(
         "The cage, none if omitted (a cage alone does not require the dynamic model)", default=None)
     operation: Operation = setting("Speeds, preload and loads")
-    arrangement: Arrangement | None = setting("Bearings of the rotor, a single bearing if omitted",
+    arrangement: Arrangement | None = setting("Bearings of the rotor (default: a single one)",
         default=None)
     launch: Launch | None = setting(
-        "Accelerations of the stationary rotor at launch, none if omitted", default=None)
-    drive: Drive | None = setting("Drive of the shaft, for its torque margin, none if omitted",
+        "Accelerations of the stationary rotor at launch (none if omitted)", default=None)
+    drive: Drive | None = setting("Drive of the shaft, for its torque margin (none if omitted)",
         default=None)
     temperature: Temperature | None = setting(
-        "Temperatures of the parts, mounting temperature if omitted", default=None)
+        "Temperatures of the parts (if omitted, the mounting temperature)", default=None)
     thermal: Thermal | None = setting(
-        "Network that computes the temperatures of rings and balls from the friction heat",
+        "Thermal network that gives the temperatures of rings and balls from the friction heat",
         default=None)
-    fits: Fits | None = setting("Fits of the rings on their seats, rings expand freely if omitted",
+    fits: Fits | None = setting(
+        "Fits of the rings on their seats (if omitted, the rings expand freely)",
         default=None)
     friction: Friction = setting("Friction")
-    lubricant: Lubricant = setting("Lubricant, no drag if omitted", default_factory=Lubricant)
+    lubricant: Lubricant = setting("Lubricant (if omitted, no drag)", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
         "Distributions of uncertain values of the scene, each a block under the name of its key",
         least=1, names=tuple(UNCERTAIN), each="Distribution of one value of the scene",
         default=None)
     cage_uncertainty: Mapping[str, Distribution] | None = setting("Distributions of uncertain "
-        "values of the cage for `bearingwear cage`, assumed if omitted (none if {})",
+        "values of the cage for `bearingwear cage` (if omitted, they are assumed; {} means none)",
         names=tuple(UNCERTAIN_CAGE), each="Distribution of one value of the cage", default=None)
     calibrated: Calibrated | None = setting(
         "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
@@ -127,7 +128,7 @@ class Scene:
         "named case with the keys of the scene that change and their values", least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
-    model: Model = setting("Choice of model and accuracy, overrides the choice of the program",
+    model: Model = setting("Model and accuracy, which override the automatic choice",
         default_factory=Model)
     # fmt: on
 
@@ -209,15 +210,18 @@ class Scene:
         return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
     def with_(self, changes: Mapping[str, Any]) -> Scene:
-        """The scene with some of its values replaced, checked anew.
+        """A copy of the scene with some values replaced and checked.
 
         Parameters
         ----------
         changes : mapping
-            `{"operation.preload_N": 9.0}`, in the units of a scene file. Blocks that are not there
-            are made; None leaves out what a scene can do without.
+            Such as `{"operation.preload_N": 9.0}`, in the units of a scene file. Missing blocks are
+            created; None removes an optional key.
 
-        SceneError: one line that names the key.
+        Raises
+        ------
+        SceneError
+            A ValueError with a message of one line, which names the key.
         """
         from bearingwear.scene.read import variant
 
@@ -312,8 +316,8 @@ def _check_balls(scene: Scene) -> None:
     if b.ball_count > most:
         raise SceneError(
             "bearing.ball_count",
-            f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm on a pitch circle of "
-            f"{b.pitch_diameter_mm:g} mm, where they do not fit, expected at most {most}",
+            f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm that do not fit on a pitch "
+            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {most}",
             keys,
         )
 
@@ -407,7 +411,9 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
     guided = cage.guiding_race != "ball"
     for name in ("pocket_clearance_mm", *(("guide_clearance_mm",) if guided else ())):
         if not getattr(cage, name) > 0.0:
-            raise SceneError(f"cage.{name}", "got 0, expected a number > 0: a cage needs clearance")
+            raise SceneError(
+                f"cage.{name}", "got 0, expected a number > 0, because a cage requires clearance"
+            )
     pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
     if b.ball_count > most_balls(pocket, b.pitch_diameter_mm):
         widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm

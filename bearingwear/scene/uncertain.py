@@ -78,14 +78,15 @@ class Distribution:
     """
 
     # fmt: off
-    distribution: str = setting("Kind of distribution, truncated to possible values",
+    distribution: str = setting("Kind of distribution, which is truncated to possible values",
         choices=tuple(PARAMETERS))
-    mean: float | None = setting("Mean of a normal distribution, the value of the scene if omitted",
+    mean: float | None = setting(
+        "Mean of a normal distribution (if omitted, the value of the scene)",
         "as the value", default=None)
     standard_deviation: float | None = setting("Standard deviation of a normal distribution",
         "as the value", within="(0, inf)", default=None)
     median: float | None = setting(
-        "Median of a lognormal distribution, the value of the scene if omitted", "as the value",
+        "Median of a lognormal distribution (if omitted, the value of the scene)", "as the value",
         within="(0, inf)", default=None)
     factor: float | None = setting("Geometric standard deviation of a lognormal distribution: two "
         "thirds of the values lie between median/factor and median*factor", "1", "(1, 100]",
@@ -98,7 +99,7 @@ class Distribution:
         "(true if omitted for hardness, wear coefficient, friction and drag), or scatters from "
         "bearing to bearing", default=None)
     friction_correlation: float | None = setting("Correlation of the wear coefficient with the "
-        "uncertain friction, of their logarithms if both are lognormal (none if omitted)", "1",
+        "uncertain friction (of their logarithms if both are lognormal; none if omitted)", "1",
         "(-1, 1)", default=None)
     # fmt: on
 
@@ -173,7 +174,7 @@ def _check_parameters(key: str, given: Distribution) -> None:
         if value is None and part in needs:
             raise SceneError(
                 f"{key}.{part}",
-                f"got nothing; the distribution {given.distribution} needs it",
+                f"got nothing; the distribution {given.distribution} requires it",
                 (key,),
             )
         if value is not None and part not in needs + takes:

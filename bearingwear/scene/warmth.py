@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = "[-273.15, 1000]"
 _CONDUCTANCE = "[1e-6, 1e6]"
-_AS_REFERENCE = "mounting temperature if omitted"
+_AS_REFERENCE = "the mounting temperature if omitted"
 
 LARGEST_STRAIN = 0.01
 """Thermal expansion of a part, relative, beyond which a scene is refused."""
@@ -33,7 +33,7 @@ class Temperature:
     balls_C: float | None = setting(f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES,
         default=None)
     shaft_C: float | None = setting("Temperature of the shaft (if omitted, axial positions are as "
-        "mounted and the shaft is as warm as the inner ring for the fit)", "degC", _DEGREES,
+        "mounted, and the fit assumes the temperature of the inner ring)", "degC", _DEGREES,
         default=None)
     housing_C: float | None = setting("Temperature of the housing (if omitted, as for the shaft)",
         "degC", _DEGREES, default=None)
@@ -50,7 +50,7 @@ class Conductance:
         _CONDUCTANCE)
     outer_ring_housing: float = setting("Conductance from the outer ring to the housing", "W/K",
         _CONDUCTANCE)
-    ball_race: float = setting("Conductance from all balls together to each of the rings", "W/K",
+    ball_race: float = setting("Conductance from all balls together to each ring", "W/K",
         _CONDUCTANCE)
     # fmt: on
 
@@ -89,12 +89,13 @@ class Fits:
     housing_interference_um: float = setting(
         "Outside diameter minus housing bore, at rest and at mounting temperature", "um",
         "[-5000, 5000]", default=0.0)
-    shaft_bore_mm: float = setting("Bore diameter of the shaft, 0 if solid", "mm", "[0, 20000]",
+    shaft_bore_mm: float = setting("Bore diameter of the shaft (0 if solid)", "mm", "[0, 20000]",
         default=0.0)
     shaft_material: str | None = setting(
-        "Material of the shaft, the material of the races if omitted", pattern=NAME, default=None)
+        "Material of the shaft (if omitted, that of the races)", pattern=NAME, default=None)
     housing_material: str | None = setting(
-        "Material of the (thick) housing, the material of the races if omitted", pattern=NAME,
+        "Material of the housing, which is assumed to be thick (if omitted, that of the races)",
+        pattern=NAME,
         default=None)
     # fmt: on
 
@@ -113,7 +114,7 @@ def check_warmth(scene: Scene) -> None:
     if scene.temperature is not None and scene.thermal is not None:
         raise SceneError(
             "thermal",
-            "got thermal and temperature, expected one of the two",
+            "got thermal and temperature, expected only one of them",
             ("temperature",),
         )
     _check_fits(scene)
@@ -177,8 +178,8 @@ def _check_expansions(scene: Scene) -> None:
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
-                    "got nothing for parts of different materials with temperatures, expected a "
-                    "number from 0 to 1e-4",
+                    "got nothing, expected a number from 0 to 1e-4 if parts of different materials "
+                    "have temperatures",
                     (key, "temperature", "thermal"),
                 )
     for key, kelvin, name in _warmed(scene):

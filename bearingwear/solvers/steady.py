@@ -177,7 +177,9 @@ class Steady:
             attrs["residual"] = residual_sentence(case)
             values |= error_estimates(scene, problem, D, case)
             if case.held:
-                attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
+                attrs["quadrature"] = (
+                    "gauss (fixed points), because no state was found with the split rule"
+                )
             values |= {"status": case.status} | steady_values(scene, problem, D, case)
             values |= time_scale_values(scales) | {
                 "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
@@ -246,7 +248,7 @@ def residual_sentence(case: ThrustCase) -> str:
     return (
         f"friction balance {found.friction:.1e} of the friction forces, "
         f"normal balance {found.equilibrium:.1e} of the contact load, "
-        f"power balance {found.power:.1e} of the shaft power, allowed {LARGEST_RESIDUAL:.0e}"
+        f"power balance {found.power:.1e} of the shaft power (allowed: {LARGEST_RESIDUAL:.0e})"
     )
 
 

@@ -42,7 +42,7 @@ class Steps:
         if not 1 <= self.count <= MOST_POINTS or beyond > 1e-6 * self.step:
             raise ValueError(
                 f"got {self.first:g} to {self.last:g} by {self.step:g}, expected at most "
-                f"{MOST_POINTS} steps that end at the last value"
+                f"{MOST_POINTS} equal steps to the last value"
             )
 
     @property

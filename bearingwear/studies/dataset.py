@@ -176,7 +176,7 @@ def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
     dataset = load(path)
     for axis, values in axes.items():
         if axis not in dataset.dims:
-            raise CaseFileError(f"{path}: not a file for this step; it has no {axis}")
+            raise CaseFileError(f"{path}: got a file without {axis}, which this step requires")
         for value in values:
             if value not in dataset[axis]:
                 allowed = ", ".join(f"{known:g}" for known in dataset[axis].values)
@@ -188,11 +188,13 @@ def both_ways(study: Path, dynamic: Path) -> tuple[xr.Dataset, xr.Dataset]:
     """A study, and cases solved dynamically, all of which are also in the study."""
     motion = loaded(dynamic, preload_method=(), friction=(), ball_diameter_loss=())
     if motion.attrs.get("fidelity") != "dynamic":
-        raise CaseFileError(f"{dynamic}: not cases solved dynamically")
+        raise CaseFileError(
+            f"{dynamic}: got cases that were not solved dynamically, expected dynamic cases"
+        )
     axes = ("preload_method", "friction", "ball_diameter_loss")
     steady = loaded(study, **{axis: motion[axis].values.tolist() for axis in axes})
     if json.loads(steady.attrs["scene"])["name"] != json.loads(motion.attrs["scene"])["name"]:
-        raise CaseFileError(f"{dynamic}: not of the scene of {study}")
+        raise CaseFileError(f"{dynamic}: got cases of another scene, expected the scene of {study}")
     return steady, motion
 
 

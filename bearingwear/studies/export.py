@@ -175,21 +175,21 @@ def to_ross(
     tilt: str = "held",
     damping: float = 0.0,
 ) -> Any:
-    """A bearing of a scene as an element of ROSS, which has to be installed.
+    """A bearing of a scene as a bearing element of ROSS, which must be installed.
 
     Parameters
     ----------
     scene : path, dict or Scene
     speeds_rpm : sequence of float
-        Five or more, rising [r/min]; ROSS interpolates between them.
+        At least five increasing speeds [r/min], between which ROSS interpolates.
     node : int
-        Of ROSS's rotor.
+        Node of the rotor in ROSS.
     bearing : int
-        Of a pair 1 or 2.
+        Bearing of a pair, 1 or 2.
     tilt : {"held", "released"}
-        Its nodes pass on no moment: the tilt is held, or free to follow.
+        The element transmits no moment: the tilt is either held or released.
     damping : float
-        In x, y and z [N s/m]; the program knows none.
+        Damping in x, y and z [N s/m], which bearingwear does not compute.
 
     Returns
     -------
@@ -198,8 +198,9 @@ def to_ross(
     Raises
     ------
     SceneError, NotExported
-        Both are ValueErrors of one line.
+        Both are ValueErrors with a message of one line.
     ImportError
+        ROSS is not installed.
     """
     from ross import BearingElement
 

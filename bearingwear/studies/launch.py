@@ -40,7 +40,7 @@ def snakefile() -> Path:
     for folder in places:
         if (folder / "Snakefile").is_file():
             return folder / "Snakefile"
-    raise NoStudy(f"study: the workflow is in neither of {', '.join(map(str, places))}")
+    raise NoStudy(f"study: the workflow is in none of {', '.join(map(str, places))}")
 
 
 def launch(

@@ -74,9 +74,9 @@ def processes(
         yield pool.map if lines is None else partial(_mapped, pool, lines)
     except BrokenProcessPool:
         raise RuntimeError(
-            f"{caller}: a process has ended. Call this below `if __name__ == '__main__':` in a "
-            f"script, since processes are started by {multiprocessing.get_start_method()}; "
-            "or workers=1"
+            f"{caller}: a process has ended unexpectedly. Call this below `if __name__ == "
+            "'__main__':` in a script, because processes are started by "
+            f"{multiprocessing.get_start_method()}, or set workers=1"
         ) from None
     except BaseException:  # Ctrl-C: do not wait for what is still being solved
         for process in list(pool._processes.values()):

@@ -54,7 +54,7 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
         fault = damage(path) if path.endswith(".nc") else None
         if fault:
             os.replace(path, path + SET_ASIDE)
-            yield f"{fault}; set aside as {path}{SET_ASIDE} and computed again"
+            yield f"{fault}; the file is set aside as {path}{SET_ASIDE} and computed again"
         elif os.path.getmtime(path) > time.time():
             os.utime(path)
             redated += 1
@@ -92,7 +92,7 @@ def off_grid(studies: Iterable[Study]) -> Iterator[str]:
             for file in stale:
                 file.replace(aside / file.name)
             some = ", ".join(file.name for file in stale[:2]) + (", ..." if stale[2:] else "")
-            yield f"{folder}: set aside in {OFF_GRID}/, no points of the grid: {len(stale)}, {some}"
+            yield f"{folder}: set aside in {OFF_GRID}/ as outside the grid: {len(stale)}, {some}"
 
 
 def damage(path: str) -> str | None:
@@ -106,7 +106,8 @@ def damage(path: str) -> str | None:
         found = header(path)
         is_case = Path(path).parent.name in ("cases", "dynamic")
         if is_case and (held := _case_id(found)) != Path(path).stem:
-            return f"{path}: contains the case {held}" if held else f"{path}: not a case of a study"
+            expected = f"{path}: got another file, expected a case of a study"
+            return f"{path}: contains the case {held}" if held else expected
     except CaseFileError as error:
         return str(error)
     return None

@@ -64,7 +64,7 @@ def _function(step: str) -> Any:
     except (ModuleNotFoundError, AttributeError) as error:
         if isinstance(error, ModuleNotFoundError) and not str(error.name).startswith(_OURS):
             raise  # a library that is not installed
-        raise StepError(f"step: got {step}, which is not there") from None
+        raise StepError(f"step: got {step}, which does not exist") from None
 
 
 def write_outputs(made: Any, outputs: Sequence[Path]) -> None:

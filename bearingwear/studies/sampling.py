@@ -36,7 +36,7 @@ class Sampling:
         if self.samples & (self.samples - 1):
             raise SceneError("samples", f"got {self.samples}, expected a power of two")
         if self.chunks > self.samples:
-            raise SceneError("chunks", f"got {self.chunks}, expected at most the samples")
+            raise SceneError("chunks", f"got {self.chunks}, expected at most the number of samples")
 
 
 DIAMETER = "ball_diameter_mm"

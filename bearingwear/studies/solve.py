@@ -59,16 +59,17 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
     if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
         raise SceneError(
             "friction.film",
-            "got a film, or materials with one or with running_in, expected one friction.ball_race "
-            f"for a study (for its own life: bearingwear life {os.fspath(path)})",
+            "got a film, or materials with one or with running_in, expected a single "
+            "friction.ball_race for a study (for a single life, use bearingwear life "
+            f"{os.fspath(path)})",
             source=os.fspath(path),
         )
     fidelity = choice_for_life(scene).fidelity
     if fidelity != "steady":
         raise SceneError(
             "",
-            f"got a scene whose life is found by {fidelity}, expected one with a steady "
-            f"state (for its own life: bearingwear life {os.fspath(path)} --fidelity dynamic)",
+            f"got a scene whose life requires the model {fidelity}, expected one with a steady "
+            f"state (for a single life, use bearingwear life {os.fspath(path)} --fidelity dynamic)",
             source=os.fspath(path),
         )
     return scene

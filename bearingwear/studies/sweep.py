@@ -51,7 +51,7 @@ def sweep(
     workers: int | None = None,
     progress: bool = True,
 ) -> xr.Dataset:
-    """Solve a scene, or find its life, at every combination of some of its values.
+    """Solve a scene or its life for every combination of some of its values.
 
     Parameters
     ----------
@@ -63,31 +63,32 @@ def sweep(
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
         Overrides `model.fidelity` of the scene.
     workers : int, optional
-        Processes that share the points; all cores if left out. With 1 no process is started.
-        Where Python starts processes anew (macOS, Windows, Python 3.14 and later), a script has
-        to call this below `if __name__ == "__main__":`.
+        Number of processes (default: one per core). With 1, no process is started. Where Python
+        spawns processes (macOS, Windows, Python 3.14 and later), a script must call this function
+        below `if __name__ == "__main__":`.
     progress : bool
-        Whether a sweep of more than some seconds says on standard error how far it is (with tqdm,
-        if that is installed).
+        Whether a sweep of more than a few seconds reports its progress on standard error (with
+        tqdm, if installed).
 
     Returns
     -------
     xarray.Dataset
-        What a case or life file holds, along one more dimension for each key. It has the name of
-        the key's last part (`preload_N`), or of all its parts where that name is taken
-        (`operation_preload_N`); that of `friction.ball_race` is `friction`. A point that was not
-        solved has its `status`, and NaN.
+        The contents of a case or life file, with one more dimension for each key. A dimension is
+        named after the last part of the key (`preload_N`), or after all parts if that name is in
+        use (`operation_preload_N`); that of `friction.ball_race` is `friction`. Values of a point
+        that was not solved are NaN; `status` gives the reason.
 
     Raises
     ------
     SceneError, NotAvailable
-        Both are ValueErrors: a value that is not allowed, or that no model solves. Nothing has
-        been solved then.
+        Both are ValueErrors: a value is not allowed, or no model can solve it. In either case
+        nothing is solved.
 
     Warns
     -----
     UserWarning
-        Some points were not solved; or there is more to say of them: each warning at its worst.
+        Some points were not solved, or have warnings, each of which is reported once, at its worst
+        value.
     """
     if what not in ("solve", "life"):
         raise ValueError(f"what: got {what!r}, expected solve, life")

@@ -313,7 +313,7 @@ def test_what_was_not_solved_comes_first(small_project, tmp_path, made):
     lives.to_netcdf(tmp_path / "wear_life.nc")
     tree = parsed(made([str(tmp_path / "wear_life.nc")], (), ()))
     said = words(next(tree.iter("main")))
-    assert said.startswith("Not everything was solved: mine, 1 of the lives.")
+    assert said.startswith("Some results could not be solved: mine, 1 of the lives.")
 
 
 @pytest.mark.parametrize(
@@ -347,7 +347,7 @@ def test_bad_input(small_project, tmp_path, monkeypatch, capsys, name, content):
 def test_a_case_is_no_result_of_a_study(small_project, tmp_path, capsys):
     case = small_project / FOLDER / f"{next(iter(GRID.cases()))}.nc"
     assert step(PAGE, tmp_path / "index.html", sections=[case]) == 2
-    assert capsys.readouterr().err.startswith(f"{case}: not a file for this command")
+    assert capsys.readouterr().err.startswith(f"{case}: got a file without preload_method")
 
 
 @pytest.mark.parametrize("among", ["sections", "answers"])

@@ -229,11 +229,11 @@ def test_bad_files(reader, case, tmp_path):
     bad = {
         "missing": (None, "cannot be read"),
         "folder": (None, "cannot be read"),
-        "foreign": (None, "has not written"),
+        "foreign": (None, "not written by"),
         "empty": (b"", "empty"),
-        "text": (b"status: ok\n", "has not written"),
+        "text": (b"status: ok\n", "not written by"),
         "header": (b"\x89HDF\r\n\x1a\n" + b"\0" * 100, "damaged"),
-        "classic": (b"CDF\x01" + b"\0" * 28, "has not written"),
+        "classic": (b"CDF\x01" + b"\0" * 28, "not written by"),
     }
     for share in (0.05, 0.3, 0.6, 0.99):
         bad[f"truncated_{share:g}"] = (whole[: int(share * len(whole))], "damaged")

@@ -92,7 +92,7 @@ def test_what_has_no_source_is_refused():
     speed = {"operation.shaft_speed_rpm": 9000.0}
     with pytest.raises(SceneError, match="--ball-material: got silicon_nitride, expected bearing"):
         scene_text("a", 40, 68, speed, "silicon_nitride", pair="steel/steel")
-    with pytest.raises(SceneError, match="--friction: got 0.1, expected"):
+    with pytest.raises(SceneError, match="--friction: got 0.1; only allowed"):
         scene_text("a", 40, 68, speed | {"friction.ball_race": 0.1}, film="mos2")
 
 

@@ -79,14 +79,14 @@ def test_nothing_is_replaced(tmp_path, capsys):
     path.write_text("mine", encoding="utf-8")
     assert new(path, *SIZE) == 2
     assert path.read_text(encoding="utf-8") == "mine" and os.listdir(tmp_path) == ["a.yaml"]
-    assert "exists already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("argv", "said"),
     [
         (["--bore", "40"], "--outside"),
-        ([], "--bore: got nothing, expected a designation as 7008C, or --bore and --outside"),
+        ([], "--bore: got nothing, expected a designation such as 7008C, or --bore and --outside"),
         (["7008C", "--bore", "40"], "--bore: got 40; only allowed without a designation"),
         (["6204C"], "designation: got '6204C', expected 6204 alone, or with C2, CN, C3"),
         (["7008C3"], "designation: got '7008C3', expected 7008 alone, or with C, AC, A5, E, A"),

@@ -262,7 +262,7 @@ def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
     for file, problem in (
         (steady, "fidelity steady, expected a dynamic case"),
         (life, "fidelity steady, expected a dynamic case"),
-        (text, "has not written"),
+        (text, "not written by"),
         (tmp_path / "none.nc", "cannot be read"),
     ):
         line = refused(capsys, [*argv, str(file)])
@@ -275,7 +275,7 @@ def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
         (lambda file: file.setncattr("source_hash", "0" * 16), "another version of the solver"),
         (lambda file: file.renameVariable("final_state", "state_once"), "damaged"),
         (lambda file: file.setncattr("scene", "{"), "damaged"),
-        (lambda file: file["final_state"].__setitem__(3, np.nan), "without its final state"),
+        (lambda file: file["final_state"].__setitem__(3, np.nan), "without a final state"),
     ],
 )
 def test_restart_of_a_file_that_was_changed(change, problem, case):

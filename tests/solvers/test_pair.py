@@ -291,7 +291,9 @@ def test_models_that_a_pair_has(scene):
     assert solve(radial).status == "ok"
     with_cage = scene("gyro_s1", RIGID | {"model.cage_results": True})
     for asked in ((pair, "dynamic"), (with_cage, None)):
-        with pytest.raises(NotAvailable, match="rigid_pair, expected .*: set arrangement.kind sin"):
+        with pytest.raises(
+            NotAvailable, match="rigid_pair, expected .*: set arrangement.kind to sin"
+        ):
             choice(*asked)
 
 

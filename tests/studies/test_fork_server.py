@@ -55,7 +55,7 @@ def test_a_fork_writes_the_bytes_of_a_process_of_its_own(server, tmp_path):
 def test_output_and_status_are_those_of_the_command(server, tmp_path):
     bad = run("step", "studies.grid.solve.nothing", "-o", "a.nc", folder=tmp_path)
     assert bad.returncode == 2 and bad.stdout == ""
-    assert bad.stderr == "step: got studies.grid.solve.nothing, which is not there\n"
+    assert bad.stderr == "step: got studies.grid.solve.nothing, which does not exist\n"
     assert run("--version", folder=tmp_path).stdout.startswith("bearingwear ")
 
 

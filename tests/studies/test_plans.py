@@ -31,7 +31,11 @@ PLANS = {
     ),
     "uncertainty": (
         UncertaintyPlan,
-        ("sampling.chunks", 2048, "sampling.chunks: got 2048, expected at most the samples"),
+        (
+            "sampling.chunks",
+            2048,
+            "sampling.chunks: got 2048, expected at most the number of samples",
+        ),
     ),
 }
 

@@ -75,7 +75,7 @@ def size_of(
     SceneError where both or neither are given, or the diameters leave no room.
     """
     if maker is not None and designation is None:
-        raise refused_option("--maker", maker, "only allowed with a designation, as 7010C")
+        raise refused_option("--maker", maker, "only allowed with a designation such as 7010C")
     if designation is not None:
         for option, given in (("--bore", bore), ("--outside", outside)):
             if given is not None:
@@ -91,7 +91,7 @@ def size_of(
         )
     for option, given in (("--bore", bore), ("--outside", outside)):
         if given is None:
-            problem = "got nothing, expected a designation as 7008C, or --bore and --outside"
+            problem = "got nothing, expected a designation such as 7008C, or --bore and --outside"
             raise SceneError("", problem, source=option)
     assert bore is not None and outside is not None
     if not 0.0 < bore < math.inf:
@@ -170,7 +170,9 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
         return Origin(entry.preloads[name], f"class {name} of {entry.maker}", False)
     name = preload_class or "light"
     if name not in PRELOAD_CLASSES:
-        why = f", not printed for {entry.designation}" if entry else "; others with their --maker"
+        why = "; classes of a maker require --maker"
+        if entry:
+            why = f"; the catalogue states no class for {entry.designation}"
         raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)
     density = PRELOAD_CLASSES[name]
     rule = f"{name}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
@@ -195,7 +197,7 @@ def grooves_of(entry: CatalogueBearing | None) -> tuple[tuple[float, float], str
     known = entry and MAKERS[entry.maker].grooves
     if known:
         return known, "inferred from printed rigidities"
-    return GROOVES, "assumed: the largest that ISO 281 rates"
+    return GROOVES, "assumed: the largest factor for which ISO 281 load ratings apply"
 
 
 def _is_deep_groove(size: Designation, angle: float | None, clearance: str | float | None) -> bool:
@@ -221,9 +223,7 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
     half = math.asin(D / dm)
     if deep_groove:
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half)
-        return max(
-            3, balls
-        ), f"balls that fill {CONRAD_FILL_DEG:g} degrees, assembled from one side"
+        return max(3, balls), f"as many balls as fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
     balls = round(0.75 * math.pi / half)
     return max(3, balls), "three quarters of the largest possible number"
 

@@ -44,7 +44,7 @@ OPTIONS = (
     ("--contact-angle", "bearing.contact_angle_deg", "DEG", "free contact angle"),
     ("--speed", "operation.shaft_speed_rpm", "RPM", "speed of the shaft"),
     ("--preload", "operation.preload_N", "N", "axial preload, initial"),
-    ("--friction", "friction.ball_race", "MU", "Coulomb coefficient of ball and race"),
+    ("--friction", "friction.ball_race", "MU", "Coulomb coefficient between ball and race"),
 )
 """What `new` takes beside bore and outside diameter: option, key of the scene, metavar, meaning."""
 
@@ -122,7 +122,7 @@ def _rubbing(
 ) -> Rubbing:
     """What a pair and a film are known to do; refuses what no source has."""
     if film not in (None, "none") and _BALL_RACE in given:
-        raise refused_option("--friction", given[_BALL_RACE], f"it without --film {film}")
+        raise refused_option("--friction", given[_BALL_RACE], f"only allowed without --film {film}")
     if (pair or film) and ball_material not in (None, "bearing_steel"):
         raise refused_option("--ball-material", ball_material, f"bearing_steel with {pair}")
     return rubbing(pair, film)
@@ -149,7 +149,9 @@ def _assumed(
     if size.ignored:
         lines.append(f"designation: interpreted as {size.name}; ignored: {size.ignored}")
         if "HC" in size.ignored:
-            lines.append("designation: HC is for ceramic balls: --ball-material silicon_nitride")
+            lines.append(
+                "designation: HC stands for ceramic balls; use --ball-material silicon_nitride"
+            )
     lines += [
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
         f"bearing.inner_groove_factor, bearing.outer_groove_factor: {inner:g}, {outer:g}, "
@@ -171,8 +173,8 @@ def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
     ours = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
     return (
         f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "
-        f"({entry.source}): axial rigidity {100.0 * (entry.rated / ours - 1.0):+.1f} % at equal "
-        f"preload by its balls; --maker {entry.maker} takes it"
+        f"({entry.source}): at equal preload, these change the axial rigidity by "
+        f"{100.0 * (entry.rated / ours - 1.0):+.1f} %; use --maker {entry.maker} for this bearing"
     )
 
 
@@ -190,11 +192,11 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
 
     path = Path(path)
     if path.suffix not in SCENE_SUFFIXES or not re.search(NAME, path.stem):
-        problem = f"got this name, expected NAME.yaml, NAME of {NAME_RULE}"
+        problem = f"got this name, expected NAME.yaml, where NAME consists of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
     text, assumed = scene_text("", **known)
     if "\0" not in str(path) and os.path.lexists(path):
-        raise OutputError(f"{path}: exists already and is not replaced; choose another name")
+        raise OutputError(f"{path}: already exists and is not replaced; choose another name")
     write_text(path, text)
     return assumed
 

@@ -17,7 +17,7 @@ def yield_pressure(scene: Scene) -> tuple[float, str]:
     known = []
     for name in (scene.bearing.race_material, scene.bearing.ball_material):
         given = scene.materials[name].yield_pressure_GPa
-        source = "the scene's" if given else "assumed as ISO 76 has it for steel"
+        source = "from the scene" if given else "assumed, from ISO 76 for steel"
         known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
     return min(known, key=lambda one: one[0])
 

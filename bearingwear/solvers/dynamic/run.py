@@ -56,7 +56,8 @@ def solve_dynamic(
         if progress is not None:
             error = values["energy_account_error"]
             progress(
-                f"energy account {error:.1e} of the heat; repeated with tolerance {tolerance:g}"
+                f"energy account error {error:.1e} of the heat; the run is repeated with tolerance "
+                f"{tolerance:g}"
             )
 
 
@@ -72,8 +73,8 @@ def begin(
     except ValueError as error:
         with_cage = "without" if scene.cage is None else "with"
         raise NotAvailable(
-            f"{scene.name}: restart: got a {error}, expected one that was solved "
-            f"{with_cage} the cage, as this run is"
+            f"{scene.name}: restart: got a {error}, expected one solved {with_cage} a cage, like "
+            "this run"
         ) from None
     return system, f"the end of a run at {system.time:.6g} s"
 
@@ -159,8 +160,8 @@ def run_of(
         values["status"] = system.diagnose(code.UNVERIFIED)
     attrs |= {
         "residual": (
-            f"normal balance {residual:.1e} of the contact load, allowed {LARGEST_UNBALANCED:.0e}; "
-            f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
+            f"normal balance {residual:.1e} of the contact load (allowed: {LARGEST_UNBALANCED:.0e})"
+            f"; energy account {account:.1e} of the heat (allowed: {LARGEST_ACCOUNT:.0e})"
         ),
         "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
         "integrator": integrator_sentence(scene, run, tolerance),
@@ -180,7 +181,10 @@ def kept_periodic(
     unstable = motion.growth is not None and motion.growth.other > LEAST_GROWTH
     if unstable and scene.model.dynamic_solution == "auto":
         system.unpack(*begun)
-        return None, f"{kind}; a periodic motion was found and left, {motion.sentence}"
+        return (
+            None,
+            f"{kind}; a periodic motion was found but not used, because it is {motion.sentence}",
+        )
     return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
 
 
@@ -192,10 +196,10 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
-    drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} per turn"
+    drift = "" if last.slopes is None else f"; recorded QV drifts {last.slopes[0]:+.1e} per turn"
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes the place of the next "
-        f"one, to {motion.error:.1e} of the largest speed; {motion.sentence}{drift}"
+        f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes the place of the next one, "
+        f"within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
     )
 
 

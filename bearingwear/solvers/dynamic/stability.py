@@ -28,7 +28,7 @@ def why_not_periodic(scene: Scene) -> str:
     if 1e-3 * np.ptp(scene.wear.ball_diameter_loss_um) > LIKE * scene.bearing.ball_diameter_mm:
         return "unequal ball diameters"
     if standing and operation.rotating_load_N:
-        return "stationary loads together with a rotating one"
+        return "stationary and rotating loads together"
     if not standing and not operation.rotating_load_N:
         return "pure thrust"
     return ""
@@ -90,7 +90,7 @@ class GrowthRates:
             else "do not grow"
         )
         return (
-            f"disturbances decay e-fold in {_turns(self.other)}; disturbances of the balls' even "
+            f"disturbances decay e-fold in {_turns(self.other)}; disturbances of the even ball "
             f"spacing {spacing}"
         )
 
@@ -107,7 +107,7 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
         return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (
-            "nothing separates the balls, and disturbances of their even spacing grow e-fold in "
+            "without a cage, disturbances of the even ball spacing grow e-fold in "
             f"{_turns(spacing)}"
         )
         return {"said": said, "advice": "add a cage to the scene"}

@@ -81,10 +81,10 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     if found and stands_still(scene):
         return _chosen(scene, "race_control", f"{found}, and both races are at rest: nothing moves")
     if found and scene.pair is not None:
-        why = f"{found}: no steady state exists, and a pair has no dynamic model"
+        why = f"{found}, so no steady state exists; a pair has no dynamic model"
         return _chosen(scene, "race_control", why)
     if found:
-        return _chosen(scene, "dynamic", f"{found}: no steady state exists")
+        return _chosen(scene, "dynamic", f"{found}, so no steady state exists")
     return _chosen(scene, "steady", "pure thrust load")
 
 
@@ -109,7 +109,8 @@ def _check(scene: Scene, wanted: str) -> None:
         )
         raise NotAvailable(
             f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; the dynamic "
-            f"model supports one bearing: set arrangement.kind single (half of an identical pair)"
+            "model supports only one bearing: set arrangement.kind to single (half of an identical "
+            "pair)"
         )
     if wanted == "steady" and found:
         raise refusal(f"a scene with {found} has no steady state", "dynamic, race_control")

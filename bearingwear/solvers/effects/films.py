@@ -17,8 +17,8 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
     if given is not None:
         plus = f" plus {given.pressure_coefficient:g}" if given.pressure_coefficient else ""
         yield (
-            f"friction: of a film, {given.shear_strength_MPa:g} MPa over the mean pressure of each "
-            f"contact{plus}; about {_at_rest(scene)} at rest"
+            f"friction: film shear strength ({given.shear_strength_MPa:g} MPa) over the mean "
+            f"pressure of each contact{plus}; about {_at_rest(scene)} at rest"
         )
     if films.exponent:
         yield (
@@ -34,7 +34,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
         thick = "never worn through"
         if math.isfinite(surface.thickness):
             thick = f"{surface.thickness / UM:g} um thick; {_then(scene)}"
-        yield f"film of the {part}: K_s/H {factor:.2g} m2/N; {thick}"
+        yield f"film on the {part}: K_s/H {factor:.2g} m2/N; {thick}"
     for part, surface in coated.items():
         if surface.running_in:
             yield (

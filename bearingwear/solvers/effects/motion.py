@@ -70,9 +70,12 @@ def slip(chosen: Choice) -> Iterator[str]:
     size = f"about {share:.2g} % of the friction of a spinning contact"
     if model.slip_is_over == "line":
         who = "model.slip_over" if model.slip_over else "model.contact: paper"
-        yield f"slip: on the centre line of the ellipse ({who}); neglects {size}"
+        yield f"slip: evaluated on the centre line of the ellipse ({who}), which neglects {size}"
     else:
-        yield f"slip: evaluated over the whole ellipse; its centre line alone would miss {size}"
+        yield (
+            "slip: evaluated over the whole ellipse; evaluation on its centre line would miss "
+            f"{size}"
+        )
 
 
 def traction_borne(chosen: Choice) -> Iterator[str]:
@@ -96,17 +99,17 @@ def pair(chosen: Choice) -> Iterator[str]:
         return
     solved = "each bearing at its own displacement, the rotor in equilibrium between them"
     if a.is_symmetric:
-        solved = "two identical bearings, no external force: solved as one"
+        solved = "two identical bearings without external force, solved as one"
     preload = "fixed spacing" if a.kind == "rigid_pair" else "a spring preloads the second"
     yield f"{a.kind.replace('_', ' ')}: {solved}; {preload}"
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
-        yield f"tandem: {counts} identical bearings on the two sides, each with an equal load"
+        yield f"tandem: {counts} identical bearings on the two sides, equally loaded"
     if asymmetries(chosen.scene):
         yield "radial load and tilt: separate values for each bearing, from the scene"
     if a.rotor_mass_kg is not None and a.span_mm is not None:
         rod = "" if a.rotor_transverse_inertia_kg_mm2 else ", transverse inertia of a slender rod"
-        yield f"natural frequencies: of a rigid rotor at standstill{rod} (assumed)"
+        yield f"natural frequencies: for a rigid rotor at standstill{rod} (assumed)"
 
 
 def no_cage(chosen: Choice) -> Iterator[str]:
@@ -122,7 +125,7 @@ def no_cage(chosen: Choice) -> Iterator[str]:
 def balls(chosen: Choice) -> Iterator[str]:
     scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
-        yield "balls: one represents all, because their motion is identical"
+        yield "balls: one represents all, because all balls move alike"
         yield from _forces(scene)
     elif chosen.fidelity == "dynamic":
         yield from _in_time(scene)
@@ -143,7 +146,7 @@ def _forces(scene: Scene) -> Iterator[str]:
     share, size = centrifugal_share(scene), "its size is unknown before the solve"
     if not math.isnan(share):
         times = f"{100.0 * share:.2g} % of" if share < 1.0 else f"{share:.2g} times"
-        size = f"about {times} the contact load under the preload at rest"
+        size = f"about {times} the contact load at rest under the preload"
     yield f"centrifugal force: included; {size}"
     yield "gyroscopic moment: included"
     yield "lubricant drag: " + (
@@ -186,7 +189,10 @@ def _in_time(scene: Scene) -> Iterator[str]:
         if steps > CAGE_TOLERANCE:
             yield f"steps: tolerance {steps:g}; cage wear requires 0.001"
         elif steps == CAGE_TOLERANCE:
-            yield "steps: tolerance 0.001, for cage wear within 10 % in one motion"
+            yield (
+                "steps: tolerance 0.001, which gives cage wear within 10 % as long as the motion "
+                "persists"
+            )
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the source of the model; "
         "the energy account includes the work of the Coriolis force"
@@ -203,4 +209,7 @@ def solution(chosen: Choice) -> Iterator[str]:
         yield "motion: time stepping until it settles (model.dynamic_solution)"
     else:
         why = why_not_periodic(scene) or "histories are requested (model.history_points_per_turn)"
-        yield f"motion: time stepping until it settles, without a search for a periodic one: {why}"
+        yield (
+            "motion: time stepping until it settles, without a search for a periodic one; "
+            f"reason: {why}"
+        )

@@ -118,15 +118,15 @@ EFFECTS = (
     Effect(
         "criterion_not_watched",
         _unwatched,
-        "the model {fidelity} cannot evaluate the end of life by {names}",
-        "use fidelity dynamic, which evaluates all",
+        "the model {fidelity} cannot evaluate the following end-of-life criteria: {names}",
+        "use fidelity dynamic, which evaluates all criteria",
     ),
     Effect(
         "tilt_beyond_practice",
         practice.tilt_beyond,
-        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above "
-        "{limit:g}, the largest that catalogues permit (rule of thumb)",
-        "align the seats, or check the unit, mrad",
+        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above {limit:g} "
+        "mrad, the maximum that catalogues permit (rule of thumb)",
+        "align the seats, or check the unit (mrad)",
         impractical=True,
     ),
     Effect(
@@ -139,8 +139,8 @@ EFFECTS = (
     Effect(
         "pressure_above_practice",
         practice.pressed_hard,
-        "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, usual for a long life "
-        "(assumed)",
+        "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, the usual maximum for a "
+        "long life (assumed)",
         "fatigue is not modelled: use {take}",
     ),
     Effect(
@@ -156,7 +156,7 @@ EFFECTS = (
         practice.too_fast,
         "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the "
         "highest reached by steel bearings on test rigs",
-        "check the speed and its unit, r/min",
+        "check the speed and its unit (r/min)",
         impractical=True,
     ),
     Effect(
@@ -186,7 +186,7 @@ EFFECTS = (
         practice.tiny_preload,
         "a preload of {value:.3g} N is negligible for {n} balls of {D:g} mm: below {limit:.2g} N "
         "(assumed)",
-        "check its unit, newtons",
+        "check its unit (N)",
         impractical=True,
     ),
     Effect(
@@ -201,7 +201,7 @@ EFFECTS = (
         practice.grown_preload,
         "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
         "(rule of thumb: at most three times)",
-        "a spring, or cooler inner rings, would avoid this",
+        "use a spring, or cool the inner rings",
     ),
     Effect(
         "temperature_beyond_practice",
@@ -238,7 +238,7 @@ EFFECTS = (
         "growth_left_out",
         growth.growth_left_out,
         "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed) it "
-        "would change the preload of the {held} by {value:+.0f} % of its initial value",
+        "would change the preload ({held}) by {value:+.0f} %",
         "set bearing.bore_mm",
         modelled=growth.growth_at_speed,
     ),
@@ -246,7 +246,7 @@ EFFECTS = (
         "temperature_left_out",
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
-        "the preload of the {held} by {value:+.0f} % of its initial value",
+        "the preload ({held}) by {value:+.0f} %",
         "add a temperature or thermal block to the scene",
         modelled=growth.temperature,
     ),
@@ -261,8 +261,8 @@ EFFECTS = (
     Effect(
         "cage_weightless",
         lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
-        "the cage has no weight: gravity may change its motion, and the wear of pockets and land "
-        "tenfold or more",
+        "the cage has no weight: gravity may alter its motion and change the wear of pockets and "
+        "land by a factor of ten or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
         modelled=motion.no_cage,
     ),
@@ -276,8 +276,8 @@ EFFECTS = (
     Effect(
         "slip_rounded",
         _rounded,
-        "friction is regularised below a slip of {v_r:g} m/s, and the mean slip is {slip:.2g} "
-        "m/s: friction torque and power are too small{by}",
+        "friction is regularised below a slip of {v_r:g} m/s, while the mean slip is only "
+        "{slip:.2g} m/s: friction torque and power are too small{by}",
         "set friction.slip_regularisation_m_s to {better:.0e} or less",
         modelled=motion.slip,
     ),

@@ -30,11 +30,13 @@ CAGE_AXES = {
         1e-3,
     ),
     "guide_clearance_mm": (
-        Variable("guide_clearance", ("guide_clearance",), "m", "diametral clearance of the land"),
+        Variable("guide_clearance", ("guide_clearance",), "m", "diametral clearance at the land"),
         1e-3,
     ),
     "cage_friction": (
-        Variable("cage_friction", ("cage_friction",), "1", "friction of pockets and land"),
+        Variable(
+            "cage_friction", ("cage_friction",), "1", "friction coefficient of pockets and land"
+        ),
         1.0,
     ),
 }

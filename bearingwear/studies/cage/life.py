@@ -58,7 +58,7 @@ CAGE_LIFE = table(
     Variable("cage_life_interval", END.dims, "1",
         "90 % interval of the life due to the scatter of the runs"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
-        "90 % interval of the life including the uncertainty of the cage's wear coefficient"),
+        "90 % interval of the life, including the uncertainty of the cage's wear coefficient"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
     Variable("cage_end", (), "", "criterion that ends the life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
@@ -69,8 +69,10 @@ CAGE_LIFE = table(
     Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),
     Variable("other_hours", (), "h", "life of balls and races, steady", scale=HOURS_PER_SECOND),
     Variable("other_hours_interval", END.dims, "h",
-        "90 % interval of that life due to wear coefficient and hardness", scale=HOURS_PER_SECOND),
-    Variable("other_end", (), "", "criterion that ends that life", "i1", flags=CRITERIA),
+        "90 % interval of the life of balls and races due to wear coefficient and hardness",
+        scale=HOURS_PER_SECOND),
+    Variable("other_end", (), "", "criterion that ends the life of balls and races",
+        "i1", flags=CRITERIA),
 )  # fmt: skip
 
 
@@ -87,13 +89,13 @@ def with_cage_end(scene: Scene) -> Scene:
     assert cage is not None
     if end == end.without_cage:
         if cage.film is None:
-            problem = "got neither a film nor a limit, expected one that ends the life of the cage"
+            problem = "got neither a film nor a limit, expected one to end the life of the cage"
             raise SceneError("cage.film", problem)
         end = replace(end, **{"cage_film_worn_share": 1.0})
     for name in ("pocket_clearance_mm", "guide_clearance_mm"):
         limit, own = getattr(end, name), getattr(cage, name)
         if limit is not None and limit <= own:
-            problem = f"got {limit:g}, expected more than its initial value, {own:g}"
+            problem = f"got {limit:g}, expected a number > {own:g}, the initial value"
             raise SceneError(f"wear.end_of_life.{name}", problem)
     return with_end(scene, end)
 
@@ -144,7 +146,7 @@ class EnsembleWear(Motion):
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
-                f"turns, {pocket:.3g} and {land:.3g} um of wear on pockets and land")  # fmt: skip
+                f"turns, {pocket:.3g} and {land:.3g} um worn off pockets and land")  # fmt: skip
 
 
 class BetweenEnsembles(Trapezoid):

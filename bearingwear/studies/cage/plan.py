@@ -29,19 +29,20 @@ FEWEST = 20
 class Ensemble:
     """Runs of one cage, each with a draw of its own."""
 
-    runs: int = setting("Most runs", within=f"[{FEWEST}, inf)", default=200)
+    runs: int = setting("Maximum number of runs", within=f"[{FEWEST}, inf)", default=200)
     # fmt: off
     within: float = setting(
-        "Relative half-width of the 90 % interval of the work per turn at which the ensemble ends",
+        "Relative half-width of the 90 % interval of the work per turn at which the ensemble is "
+        "complete",
         "1", "(0, 1)", default=0.1)
     seed: int = setting("Seed of the samples", within="[0, inf)", default=1)
-    least_turns: int = setting(f"Minimum shaft turns of a run, a multiple of {STRETCH}", "1",
+    least_turns: int = setting(f"Minimum shaft turns of a run (a multiple of {STRETCH})", "1",
         within="[30, inf)", default=30)
     most_turns: int = setting("Maximum shaft turns of a run that has not settled", "1", "[30, inf)",
         default=150)
 
     worn_um: tuple[float, float] = setting(
-        "Wear depth of the pocket walls and of the guiding surface", "um", within="[0, inf)",
+        "Wear depths of the pocket walls and of the guiding surface", "um", within="[0, inf)",
         default=(0.0, 0.0))
     # fmt: on
 
@@ -90,7 +91,7 @@ class CagePoint(NamedTuple):
 class CagePlan:
     """Everything in config/cage.yaml."""
 
-    scene: str = setting("Scene with all values that are not varied", pattern=NAME)
+    scene: str = setting("Scene with all values that do not vary", pattern=NAME)
     # fmt: off
     changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set",
         default_factory=dict)
@@ -101,11 +102,12 @@ class CagePlan:
     imbalance_um: tuple[float, ...] = setting("Distances of the centre of mass from the centre of "
         "the cage", "um", within="[0, inf)", least=1, default=(0.0,))
     pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
-    guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")
+    guide_clearance_mm: RisingAxis = setting("Diametral clearances at the land", "mm")
     cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
     ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
     in_main_study: bool = setting(
-        "Whether a plain `snakemake` computes the map and reports it on its page", default=False)
+        "Whether `snakemake` without a target computes the map and reports it on its page",
+        default=False)
     # fmt: on
 
     def __post_init__(self) -> None:

@@ -27,16 +27,16 @@ LONG_RUN = 450
 """Shaft turns in which every cage of gyro_s1 that hung for thirty has changed."""
 
 _ROWS = (
-    ("work", "work at the cage, per turn"),
+    ("work", "work at the cage per turn"),
     ("pocket_work", "  in the pockets"),
     ("land_work", "  at the land"),
-    ("pocket_force", "force of a pocket, mean"),
-    ("pocket_force_99", "force of a pocket, 99 %"),
-    ("land_force", "force of the land, mean"),
-    ("land_force_99", "force of the land, 99 %"),
+    ("pocket_force", "pocket force, mean"),
+    ("pocket_force_99", "pocket force, 99 %"),
+    ("land_force", "land force, mean"),
+    ("land_force_99", "land force, 99 %"),
     ("shaft_torque", "shaft torque"),
-    ("torque_noise", "its turn-to-turn noise"),
-    ("whirl_ratio", "whirl over the shaft"),
+    ("torque_noise", "turn-to-turn noise of the torque"),
+    ("whirl_ratio", "whirl rate over shaft speed"),
 )
 
 
@@ -64,20 +64,23 @@ def ensemble_sheet(file: Any) -> Document:
     if unsolved:
         counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
         text = ", ".join(f"{in_words(name)} {n}" for name, n in counted.items())
-        lines.append(f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no motion")
+        lines.append(
+            f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no classified motion"
+        )
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
-            "a hanging cage may change its motion after hundreds of turns: use --least-turns "
+            "a hanging cage may change its motion after hundreds of turns; use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
         )
     if tolerance := getattr(file, "dynamic_tolerance", 0.0):
         error = f"{100.0 * CAGE_ERROR:g} %"
         accuracy = (
-            f"the work of a motion is accurate to {error}, in addition to its interval"
+            f"in addition to its interval, the work of a motion has an error of up to {error}"
             if tolerance <= CAGE_TOLERANCE
-            else f"the work may be wrong by more than {error}; {CAGE_TOLERANCE:g} is the default"
+            else f"the error of the work may exceed {error}; the default tolerance is "
+            f"{CAGE_TOLERANCE:g}"
         )
-        lines.append(f"steps of tolerance {tolerance:g}: {accuracy}")
+        lines.append(f"step tolerance {tolerance:g}: {accuracy}")
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")
     return Document(tuple(heading), facts, (*blocks, Block("", lines=tuple(lines))))
@@ -132,8 +135,8 @@ def _life(file: Any) -> Iterator[Block]:
     if not math.isnan(life):
         rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
-            ("cage_life_interval", "by the runs"),
-            ("cage_life_interval_with_wear", "and by K_s of the cage"),
+            ("cage_life_interval", "due to the scatter of the runs"),
+            ("cage_life_interval_with_wear", "and due to K_s of the cage"),
         ):
             low, high = values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
@@ -154,8 +157,8 @@ def _life(file: Any) -> Iterator[Block]:
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
         first = "balls and races end first" if not hours <= other else "the cage ends first"
         ends = Interval(*values(file, "other_hours_interval").tolist())
-        lines.append(f"balls and races: {Rough(float(other)).text} h, 90 % by their K_s/H "
-            f"{ends.text}, ended by {words}; {first}")  # fmt: skip
+        lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval due to K_s/H: "
+            f"{ends.text} h), ended by {words}; {first}")  # fmt: skip
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 

@@ -76,8 +76,8 @@ def cage_document(motions: xr.Dataset) -> Document:
         column("torque noise", means("torque_noise", noise), noise.unit),
     )  # fmt: skip
     lines = [
-        "Work is normal force times slip per shaft turn: its mean and 90 % interval. Multiplied "
-        "by K_s/H of the cage material, it gives the wear volume.",
+        "Work is normal force times slip per shaft turn, listed with its mean and 90 % interval. "
+        "Multiplied by K_s/H of the cage material, it gives the wear volume.",
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
         lines.append("A hanging cage may change its motion after hundreds of turns.")
@@ -169,7 +169,7 @@ def in_design_words(axis: str, value: float) -> str:
     if axis == "imbalance":
         return "no imbalance" if value == 0.0 else f"an imbalance of {digits(1e6 * value)} µm"
     if axis == "cage_friction":
-        return f"a friction of {digits(value)}"
+        return f"a friction coefficient of {digits(value)}"
     part = "in the pockets" if axis == "pocket_clearance" else "at the land"
     return f"{digits(1e3 * value)} mm {part}"
 
@@ -220,9 +220,9 @@ def recommended_cage(motions: xr.Dataset) -> str:
     less = own.work / best.work if best.work > 0.0 else math.inf
     ends = own.low / best.high, own.high / best.low if best.low > 0.0 else math.inf
     return (
-        f"Use {changes}: {shares_in_words(best.shares)}; it wears {digits(round(less, 1))} times "
-        f"less ({digits(float(f'{ends[0]:.2g}'))} to {digits(float(f'{ends[1]:.2g}'))}) than "
-        f"{own_words}"
+        f"Use {changes}: {shares_in_words(best.shares)}; this reduces wear by a factor of "
+        f"{digits(round(less, 1))} ({digits(float(f'{ends[0]:.2g}'))} to "
+        f"{digits(float(f'{ends[1]:.2g}'))}) compared with {own_words}"
     )
 
 

@@ -65,9 +65,11 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
     """Lives at the recommended preloads under other assumptions. Raises CaseFileError."""
     found = load(path)
     if found.attrs.get("kind") != _KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
-        raise CaseFileError(f"{path}: not a file of the kind {_KIND}")
+        raise CaseFileError(f"{path}: got a file of another kind, expected {_KIND}")
     if found.attrs["scene"] != recommendation.attrs["scene"]:
-        raise CaseFileError(f"{path}: belongs to another scene than the recommendation")
+        raise CaseFileError(
+            f"{path}: got lives of another scene, expected the scene of the recommendation"
+        )
     return found
 
 

@@ -61,7 +61,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
     first, attributes = next((path, one.attrs) for path, one in found.items())
     for path, one in found.items():
         if one.attrs.get("kind") != "design map":
-            raise CaseFileError(f"{path}: not a part of a design map")
+            raise CaseFileError(f"{path}: got another file, expected a part of a design map")
         if one.attrs != attributes:
             raise CaseFileError(f"{path}: differs from {first} in scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
@@ -171,7 +171,8 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     }
     before, but = "", "at best "
     if not failed:
-        before, but = "each limit can be satisfied, but not all together: ", "but "
+        before = "each limit can be satisfied individually, but not all of them together: "
+        but = "but "
         best = usable[margin[:, usable].min(axis=0).argmax()]
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
     return before + "; ".join(
@@ -240,11 +241,11 @@ def design_files(
     found = {path: load(path) for path in kinds}
     for path, kind in kinds.items():
         if found[path].attrs.get("kind") != kind:
-            raise CaseFileError(f"{path}: not a file of the kind {kind}")
+            raise CaseFileError(f"{path}: got a file of another kind, expected {kind}")
         if found[path].attrs["scene"] != found[design].attrs["scene"]:
-            raise CaseFileError(f"{path}: not of the scene of {design}")
+            raise CaseFileError(f"{path}: got another scene, expected that of {design}")
         if not found[path]["preload_method"].equals(found[design]["preload_method"]):
-            raise CaseFileError(f"{path}: not of the preload methods of {design}")
+            raise CaseFileError(f"{path}: got other preload methods, expected those of {design}")
     return DesignFiles(
         design=found[design],
         recommendation=found[recommendation],

@@ -52,10 +52,10 @@ class DesignLimits(_LIMITS):
             one = LIMITED[key]
             for name in one.needs:
                 if scene.arrangement is None or getattr(scene.arrangement, name) is None:
-                    problem = f"given nothing; needed for a limit of the {one.words}"
+                    problem = f"got nothing; a limit on the {one.words} requires it"
                     raise SceneError(f"arrangement.{name}", problem, source=source)
             if one.block and getattr(scene, one.block) is None:
-                problem = f"given nothing; needed for a limit of the {one.words}"
+                problem = f"got nothing; a limit on the {one.words} requires it"
                 raise SceneError(one.block, problem, source=source)
 
     @property
@@ -96,7 +96,7 @@ def axes_around(
     """
     own = scene.operation.preload_N
     if own <= 0.0:
-        problem = f"got {own:g}, expected a number > 0 for a map around it"
+        problem = f"got {own:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
     preload = key_of_scene("operation.preload_N")
     assert preload is not None
@@ -124,8 +124,8 @@ class Design:
 
     map: MapAxes | None = setting("Axes of the map of lives", default=None)
     # fmt: off
-    small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives, a part of "
-        "the main study if it includes the scene", default=None)
+    small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives, which is "
+        "part of the main study if that includes the scene", default=None)
     limits: DesignLimits = setting("Limits, which apply from new to the end of life",
         default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(

@@ -80,7 +80,7 @@ from bearingwear.studies.solve import life_scene
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
-    comment="to three digits, or more if limits and life require them")  # fmt: skip
+    comment="rounded to three digits, or more if limits and life require them")  # fmt: skip
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
@@ -89,10 +89,10 @@ CLIFF = table(
     Variable("cliff_preload", (), "N",
         "nearest preload, within 5 % of the recommended one, whose life is at least a tenth "
         "shorter"),
-    Variable("cliff_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
-    Variable("clear_preload", (), "N", "preload within the limits, at least 5 % away from that "
-        "preload"),
-    Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
+    Variable("cliff_life", (), "h", "wear life at cliff_preload", scale=HOURS_PER_SECOND),
+    Variable("clear_preload", (), "N", "preload within the limits, at least 5 % away from "
+        "cliff_preload"),
+    Variable("clear_life", (), "h", "wear life at clear_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
@@ -200,7 +200,7 @@ def recommendation(
     CaseFileError: where the map is of another scene or does not hold its friction and speed.
     """
     if json.loads(design.attrs["scene"]) != scene.to_dict():
-        raise CaseFileError("the design map is not of this scene")
+        raise CaseFileError("the design map belongs to another scene")
     point = {"friction": scene.friction.coefficient, "shaft_speed": scene.operation.shaft_speed_rpm}
     for axis, value in point.items():
         if value not in design[axis]:
@@ -440,7 +440,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
     made = filled_points(axes, known, more)
-    made["status"].attrs["missing"] = "-1: there was none to solve"
+    made["status"].attrs["missing"] = "-1: nothing to solve"
     made.attrs = lines.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"}
     return made
 
@@ -451,9 +451,9 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
     CaseFileError: where it is not.
     """
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
-        raise CaseFileError("the recommended preload needs the file of a recommendation")
+        raise CaseFileError("the recommended preload requires the file of a recommendation")
     if json.loads(recommendation.attrs["scene"]) != scene.to_dict():
-        raise CaseFileError("the recommendation is not of this scene")
+        raise CaseFileError("the recommendation belongs to another scene")
     return recommendation
 
 

@@ -374,12 +374,12 @@ HELD = table(
     Variable("holds_from", ("assumption",), "", "lowest value at which the same method is better"),
     Variable("holds_to", ("assumption",), "", "highest value at which the same method is better"),
     Variable("life_by_ball_track", ("preload_method", "ball_track"), "h",
-        "wear life at the recommended preload, by the assumed track of the balls",
+        "wear life at the recommended preload, for each assumed ball track",
         scale=HOURS_PER_SECOND),
     Variable("verdict", (), "", "whether one method is preferred to the other", dtype="i1",
         flags=VERDICTS,
-        comment="neither: a change of 5 % in one assumption, or the other ball track, reverses the "
-        "order, or the lives differ by less than their numerical errors"),
+        comment="neither is preferred if a change of 5 % in one assumption or the other ball track "
+        "reverses the order, or if the lives differ by less than their numerical errors"),
 )  # fmt: skip
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it holds over all searched."""
 

@@ -66,7 +66,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
             f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
             tuple(rough_value(one and one.bearings) for one in stated), "life_wear_as_stated",
         ),
-        *([Row("longest life by this method", "%", longest)] if any(longest) else []),
+        *([Row("longest life with this method", "%", longest)] if any(longest) else []),
         Row("lives solved", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
         Row("of", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
     ]  # fmt: skip
@@ -85,8 +85,8 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
         return []
     return [
         f"{int(followed.sum())} of the sampled lives are solved with worn grooves. The others are "
-        f"interpolated: all but {100.0 * float(share.max()):.2g} % of the lives are off by at most "
-        f"{100.0 * float(uncertainty['groove_error'].max()):.2g} %."
+        f"interpolated: all but {100.0 * float(share.max()):.2g} % of the lives have an error of "
+        f"at most {100.0 * float(uncertainty['groove_error'].max()):.2g} %."
     ]
 
 
@@ -98,14 +98,14 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     rows = [
         Row("value", "", tuple(key_in_words(name)[0] for name in names)),
         Row("distribution", "", tuple(distribution_text(given[name]) for name in names)),
-        Row("differs from each to each", "", tuple("batch" if s else "bearing" for s in same)),
+        Row("varies between", "", tuple("batches" if s else "bearings" for s in same)),
     ]
     used = []
     for method, of_method in methods(uncertainty):
         one = of_method.sel(preload_choice=preload_drawn(of_method)).isel(loss_basis=basis)
         words = method_words(scene_of(uncertainty), method)
         class_index = tuple(map(float, one["class_index"].values))
-        rows.append(Row(f"{words}, within its kind", "", class_index, f"class_index.{method}"))
+        rows.append(Row(f"{words}, within its class", "", class_index, f"class_index.{method}"))
         for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
             indices = one.sel(uncertain_inputs=inputs)
             known = zip(
@@ -116,10 +116,10 @@ def _indices(uncertainty: xr.Dataset) -> Block:
         used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
     said = (
         INDEX_WORDS,
-        f"Of the base samples, {', '.join(used)} could be used for the indices: all their lives "
-        "solved, and longer than zero.",
+        "The indices use only base samples for which all lives were solved and exceed zero: "
+        f"{', '.join(used)}.",
     )
-    return Block("What decides", rows=tuple(rows), axes=1, lines=said)
+    return Block("What determines the life", rows=tuple(rows), axes=1, lines=said)
 
 
 def distribution_text(given: dict[str, float | str]) -> str:

@@ -196,7 +196,7 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         grooves += " where wear is deep"
     return (
         f"The comparison applies to the {scene['operation']['preload_N']:g} N of the scene, "
-        f"{grooves}; at the preloads recommended for each method, the order may differ."
+        f"{grooves}. At the preloads recommended for each method, the order may differ."
     )
 
 
@@ -225,7 +225,7 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
         if not winner:
             frictions = dict(of_frictions)[str(winner)]
             equal = f"No difference beyond the numerical error at {frictions}."
-            none = f"Neither can be used at {frictions}: both exceed a limit when new."
+            none = f"Neither can be used at {frictions}, because both exceed a limit when new."
             said.append(equal if winner is None else none)
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
@@ -236,7 +236,7 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
 
 def _margin(ratio: float) -> str:
     if ratio == math.inf:
-        return "it alone satisfies the limits when new"
+        return "only this method satisfies the limits when new"
     if ratio < 1.1:
         return f"by {percent_in_text(ratio - 1.0)}"
     return f"{ratio:.2g} times as long"
@@ -280,9 +280,7 @@ def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
 
 def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
     contests = _contests(lives)
-    said = [
-        f"{_hours([life.counted for life in lives])}, with wear counted as each scene specifies"
-    ]
+    said = [f"{_hours([life.counted for life in lives])}, counting wear as each scene specifies"]
     for winner in dict.fromkeys(contest.longest for contest in contests):
         count = sum(contest.longest == winner for contest in contests)
         name = f"{in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
@@ -319,7 +317,7 @@ def lives_block(
         routes = tuple(Rough(100.0 * life.route_difference) for life in known)
         rows += (
             Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
-            Row("difference of interpolated life", "%", routes, "life_route_difference"),
+            Row("difference of the interpolated life", "%", routes, "life_route_difference"),
         )
     return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2)
 

@@ -34,7 +34,7 @@ class DynamicBlock(GridBlock):
     """Scenes that are solved dynamically, with their cage, over a grid of their own."""
 
     model: Mapping[str, Any] = setting(
-        "Keys of the scene's block model, set for these runs", default_factory=dict
+        "Keys of the block `model` of the scene that are set for these runs", default_factory=dict
     )
 
 
@@ -46,7 +46,7 @@ class UncertainLives:
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names",
         default=())
     samples: int = setting(
-        "Half of the lives that are sampled for each method and friction, a power of two",
+        "Half the number of lives sampled for each method and friction (a power of two)",
         within="[16, 4096]", default=256)
     # fmt: on
     seed: int = setting("Seed of the sample", within="[0, inf)", default=1)
@@ -88,19 +88,21 @@ class Figures:
     """Comparisons in the figures."""
 
     # fmt: off
-    worn_loss_um: float | None = setting("Wear state in the figures of friction and slip; null: "
-        "the most worn state of the first grid", unit="um", default=None)
-    friction: tuple[float, ...] = setting("Coefficients compared in the figures of slip, wear and "
-        "life, if in the grid; none: all of a grid", within="[0, inf)", default=())
+    worn_loss_um: float | None = setting("Wear state in the figures of friction and slip (null: "
+        "the most worn state of the first grid)", unit="um", default=None)
+    friction: tuple[float, ...] = setting("Friction coefficients to compare in the figures of "
+        "slip, wear and life, where a grid contains them (if omitted, all of the grid)",
+        within="[0, inf)", default=())
     wear_columns: tuple[Column, ...] = setting(
-        "Columns, each of a scene, of a further figure of QV, preload, angles and wear rate",
+        "Columns of a further figure of QV, preload, angles and wear rate; each column shows one "
+        "scene",
         default=())
     spreads: Mapping[str, Overlay] = setting("Figures with several scenes overlaid",
         default_factory=dict)
     lives: Mapping[str, Overlay] = setting("Figures with the lives of several scenes overlaid",
         default_factory=dict)
     running_averages: Mapping[str, RunningAverage | None] = setting(
-        "Scenes of `dynamic` with figures of the mean wear rates since the start",
+        "Scenes of `dynamic` for which the mean wear rates since the start are drawn",
         default_factory=dict)
     # fmt: on
 
@@ -111,15 +113,16 @@ class Config:
 
     # fmt: off
     studies: tuple[GridBlock, ...] = setting(
-        "Groups of scenes that share a grid; none: only the small maps of config/design.yaml")
+        "Groups of scenes that share a grid (none: only the small maps of config/design.yaml)")
     dynamic: tuple[DynamicBlock, ...] = setting(
         "Groups of scenes that are also solved dynamically", default=())
     points_per_job: int | None = setting("Number of grid points that a job solves, each into its "
-        "own file; if larger than a line (all losses of a scene, method and friction), the job "
-        "solves whole lines into one file. Null: a line of at most 200 points", within="[1, inf)",
+        "own file. If it exceeds a line (all losses of a scene, method and friction), the job "
+        "solves whole lines into one file. Null means a line of at most 200 points",
+        within="[1, inf)",
         default=None)
-    unsolved: str = setting("Effect of an unsolved case or life on the study: its page reports it "
-        "and shows the rest, and the study ends with an error, or with a line on standard error",
+    unsolved: str = setting("Effect of an unsolved case or life: the study ends with an error, "
+        "or only writes a warning to standard error (the page reports it in either case)",
         choices=UNSOLVED, default=UNSOLVED[0])
     uncertain_lives: UncertainLives = setting("Scenes whose lives are quoted with their spread",
         default=UncertainLives())

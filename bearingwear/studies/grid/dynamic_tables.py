@@ -20,11 +20,11 @@ from bearingwear.studies.grid.tables import (
 )
 
 WAYS = ("steady", "dynamic")
-ALL_SOLVED = "Nothing: every case was solved and verified both ways."
+ALL_SOLVED = "None: every case was solved and verified both ways."
 WEAR_WORDS = (
     "The mean of all balls.",
-    "The mean of all balls. Dynamic cases include wear in the cage pockets. Where "
-    "the land does not wear, the cage did not reach it in the turns averaged.",
+    "Means over all balls. Dynamic cases include wear in the cage pockets. Where the land does not "
+    "wear, the cage did not touch it in the averaged turns.",
 )
 """Without a cage, and with one."""
 LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
@@ -65,7 +65,7 @@ def _text(solved: xr.Dataset) -> str:
     ]
     wear += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in solved]
     drift = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
-    still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged."
+    still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the averaged turns."
     unsolved = tuple(
         line for way in WAYS for line in unsolved_cases(solved, f"status.{way}", f", {way}")
     )
@@ -79,7 +79,7 @@ def _text(solved: xr.Dataset) -> str:
                 *((f"residual_preload.{way}", way) for way in WAYS),
             ],
             "QV and preload",
-            ("QV refers to the whole bearing.",),
+            ("QV is that of the whole bearing.",),
         ),
         table_of(solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)),
         table_of(
@@ -103,4 +103,4 @@ def _unsettled(solved: xr.Dataset) -> Iterator[str]:
             for case, index in cases_in_words(solved):
                 if abs(change := float(drift[index])) > LARGEST_DRIFT:
                     change_text = f"{100 * change:+.2g} %"
-                    yield f"{case}: {what} still drifts by {change_text} over the turns averaged"
+                    yield f"{case}: {what} still drifts by {change_text} over the averaged turns"

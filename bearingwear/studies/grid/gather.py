@@ -51,7 +51,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         source=first.get("source", "bearingwear"),
         references=first.get("references", ""),
         history="gathered from case files by bearingwear gather",
-        comment="The scene contains the values common to all cases; the axes give the rest. "
+        comment="The scene contains the values common to all cases; the axes give the others. "
         "Values of a case whose status is not ok are missing.",
         warnings=read.warnings,
         **{key: first[key] for key in ("scene", *_SHARED_ATTRS)},
@@ -145,7 +145,7 @@ def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
         kept = [one if "case" in one.dims else _numbers_of_solved(one) for one in some]
         parts.append(_joined(kept))
     if not parts:
-        raise CaseFileError("no case files given")
+        raise CaseFileError("got no case files, expected at least one")
     return _joined(parts) if len(parts) > 1 else parts[0]
 
 
@@ -193,7 +193,7 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
             int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
     except (KeyError, TypeError, ValueError):
-        raise CaseFileError(f"{path}: not a case of a study") from None
+        raise CaseFileError(f"{path}: got another file, expected a case of a study") from None
     return cases, {"scene": json.dumps(scene)} | shared
 
 
@@ -238,5 +238,5 @@ def _axis_variables(
     return {
         "preload_method": (np.array(methods, dtype=np.int8), method_flags),
         "friction": (np.array(friction), attrs("ball/race friction coefficient", "1")),
-        "ball_diameter_loss": (np.array(loss_um), attrs("loss of ball diameter by wear", "um")),
+        "ball_diameter_loss": (np.array(loss_um), attrs("loss of ball diameter due to wear", "um")),
     }

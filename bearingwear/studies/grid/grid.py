@@ -71,7 +71,7 @@ class Grid:
     def __post_init__(self) -> None:
         for axis, values in vars(self).items():
             if not values:
-                raise ValueError(f"{axis}: empty; at least one value is needed")
+                raise ValueError(f"{axis}: got no value, expected at least one")
             if len(set(values)) < len(values):
                 raise ValueError(f"{axis}: got {list(values)}, expected each value once")
         for method in self.preload_method:

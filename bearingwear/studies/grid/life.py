@@ -71,19 +71,22 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     whole = whole.merge(stacked(interpolated, lengths).assign_coords(coords))
     difference = whole["interpolated_life"] / whole["life"] - 1.0
     whole["life_route_difference"] = difference.where(_comparable(whole, unknown)).assign_attrs(
-        long_name="life by interpolation of the study against the solver in the loop",
+        long_name="relative difference between the life interpolated from the study and the life "
+        "with the solver in the loop",
         units="1",
-        comment="for lives with the same grooves, ended by a criterion that the cases contain",
+        comment="for lives with the same grooves that are ended by a criterion available in the "
+        "cases",
     )
     name = json.loads(study.attrs["scene"])["name"]
     return whole.assign_attrs(
         study.attrs
         | {
             "title": f"Wear life of {name}",
-            "history": "solved, and interpolated from the study, by bearingwear study",
+            "history": "solved and interpolated from the study by bearingwear study",
             NOT_INTERPOLATED: json.dumps(sorted(unknown)),
             "warnings": gathered_warnings(each.attrs for each in solved),
-            "comment": "life and history_*: solver in the loop. interpolated_*: from the study.",
+            "comment": "life and history_* were computed with the solver in the loop, "
+            "interpolated_* from the cases of the study.",
         }
     )
 

@@ -71,7 +71,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     `known` are files of the study of uncertainty, if there are any.
     """
     scene = scene_of(study)
-    unsolved = tuple(unsolved_cases(study)) or ("Nothing: every case was solved and verified.",)
+    unsolved = tuple(unsolved_cases(study)) or ("None: every case was solved and verified.",)
     heading = tuple(filter(None, (scene["name"], scene.get("description", ""))))
     table = lives_block("Wear life", lives_of(lives, known), scene, every=True)
     table = replace(table, lines=(*table.lines, *filter(None, [_not_compared(lives)])))
@@ -88,7 +88,7 @@ def _wear(study: xr.Dataset) -> Block:
         for name in ("total_qv", "residual_preload")
         for k, loss in enumerate(one["ball_diameter_loss"])
     ]
-    said = ("QV refers to a whole bearing.",)
+    said = ("QV is that of the whole bearing.",)
     return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said)
 
 

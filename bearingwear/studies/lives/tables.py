@@ -16,9 +16,9 @@ from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import counted, loaded
 
 COLUMN_WORDS = (
-    "Error bound: from the steps and the scatter of the runs. Ball wear is the loss of each ball "
-    "since the start, relative to the mean. The steady life is computed for the same scene under "
-    "thrust only, without the cage, at the mean loss."
+    "The error bound includes the wear steps and the scatter of the runs. Ball wear is the loss of "
+    "each ball since the start, relative to the mean. The steady life is computed for the same "
+    "scene under thrust only, without the cage, at the mean loss."
 )
 
 

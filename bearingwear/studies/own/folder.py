@@ -51,8 +51,8 @@ def write_study(
     head = f"# Written by `bearingwear study {file.name}`"
     _check_folder(folder, head)
     texts = {
-        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that command again; or "
-        f"edit this file, and run `bearingwear study` here.\n{body}"
+        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that command again, or "
+        f"edit this file and run `bearingwear study` here.\n{body}"
         for path, body in bodies.items()
     }
     for path in texts:

@@ -84,7 +84,7 @@ def files_of(path: Path) -> Path:
     if path.suffix not in SCENE_SUFFIXES:
         raise OutputError(f"{path}: got this name, expected one that ends with .yaml or .yml")
     if path.exists():
-        raise OutputError(f"{path}: exists already and is not replaced; choose another name")
+        raise OutputError(f"{path}: already exists and is not replaced; choose another name")
     return path.with_suffix(".nc")
 
 
@@ -118,13 +118,15 @@ def calibrated(
     found = bearing_tests(tests, scene)
     digest = hashlib.sha256(Path(tests).read_bytes()).hexdigest()
     if scene.calibrated and scene.calibrated.sha256 == digest:
-        raise CaseFileError(f"{tests}: got the tests that the scene was calibrated by, not others")
+        raise CaseFileError(
+            f"{tests}: got the tests with which the scene was calibrated, expected other tests"
+        )
     prior = _prior(scene, friction)
     if any(test.seen == SEEN_TORQUE for test in found) and not friction:
         row = next(test.row for test in found if test.seen == SEEN_TORQUE)
         key = FRICTION_KEYS[scene.friction.film is not None]
         problem = (
-            f"got this result without uncertainty.{key} in the scene, which it would determine"
+            f"got a result that would determine uncertainty.{key}, which the scene does not have"
         )
         raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
     curve = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
@@ -167,7 +169,7 @@ def _checked(scene: Scene) -> str:
         raise SceneError(
             "uncertainty",
             "got nothing that scatters from bearing to bearing, expected wear_scatter: "
-            "{distribution: lognormal, factor: 1.3}, or another one",
+            "{distribution: lognormal, factor: 1.3}, or another distribution",
             source=scene.name,
         )
     names = (n for n in FRICTION_KEYS if n in given and is_same_for_batch(n, given[n]))
@@ -220,7 +222,7 @@ def _found(curve: Callable[[Scene, bool], Curve], scene: Scene, torque: bool, wh
 def _observation(test: BearingTest, curve: Curve, where: str) -> Observation:
     scatter = math.hypot(curve.scatter, test.error)
     if scatter == 0.0:
-        problem = "got a measurement without error of bearings without scatter, expected one > 0"
+        problem = "got 0 for bearings without scatter, expected a measurement error > 0"
         raise CaseFileError(f"{where}: error_percent: {problem}")
     torque = test.seen == SEEN_TORQUE
     return Observation(
@@ -247,7 +249,7 @@ def _curve(
     CaseFileError: where the model has none at the middle of the friction.
     """
     if tell:
-        tell(f"{'torque' if torque else 'life'} over friction, under one condition ...")
+        tell(f"{'torque' if torque else 'life'} against friction under one condition ...")
     nodes = np.array([x.mean])
     if friction:
         cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]

@@ -34,21 +34,23 @@ _POINTS = 161
 
 _STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
 _LIFE_PROBABILITY = Variable(
-    "probability", ("probability",), "1", "share of failed bearings, over all that is uncertain"
+    "probability", ("probability",), "1", "share of failed bearings, over all uncertain values"
 )
 _BATCH = Variable(
     "batch_probability", ("batch_probability",), "1", "share of batches with a lower value"
 )
 _WEAR = "wear_over_hardness"
 CALIBRATION_VARIABLES = table(
-    Variable("friction_interval", ("stage", "end"), "1", "friction of a batch, between 5 and 95 %"),
+    Variable("friction_interval", ("stage", "end"), "1",
+        "friction of a batch, 5 % and 95 % quantiles"),
     Variable("wear_over_hardness_interval", ("stage", "end"), "m2 N-1",
-        "K_s/H of a batch, between 5 and 95 %"),
+        "K_s/H of a batch, 5 % and 95 % quantiles"),
     Variable("life_quantile", ("stage", "probability"), "h", "quantile of the life of a bearing"),
     Variable("batch_life_quantile", ("stage", "batch_probability"), "h",
         "life that 10 % of the bearings of a batch fail to reach"),
     Variable("scatter", (), "1", "standard deviation of log life between bearings of a batch"),
-    Variable("interpolation_error", (), "1", "largest error of log lives between solved friction"),
+    Variable("interpolation_error", (), "1",
+        "maximum error of log life between the friction values that were solved"),
     Variable("friction", ("friction",), "1", "friction coefficient, or shear strength in MPa"),
     Variable("friction_density", ("stage", "friction"), "1", "density of its logarithm"),
     Variable(_WEAR, (_WEAR,), "m2 N-1", "K_s/H of the rubbing surfaces while the races are new"),
@@ -56,11 +58,11 @@ CALIBRATION_VARIABLES = table(
     Variable("hours", ("hours",), "h", "life"),
     Variable("failed_share", ("stage", "hours"), "1", "share of bearings that have failed"),
     Variable("seen", ("test",), "", "kind of result", "i1", flags=SEEN),
-    Variable("row", ("test",), "1", "line of the file of tests", "i8"),
+    Variable("row", ("test",), "1", "line in the test file", "i8"),
     Variable("value", ("test",), "1", "result, in the unit of its name"),
-    Variable("after", ("test",), "h", "time of the result; not for a torque"),
+    Variable("after", ("test",), "h", "time of the result (not for a torque)"),
     Variable("expected", ("test", "end"), "1",
-        "between 5 and 95 %, before the tests: time [h] of such a result, or torque [N mm]"),
+        "5 % and 95 % quantiles before the tests: time [h] of such a result, or torque [N mm]"),
     Variable("probability_of_test", ("test",), "1",
         "probability of a result that deviates at least this much from the model, given the other "
         "tests"),

@@ -52,20 +52,20 @@ def calibration_sheet(file: Any) -> Document:
     if "friction_density" not in file.variables:  # its friction is known
         del rows[0]
     heading = (
-        f"{scene['name']}: calibrated by {calibration['rows']} "
-        f"test{'s' * (calibration['rows'] > 1)} of {calibration['tests']} "
-        f"(SHA-256 {calibration['sha256'][:12]})",
+        f"{scene['name']}: calibrated with {calibration['rows']} "
+        f"test{'s' * (calibration['rows'] > 1)} from {calibration['tests']} (SHA-256 "
+        f"{calibration['sha256'][:12]})",
         *(f"conflict: {text}" for text in conflicts(file)),
     )
     facts = {"kind": "calibration", "conflicts": conflicts(file), **calibration}
     tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
     scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
     summary = (
-        f"Lives scatter by a factor of {digits(float(np.exp(scatter)))} within a batch (two "
-        "thirds of them).",
-        f"Lives are interpolated over friction to {100 * error:.1g} %.",
-        "Probability: of a test that deviates at least this much from the model, given the other "
-        "tests.",
+        "Within a batch, two thirds of the lives scatter by a factor of "
+        f"{digits(float(np.exp(scatter)))}.",
+        f"The interpolation of lives over friction has an error of up to {100 * error:.1g} %.",
+        "The probability is that of a test that deviates from the model by at least this much, "
+        "given the other tests.",
     )
     return Document(
         heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=summary))

@@ -48,7 +48,7 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     lines = ((table.line_num, cells) for cells in table)
     rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
     if len(rows) < 2:
-        raise CaseFileError(f"{path}: got no test, expected a line of column names and a row each")
+        raise CaseFileError(f"{path}: got no test, expected a header and one row per test")
     (_, names), *rows = rows
     for name in names:
         if names.count(name) > 1:

@@ -26,7 +26,7 @@ class SampledScene:
     """A scene whose lives are sampled."""
 
     preload_method: tuple[str, ...] = setting(
-        "Preload methods, a selection from the design map", choices=PRELOAD_METHODS, least=1
+        "Preload methods, selected from those of the design map", choices=PRELOAD_METHODS, least=1
     )
 
 

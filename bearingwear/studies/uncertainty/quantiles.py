@@ -112,10 +112,12 @@ def _parts(
     for path in paths:
         part = load(path)
         if part.attrs.get("kind") != PART_KIND:
-            raise CaseFileError(f"{path}: not a part of sampled lives")
+            raise CaseFileError(f"{path}: got another file, expected a part of sampled lives")
         sampled = {name: int(part.attrs[name]) for name in ("samples", "seed", "chunks")}
         if json.loads(part.attrs["scene"]) != scene.to_dict() or Sampling(**sampled) != plan:
-            raise CaseFileError(f"{path}: not of this scene and sampling")
+            raise CaseFileError(
+                f"{path}: got another scene or sampling, expected those of the study"
+            )
         parts.setdefault((part.attrs["preload_method"], part.attrs[PRELOAD_CHOICE]), []).append(
             part
         )
@@ -126,7 +128,9 @@ def _parts(
                 parts.get((method, choice), []), key=lambda part: int(part.attrs["chunk"])
             )
             if [int(part.attrs["chunk"]) for part in some] != list(range(plan.chunks)):
-                raise CaseFileError(f"sampled lives of {method}, {choice} preload: parts missing")
+                raise CaseFileError(
+                    f"sampled lives of {method}, {choice} preload: some parts are missing"
+                )
             ordered[method, choice] = some
     return ordered
 
@@ -205,7 +209,10 @@ def _quantiles_at(
         preloaded = with_preload(scene, method, preload)
         rows, batches = independent_rows(preloaded, plan), Batches(preloaded, plan)
         if tell:
-            tell(f"{method}: sampling {len(rows)} lives, and as many of batches")
+            tell(
+                f"{method}: sampling {len(rows)} lives of independent bearings and as many of "
+                "bearings in batches"
+            )
         found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
         independent, known = slice(1, len(rows) + 1), worse(found.cost)
         life, solved = found.life[independent], found.status[independent] == OK

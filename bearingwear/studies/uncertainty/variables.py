@@ -16,7 +16,7 @@ UNCERTAINTY_AXES = table(
         dtype="i1", flags=("all", "all_but_wear")),
     Variable("probability", ("probability",), "1", "share of bearings that have failed"),
     Variable("batch_probability", ("batch_probability",), "1",
-        "share of batches with a lower value, over the uncertainty of the batch"),
+        "share of batches with a lower value, given the uncertainty of the batch"),
 )  # fmt: skip
 METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
 
@@ -24,54 +24,59 @@ LONGEST_SHARE = ("longest_share", "longest_share_low", "longest_share_high")
 
 QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
 ANALYSED = table(
-    Variable("preload", (), "N", "initial axial preload, middle of its spread"),
+    Variable("preload", (), "N", "initial axial preload, median of its distribution"),
     Variable("evaluations", (), "1", "lives evaluated", dtype="i8"),
     Variable("solved_share", (), "1", "share of the lives that were solved"),
     Variable("index_share", (), "1", "share of the base samples used for the indices"),
     Variable("solved_lives", (), "1", "lives that were solved, with Hertzian grooves"),
     Variable("interpolation_error", (), "1",
-        "largest relative error of the other lives, which are interpolated, except for a share",
-        comment="95 % confidence, from solved lives that were not used in the fit; 0: all were "
-        "solved"),
-    Variable("interpolation_share", (), "1", "that share: lives whose error may be larger"),
+        "maximum relative error of the interpolated lives, except for interpolation_share of them",
+        comment="with 95 % confidence, from solved lives that were not used in the fit; 0: all "
+        "lives were solved"),
+    Variable("interpolation_share", (), "1",
+        "share of the interpolated lives whose error may be larger"),
     Variable("followed_lives", (), "1", "lives solved with worn grooves"),
     Variable("groove_error", (), "1",
-        "largest relative error of other lives with worn grooves, except for a share",
-        comment="as interpolation_error; 0: all were solved with worn grooves, NaN: none"),
-    Variable("groove_share", (), "1", "that share: lives whose error may be larger"),
+        "maximum relative error of interpolated lives with worn grooves, except for groove_share "
+        "of them",
+        comment="as for interpolation_error; 0: all were solved with worn grooves, NaN: none"),
+    Variable("groove_share", (), "1",
+        "share of the interpolated lives with worn grooves whose error may be larger"),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
     Variable("batch_life_quantile", (BATCH, PROBABILITY, BASIS), "h",
-        "quantile of the life over the bearings of a batch, for quantiles of the uncertainty of "
-        "the batch",
-        comment="L10 at probability 0.1; scatter within a batch at the middle of "
-        "batch_probability, uncertainty of the batch between its ends"),
+        "quantile of the life of the bearings of a batch, for quantiles of the uncertainty of the "
+        "batch",
+        comment="probability 0.1 gives L10; the middle of batch_probability gives the scatter "
+        "within a batch, its ends the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
         "half the confidence interval of that quantile, from sampling",
-        comment="by resampling of batches and bearings; widened by the error of interpolated "
+        comment="from resampling of batches and bearings; widened by the error of interpolated "
         "lives"),
     Variable("life_quantile", QUANTILE, "h",
-        "quantile of the life over scatter and uncertainty of the batch",
+        "quantile of the life, including scatter and uncertainty of the batch",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable("life_quantile_high", QUANTILE, "h",
         "upper end of the quantile's confidence interval"),
     Variable("longest_share", (BASIS,), "1",
-        "share of sampled bearings that live longest by this method",
-        comment="each bearing has the same uncertain values by every method"),
-    Variable("longest_share_low", (BASIS,), "1", "lower end of its confidence interval"),
-    Variable("longest_share_high", (BASIS,), "1", "upper end of its confidence interval"),
+        "share of sampled bearings for which this method gives the longest life",
+        comment="each bearing has the same uncertain values with every method"),
+    Variable("longest_share_low", (BASIS,), "1",
+        "lower end of the confidence interval of that share"),
+    Variable("longest_share_high", (BASIS,), "1",
+        "upper end of the confidence interval of that share"),
     Variable("life_one_at_a_time", ("quantity", "end", BASIS), "h",
-        "life with one value at its 10 % and 90 % quantile, the others at their medians"),
+        "life with one value at its 10 % and 90 % quantiles and the others at their medians"),
     Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
     Variable("first_index_error", INDEX, "1", "half its confidence interval"),
     Variable("class_index", ("quantity", BASIS), "1",
         "total Sobol index of log life within the class of the value",
-        comment="classes: values common to a batch, and values that scatter; the other class as "
-        "in the scene"),
+        comment="the two classes are values common to a batch and values that scatter within it; "
+        "values of the other class are as in the scene"),
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half its confidence interval"),
     Variable("life_sample", (INPUTS, "member", BASIS), "h",
-        "sampled lives, independent ones, sorted", comment="of very many lives, evenly spaced "
-        "ones"),
+        "independent sampled lives, sorted", comment="evenly spaced values of a very large "
+        "number of lives"),
 )  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

@@ -164,7 +164,7 @@ def test_errors_are_against_the_reference_of_the_scene(trade, plan):
 @pytest.mark.long
 def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
     without = [path for path in files if path.name != "turbine-long.nc"]
-    with pytest.raises(CaseFileError, match="turbine, .*: its reference long is missing"):
+    with pytest.raises(CaseFileError, match="turbine, .*: the reference long is missing"):
         gathered_sweeps(without)
     other = load(files[0]).assign_attrs(source_hash="2")
     write_dataset(other, tmp_path / "other.nc")

@@ -148,8 +148,8 @@ def test_what_a_map_says(small):
     assert works == pytest.approx([0.1981e-4, 1.981e-4, 3.962e-4], rel=0.01)
     assert quiet_region(motions).endswith("turn with the balls): friction 0.02")
     said = recommended_cage(motions)
-    assert said.startswith("Use a friction of 0.02 (now 0.05): turns with the balls 100 %;")
-    assert "it wears 10 times less (10 to 10) than the cage as it is (whirls 100 %)" in said
+    assert said.startswith("Use a friction coefficient of 0.02 (now 0.05): turns with the balls")
+    assert "wear by a factor of 10 (10 to 10) compared with the cage as it is (whirls" in said
 
 
 def test_what_cannot_be_improved_is_kept(small):
@@ -168,7 +168,7 @@ def test_figure_and_table_of_a_map(small, tmp_path):
     assert recommended_cage(motions) in text and quiet_region(motions) in text
     (tmp_path / "answer.json").write_text(cage_answer(path), encoding="utf-8")
     shown = page(answers=[tmp_path / "answer.json"])
-    assert "Choice of a cage" in shown and "Use a friction of" in shown
+    assert "Choice of a cage" in shown and "Use a friction coefficient of" in shown
     assert text.count("turns with the balls 100 % | 20 |") == 2
     assert text.count("whirls 100 % | 20 |") == 4 and "nan" not in text
 

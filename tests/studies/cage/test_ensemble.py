@@ -131,8 +131,8 @@ def test_sheet_and_figure_of_an_ensemble(tmp_path, monkeypatch, capsys):
     path = ensemble_file(tmp_path / "cage.nc", "--quiet")
     assert main(["show", str(path)]) == 0
     text = capsys.readouterr().out
-    assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage, per turn" in text
-    assert "steps of tolerance 0.001: the work of a motion is accurate to 10 %" in text
+    assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage per turn" in text
+    assert "step tolerance 0.001: in addition to its interval, the work" in text
     assert main(["plot", str(path), "-o", str(path.with_suffix(".svg"))]) == 0
 
 

@@ -63,7 +63,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     assert answer.title == f"mine: use a spring preload of {preload:g} N (constant force)"
     said = told(answer)
     assert said["Expected life"].startswith(f"Life {Rough(spring).text} h")
-    assert f"the {Rough(fixed).text} h of fixed position" in said["Expected life"]
+    assert f"the {Rough(fixed).text} h with fixed position" in said["Expected life"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
     assert (
         "Fixed position becomes the better method if the limit on axial stiffness"
@@ -124,7 +124,7 @@ def test_each_verdict_has_its_headline(files):
 
     assert "neither method is preferred; use a spring preload of" in headline(files, neither)
     assert headline(files, at_the_end).endswith(", the lowest preload tried")
-    assert headline(files, cliff).endswith("; with 1 % less preload the life is 0.01 h")
+    assert headline(files, cliff).endswith("; with 1 % less preload, the life is only 0.01 h")
     advice = f"mine: {AS_LITTLE}"
     assert headline(files, without_limits) == advice
 
@@ -152,8 +152,8 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
     path = tmp_path / "other.nc"
     other.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
     for given, why in (
-        (path, "belongs to another scene"),
-        (files["design"], "not a file of the kind"),
+        (path, "got lives of another scene"),
+        (files["design"], "got a file of another kind"),
     ):
         out = tmp_path / "answer.json"
         run = "studies.design.document.sheets.design_answer"

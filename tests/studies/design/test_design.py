@@ -118,8 +118,8 @@ def test_limits_that_no_preload_keeps_to_are_named():
     line, stiffness = made_up(DOWN, UP), "axial stiffness of one bearing at least"
     for stiff, power, why in (
         (5.0, 0.35, f"{stiffness} 5 N/µm, at best 4 at 4 N"),
-        (3.5, 0.33, f"each limit can be satisfied, but not all together: {stiffness} 3.5 N/µm, "
-                    "but 3 at 3 N"),
+        (3.5, 0.33, "each limit can be satisfied individually, but not all of them together: "
+                    f"{stiffness} 3.5 N/µm, but 3 at 3 N"),
     ):  # fmt: skip
         limits = DesignLimits(axial_stiffness_N_um=stiff, friction_power_W=power)
         assert int(best_within(line, limits, basis=1)[0]) == -1
@@ -178,7 +178,7 @@ def test_a_method_without_a_preload_within_the_limits_is_called_so(folder, tmp_p
     write_dataset(recommendation_of(scene_file("gyro_s1"), design), file)
     assert load(file)["status"].values.tolist() == [0, -1]
     several = as_text(sheet(file))
-    assert "there was none to solve" in several and "jammed" not in several
+    assert "nothing to solve" in several and "jammed" not in several
 
 
 def test_single_files_are_drawn(folder, tmp_path):

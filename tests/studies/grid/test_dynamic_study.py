@@ -185,7 +185,7 @@ def test_comparison_tables(folder, tmp_path):
     assert "| QV, steady (W) |" in text and "land (mm³/1000\N{NO-BREAK SPACE}h) |" in text
     assert "nan" not in text + outputs[0].read_text(encoding="utf-8")
     assert (
-        text.count(": the wear of all parts still drifts by +20 % over the turns averaged") == 4
+        text.count(": the wear of all parts still drifts by +20 % over the averaged turns") == 4
     )  # of those solved
     assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
@@ -213,7 +213,10 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     steady, dynamic = both(folder).values()
     output = tmp_path / "a.svg"
     assert step(COMPARED, output, study=steady, dynamic=steady) == 2
-    assert capsys.readouterr().err == f"{steady}: not cases solved dynamically\n"
+    assert (
+        capsys.readouterr().err
+        == f"{steady}: got cases that were not solved dynamically, expected dynamic cases\n"
+    )
     paths = make(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
     assert step(GATHER, tmp_path / "few.nc", paths=paths) == 0
     assert step(COMPARED, output, study=tmp_path / "few.nc", dynamic=dynamic) == 2
@@ -221,7 +224,7 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     other = make(tmp_path / "other", DYNAMIC, "dynamic", scene="gyro_s1_drag")
     assert step(GATHER, tmp_path / "other.nc", paths=other) == 0
     assert step(COMPARED, output, study=steady, dynamic=tmp_path / "other.nc") == 2
-    assert capsys.readouterr().err.endswith(f"not of the scene of {steady}\n")
+    assert capsys.readouterr().err.endswith(f"expected the scene of {steady}\n")
     for path in (steady, folder / "cases" / f"{FAILED[1]}.nc"):
         assert step(AVERAGE, output, case=path) == 2
         assert capsys.readouterr().err == f"{path}: not a case solved dynamically\n"

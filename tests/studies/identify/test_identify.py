@@ -25,7 +25,7 @@ def test_plan_of_the_project():
 
 def test_a_scene_that_is_not_there_is_told():
     plan = replace(read_record(IdentifyPlan, PLAN_FILE), marks=("nobody",))
-    with pytest.raises(ValueError, match="there is no scene nobody"):
+    with pytest.raises(ValueError, match="got the scene nobody"):
         plan.check_scenes(ROOT / "config" / "scenes")
 
 

@@ -101,7 +101,7 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
     for name, said in (
         ("wear_coefficient", "uncertainty.wear_coefficient: got no value that tests determine"),
         ("wear_scatter", "uncertainty: got nothing that scatters"),
-        ("ball_race", "row 2: torque_Nmm: got this result without uncertainty.ball_race"),
+        ("ball_race", "row 2: torque_Nmm: got a result that would determine uncertainty.ball_race"),
     ):
         spread = {n: one for n, one in unknown["uncertainty"].items() if n != name}
         with pytest.raises((SceneError, CaseFileError), match=said):
@@ -171,7 +171,7 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     out = tmp_path / "calibrated.yaml"
     assert main(["calibrate", str(base), str(path), "-o", str(out)]) == 0
     told = capsys.readouterr().out
-    assert "calibrated by 3 tests of tests.csv" in told and "90 % of bearings" in told
+    assert "calibrated with 3 tests from tests.csv" in told and "90 % of bearings" in told
     carried = load_scene(out)
     assert carried.calibrated.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert carried.calibrated.rows == 3
@@ -182,7 +182,7 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     data = bearingwear.load(tmp_path / "calibrated.nc")
     # a second time would count the tests twice
     assert main(["calibrate", str(out), str(path), "-o", str(tmp_path / "again.yaml")]) == 2
-    assert "got the tests that the scene was calibrated by" in capsys.readouterr().err
+    assert "got the tests with which the scene was calibrated" in capsys.readouterr().err
     # `uncertainty` of the scene has the same interval, by a sample and by lognormal marginals
     spread = tmp_path / "u.nc"
     assert main(["uncertainty", str(out), "-o", str(spread), "--quiet"]) == 0

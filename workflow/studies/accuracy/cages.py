@@ -37,7 +37,7 @@ def cages_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTable
     title = "ensembles of a cage, relative to the first"
     return [
         f"Made by `make cages-docs`; not to be edited here. {plan.cages.runs} runs of "
-        f"`{plan.cages.file}` with a horizontal shaft, with the same starts in every row "
+        f"`{plan.cages.file}` with a horizontal shaft and the same starts in every row "
         "(`config/accuracy.yaml`), relative to the first row: turns, mean work per turn, its parts "
         "in the pockets and at the land, half of the 90 % interval of the work (of the paired "
         "differences), and the share of the runs that end in the motion of the long run.",

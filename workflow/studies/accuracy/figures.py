@@ -106,7 +106,7 @@ def keys_of(points: xr.Dataset) -> list[Any]:
             key(f"preset: {label}", marker=mark, **PRESET_STYLE)
             for label, mark in PRESET_MARKERS.items()
         ]
-    return [*handles, key("doubt of the reference", **DOUBT)]
+    return [*handles, key("uncertainty of the reference", **DOUBT)]
 
 
 def multiples(
@@ -142,8 +142,8 @@ def steady_figure(trade: xr.Dataset) -> Figure:
     worst, best = _worst(strips, "total_qv"), _worst(split, "total_qv")
     times = _range(time_ratios(split, strips))
     title = (
-        f"Steady state: 50 equal strips err by up to {percent_in_text(worst)} in total QV, "
-        f"32 split Gauss points by {percent_in_text(best)}, in {times} times the time"
+        f"Steady state: total QV is in error by up to {percent_in_text(worst)} with 50 equal "
+        f"strips, and {percent_in_text(best)} with 32 split Gauss points, in {times} times the time"
     )
     return multiples(trade, points, ("total_qv", "contact_qv"), title)
 
@@ -162,8 +162,8 @@ def dynamic_figure(trade: xr.Dataset) -> Figure:
     two = _worst(points_where(points, sweep="turns", label="2"), "total_qv")
     many = _worst(points_where(points, sweep="turns", label="50"), "total_qv")
     title = (
-        f"Solved dynamically: 2 turns err by up to {percent_in_text(two)} in total QV, "
-        f"50 turns by {percent_in_text(many)}"
+        f"Dynamic model: total QV is in error by up to {percent_in_text(two)} with 2 turns, and "
+        f"{percent_in_text(many)} with 50"
     )
     return multiples(trade, points, ("total_qv", "wear_rate"), title)
 
@@ -183,8 +183,8 @@ def integration_figure(trade: xr.Dataset) -> Figure:
     )
     title = (
         f"The same turns: as v_r falls from {large} to {small} m/s, Runge-Kutta takes up to "
-        f"{slower[0]} times as long, Rosenbrock up to {slower[1]} times; there it is up to "
-        f"{faster} times as fast"
+        f"{slower[0]} times as long, Rosenbrock up to {slower[1]} times; at {small} m/s "
+        f"Rosenbrock is up to {faster} times as fast"
     )
     return multiples(trade, points, ("total_qv", "contact_qv"), title)
 
@@ -192,7 +192,7 @@ def integration_figure(trade: xr.Dataset) -> Figure:
 def overview_figure(trade: xr.Dataset) -> Figure:
     """Median over the scenes, steady and dynamic."""
     figure, panels = new_figure(1, 2, 7.6, 4.4)
-    titles = "steady state: times differ little more than by noise", "dynamic solves"
+    titles = "steady state: times differ by little more than noise", "dynamic solves"
     for axes, against, text in zip(panels[0], ("steady", "long"), titles, strict=True):
         points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
         panel(axes, points, "total_qv", _CPU)
@@ -276,7 +276,7 @@ def models_figure(trade: xr.Dataset) -> Figure:
                         axes.plot(max(value, 1e-6), row + 0.09 * (k - 2.5), **marks[scene])
         axes.set_xscale("log")
         axes.set_title(QUANTITY[quantity].replace("error", "difference"))
-        axes.set_xlabel("relative to the fuller model")
+        axes.set_xlabel("relative to the more complete model")
     panels[0, 0].set_yticks(range(len(rows)), rows)
     panels[0, 0].invert_yaxis()
     race_control = points_where(trade, sweep="fidelity_steady", label="race control")
@@ -287,7 +287,7 @@ def models_figure(trade: xr.Dataset) -> Figure:
         _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
     )
     title = (
-        f"Race control errs by up to {total} in total QV and {contact} in QV of a contact; "
+        f"The error of race control is up to {total} in total QV and {contact} in QV of a contact; "
         f"without the cage, total QV changes by up to {cage}"
     )
     frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)
@@ -318,7 +318,7 @@ def accuracy_plot(trade: xr.Dataset) -> Figure:
     CaseFileError for a single sweep, which has no errors yet, and for sweeps of one kind.
     """
     if "scene" not in trade:
-        raise CaseFileError("got a single sweep, expected all of them, gathered in one file")
+        raise CaseFileError("got a single sweep, expected a file with all sweeps")
     if not all(of_sweeps(trade, against).sizes["point"] for against in ("steady", "long")):
         raise CaseFileError("got sweeps of one kind, expected steady and dynamic ones")
     return overview_figure(trade)

@@ -29,7 +29,7 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
         against = dataset.attrs["against"]
         reference = dataset if against == FIRST else found.get((scene, against))
         if reference is None:
-            raise CaseFileError(f"{scene}, {sweep}: its reference {against} is missing")
+            raise CaseFileError(f"{scene}, {sweep}: the reference {against} is missing")
         texts = {"scene": scene, "sweep": sweep, "against": against}
         texts |= {"kind": dataset.attrs["sweep_kind"], "sweep_title": dataset.attrs["sweep_title"]}
         names = {
@@ -58,7 +58,7 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
         dataset = load(path)
         attrs = dataset.attrs
         if not {"scene_name", "sweep_name", "sweep_kind", "against"} <= set(attrs):
-            raise CaseFileError(f"{path}: not a sweep of the accuracy study")
+            raise CaseFileError(f"{path}: got another file, expected a sweep of the accuracy study")
         of = {key: attrs.get(key) for key in _SHARED}
         shared = shared or of
         for key, value in of.items():
@@ -66,7 +66,7 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
                 raise CaseFileError(f"{path}: {key} differs from the previous files")
         found[attrs["scene_name"], attrs["sweep_name"]] = dataset
     if not found:
-        raise CaseFileError("no sweeps of the study of accuracy given")
+        raise CaseFileError("got no sweeps, expected those of the accuracy study")
     return found
 
 
@@ -81,7 +81,7 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
         columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error of {quantity}"
     columns["error_contact_qv"] = (
         np.maximum(*(np.abs(columns[f"error_qv_{race}"][0]) for race in ("inner", "outer"))),
-        "error of the QV of a contact, the larger of both, without sign",
+        "magnitude of the error of the QV of a contact, the larger of both",
     )
     time = np.full(solved.size, float(reference["wall_time"]))
     variables = {

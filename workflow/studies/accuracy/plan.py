@@ -113,7 +113,7 @@ class TradeScene:
     file: str = setting("Name of a file in config/scenes", pattern=NAME)
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     references: tuple[str, ...] = setting(
-        "References of the scene; without references, only sweeps that name the scene run",
+        "References of the scene; if there are none, only sweeps that name the scene are run",
         default=(),
     )
 
@@ -190,7 +190,7 @@ class Tolerance:
     floor: float = setting(
         "Error of a steady state below which differences are noise", within="[0, inf)"
     )
-    floor_dynamic: float = setting("Same for the dynamic model", within="[0, inf)")
+    floor_dynamic: float = setting("The same for the dynamic model", within="[0, inf)")
     time: float = setting("Allowed factor between times", within="[1, inf)")
 
 
@@ -238,7 +238,9 @@ class AccuracyPlan:
         """Refuse scenes that do not exist; to read them as all points change them takes seconds."""
         for name in self.scenes:
             if not os.path.isfile(self.scene_file(name)):
-                raise ValueError(f"{ACCURACY_FILE}: there is no scene {self.scenes[name].file}")
+                raise ValueError(
+                    f"{ACCURACY_FILE}: got the scene {self.scenes[name].file}, which does not exist"
+                )
 
     def varied(self, name: str, point: SweepPoint) -> Scene:
         """A scene as a point changes it."""

@@ -72,7 +72,7 @@ def solved_sweep(
         sweep_title=title,
         sweep_kind=kind,
         against=against,
-        comment="Wall times differ from run to run, and with them the bytes of this file.",
+        comment="Wall times differ from run to run, so the file is not reproducible to the byte.",
     )
 
 

@@ -122,11 +122,11 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "energy account includes their work, as a share of the heat: "
         f"{booked(trade)}. {of_weight(trade)}",
         presets(trade),
-        "Errors are relative to each scene's reference: of the life for steady solves, of the loss "
-        "rate for dynamic ones. QV of a single contact is far more sensitive than total QV. "
-        "Speeds compare draft with standard, and standard with reference.",
+        "Errors are those of the life for steady solves and of the loss rate for dynamic ones, "
+        "relative to each scene's reference. QV of a single contact is far more sensitive than "
+        "total QV. Speeds compare draft with standard, and standard with reference.",
         estimates(trade),
-        "All points with an error estimate are included, also the extremes of the sweeps. An error "
+        "All points with an error estimate are included, even the extremes of the sweeps. An error "
         "counts as covered if it exceeds its estimate by no more than the uncertainty of the "
         'reference (its own estimate plus its check). "Over error" is the median ratio of estimate '
         "to error.",
@@ -137,7 +137,7 @@ def of_weight(trade: xr.Dataset) -> str:
     """What a cage wears without its weight, over what it wears with it."""
     points = points_where(trade, sweep="weight")
     ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]  # each against the point before it
-    return f"A weightless cage wears {span(ratios)} times as much over the averaged turns."
+    return f"Over the averaged turns, a weightless cage wears {span(ratios)} times as much."
 
 
 def booked(trade: xr.Dataset) -> str:

@@ -48,7 +48,7 @@ def ridge_and_lives(found: xr.Dataset) -> Figure:
             for count, marker in markers.items()
         ),
         key(
-            "loses as much, but fails another statement",
+            "same loss of preload, but contradicts another statement",
             color="0.75",
             linestyle="none",
             marker=".",
@@ -127,6 +127,6 @@ def candidates_message(candidates: xr.Dataset) -> str:
         hours = one["life"].isel(loss_basis=basis).values
         spans.append(f"{span(hours)} h ({in_words(name)})")
     return (
-        f"{fits.sizes['candidate']} bearings fit the statements of the paper; their lives range "
-        f"over {' and '.join(spans)}"
+        f"{fits.sizes['candidate']} bearings agree with the statements of the paper; their lives "
+        f"range over {' and '.join(spans)}"
     )

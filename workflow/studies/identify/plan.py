@@ -21,7 +21,7 @@ class Statements:
     high_friction: float = setting("High friction coefficient", within="(0, inf)")
     low_friction: float = setting("Low friction coefficient", within="(0, inf)")
     qv_least_um: tuple[float, float] = setting(
-        "QV is lowest between these losses, at the low friction", "um", "(0, inf)"
+        "QV has its minimum between these losses, at the low friction", "um", "(0, inf)"
     )
     qv_rise: float = setting("Minimum share by which QV then rises", within="(0, inf)")
     qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", "(0, inf)")
@@ -37,13 +37,13 @@ class Statements:
 class IdentifyPlan:
     """Everything in config/identify.yaml."""
 
-    scene: str = setting("Scene with all values that are not varied")
+    scene: str = setting("Scene with all values that do not vary")
     marks: tuple[str, ...] = setting("Scenes that are also drawn")
     pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
     ball_count: tuple[int, ...] = setting("Numbers of balls", within="[1, inf)", least=1)
     inner_groove_factor: RisingAxis = setting("Inner groove radii over ball diameter", "1")
-    contact_angle_deg: RisingAxis = setting("Angles at which the search is started", "degree")
-    drag_density_kg_m3: RisingAxis = setting("Drag densities to be tried", "kg/m3")
+    contact_angle_deg: RisingAxis = setting("Angles at which the search starts", "degree")
+    drag_density_kg_m3: RisingAxis = setting("Drag densities to try", "kg/m3")
     statements: Statements = setting("Statements of the text")
 
     def __post_init__(self) -> None:
@@ -56,4 +56,6 @@ class IdentifyPlan:
         """Refuse scenes that do not exist."""
         for name in (self.scene, *self.marks):
             if not (Path(folder) / f"{name}.yaml").is_file():
-                raise ValueError(f"config/identify.yaml: there is no scene {name}")
+                raise ValueError(
+                    f"config/identify.yaml: got the scene {name}, which does not exist"
+                )

@@ -45,15 +45,17 @@ FIT_RESULTS = (
 FITS, NO_ROOM, NO_ANGLE, STATE_NOT_SOLVED, SPINS_INSIDE, NO_SLIP, NO_DRAG = range(len(FIT_RESULTS))
 
 CANDIDATE = table(
-    Variable("fit_result", (), "", "whether the bearing fits the statements", dtype="i1",
+    Variable("fit_result", (), "", "whether the bearing agrees with the statements", dtype="i1",
         flags=FIT_RESULTS),
     Variable("pitch_diameter", (), "mm", "pitch diameter"),
     Variable("ball_count", (), "1", "number of balls", dtype="i8"),
     Variable("inner_groove_factor", (), "1", "inner groove radius over ball diameter"),
-    Variable("contact_angle", (), "degree", "free contact angle with the stated loss of preload"),
-    Variable("drag_low", (), "kg m-3", "least drag density with the stated course of QV"),
-    Variable("drag_high", (), "kg m-3", "largest drag density with the stated course of QV"),
-    Variable("skid_ratio", (), "1", "largest skid ratio at the drags that fit, low friction"),
+    Variable("contact_angle", (), "degree",
+        "free contact angle that gives the stated loss of preload"),
+    Variable("drag_low", (), "kg m-3", "minimum drag density that gives the stated course of QV"),
+    Variable("drag_high", (), "kg m-3", "maximum drag density that gives the stated course of QV"),
+    Variable("skid_ratio", (), "1",
+        "maximum skid ratio at low friction and the drag densities that agree"),
     Variable("life", ("preload_method", *LOSS_BASIS.dims), "h", "wear life at the high friction",
         scale=HOURS_PER_SECOND),
 )  # fmt: skip

@@ -18,8 +18,8 @@ from workflow.studies.identify.figures import candidates_message, fitting
 from workflow.studies.identify.search import CANDIDATE, FIT_RESULTS
 
 _SKID_NOTE = (
-    "Slip of the whole ball in the rolling direction above 0.6 µm is not required. The table has "
-    "the largest skid ratio at the drags that fit."
+    "The fit does not require slip of the whole ball in the rolling direction above 0.6 µm of "
+    "wear. The table lists the maximum skid ratio at the drag densities that agree."
 )
 
 

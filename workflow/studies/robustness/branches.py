@@ -26,7 +26,7 @@ _BRANCH = table(
     STATUS,
     Variable("orbit_share", (), "1", "orbit rate over shaft rate"),
     Variable("total_qv", (), "W", "QV of the bearing"),
-    Variable("loss_rate", (), "m s-1", "rate of the loss of balls and races"),
+    Variable("loss_rate", (), "m s-1", "loss rate of balls and races"),
     Variable("branch", (), "1", "branch of the steady states", "i1"),
     Variable("stable", (), "1", "whether the state is stable", "i1"),
     Variable("gyroscopic_slip_share", (), "1", "larger gyroscopic share of the slip"),

@@ -61,7 +61,9 @@ def of_kind(path: Path, kind: str) -> xr.Dataset:
     """A file of one kind of the study; CaseFileError that names any other."""
     dataset = load(path)
     if dataset.attrs.get("kind") != kind:
-        raise CaseFileError(f"{path}: not a file of the {kind} of the study of robustness")
+        raise CaseFileError(
+            f"{path}: got another file, expected the {kind} of the study of robustness"
+        )
     return dataset
 
 
@@ -192,4 +194,4 @@ def hysteresis(solved: xr.Dataset) -> str:
         _, _, unit = AXIS_LABELS[solved.attrs["key"]].partition(" (")
         ends = f"{where.min():.3g} to {where.max():.3g} {unit.rstrip(')')}"
         return f"two steady states from {ends.strip()}"
-    return "one steady state at each point, in both directions"
+    return "one steady state at each point in both directions"

@@ -28,7 +28,10 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
     for path in map(Path, paths):
         dataset = load(path)
         if dataset.attrs.get("kind") not in _KINDS:
-            raise CaseFileError(f"{path}: no random scenes and no map of the study of robustness")
+            raise CaseFileError(
+                f"{path}: got another file, expected random scenes or a map of the "
+                "study of robustness"
+            )
         kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
         shared = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}
         rows.append(_row(dataset))

@@ -83,7 +83,7 @@ def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
         if not np.abs(values[name][-1] / volume - 1.0).max() <= _VOLUME_ERROR:
             found.append(f"{name} {values[name][-1]} is not that of the slip, {volume}")
     if not (np.diff(values["history_deepest_groove"], axis=0) >= 0.0).all():
-        found.append("a groove grows shallower")
+        found.append("a groove becomes shallower")
     if not (np.diff(time) > 0.0).all():
-        found.append("time goes backwards")
+        found.append("time decreases")
     return found

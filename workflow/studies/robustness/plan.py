@@ -64,7 +64,7 @@ class Draw:
     even: tuple[float, float] | None = setting("Lower and upper end", default=None)
     of: tuple[Any, ...] = setting("Values, one of which is drawn", default=())
     share: float | None = setting(
-        "Share of the scenes that draw from `of`, if not all", within="[0, 1]", default=None
+        "Share of the scenes that draw from `of` (if omitted, all)", within="[0, 1]", default=None
     )
 
     def __post_init__(self) -> None:
@@ -91,7 +91,7 @@ class SceneClass:
     fidelity: str = setting("Model that solves them", choices=RANDOM_FIDELITIES)
     scenes: int = setting("How many", within="[1, inf)")
     draw: Mapping[str, Any] = setting(
-        "Quantities to be drawn: keys of a scene, and values from which some keys follow"
+        "Quantities to draw: keys of a scene, and values from which other keys follow"
     )
     like: str = setting("Earlier class whose draws it inherits", default="")
 
@@ -195,7 +195,7 @@ class RobustnessPlan:
         before: list[str] = []
         for name, scene_class in self.scene_classes.items():
             if scene_class.like and scene_class.like not in before:
-                allowed = ", ".join(before) or "none, since there is no class before it"
+                allowed = ", ".join(before) or "none, because there is no class before it"
                 raise SceneError(
                     f"scene_classes.{name}.like", f"got {scene_class.like}, expected {allowed}"
                 )

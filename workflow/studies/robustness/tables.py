@@ -37,7 +37,7 @@ def _row(one: xr.Dataset) -> dict[str, int | float | str]:
         "several states": int(one["multiple_states"]),
         "QV of these differs by up to": 100.0 * float(one["largest_qv_ratio"]),
         "refused": int(one["refused"]),
-        "for what reason": ", ".join(reasons) or "–",
+        "reason": ", ".join(reasons) or "–",
         "without a reason": int(one["unexplained"]),
         "wrong": int(one["violations"]),
     }

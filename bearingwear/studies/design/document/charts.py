@@ -57,7 +57,7 @@ def design_charts(
     sampled = files.uncertainty if spread is None else load_quantiles(spread)
     given = [limit_text(name, value) for name, value in limits_of(files.design).given.items()]
     kept = f", with {' and '.join(given)} from new to the end of life" if given else ""
-    question = f"Which preload, by which method, gives the longest life{kept}?"
+    question = f"Which preload and which preload method give the longest life{kept}?"
     bands = {} if sampled is None else _bands(files.recommendation, sampled)
     charts = list(preload_charts(files.design, files.recommendation, bands))
     return Charts(question=question, charts=charts).stored

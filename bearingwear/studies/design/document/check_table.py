@@ -27,7 +27,7 @@ SHARE_LABEL = "maximum gyroscopic slip share"
 WITH_CAGE = (
     "The scene has no cage.",
     "Only the dynamic cases include the cage: its pockets slow down and wear the balls, which "
-    "increases the wear depth (above all with wear.counts ball).",
+    "increases the wear depth (especially with wear.counts ball).",
 )
 """Without a cage, and with one."""
 
@@ -83,10 +83,10 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
     said = (
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
-        f"and near {middle}. Life counts {in_words(scene['wear']['counts'])}. "
-        f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state: agreement "
-        "means that the motion remains in that state, not that every start leads to it. The "
-        "gyroscopic slip share has no error estimate."
+        f"and near {middle}. Life counts the wear of {in_words(scene['wear']['counts'])}. "
+        f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state. Agreement "
+        "therefore means that the motion remains in that state, not that every start leads to it. "
+        "The gyroscopic slip share has no error estimate."
     )
     settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
     made = Document(
@@ -146,10 +146,10 @@ def _cases(
         case = load(path)
         fidelity = case.attrs.get("fidelity")
         if fidelity not in CHECKED_FIDELITIES or "total_qv" not in case or case["status"].ndim:
-            raise CaseFileError(f"{path}: not a steady or dynamic case")
+            raise CaseFileError(f"{path}: got another file, expected a steady or dynamic case")
         scene = scene_of(case)
         if scene["name"] != name:
-            raise CaseFileError(f"{path}: of the scene {scene['name']}, expected {name}")
+            raise CaseFileError(f"{path}: got the scene {scene['name']}, expected {name}")
         cases.setdefault(scene["operation"]["preload_N"], {})[str(fidelity)] = case
     for preload, fidelities in cases.items():
         for fidelity in CHECKED_FIDELITIES:
@@ -233,12 +233,14 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
             for way in (False, True)
         )
         agrees = "agrees" if allowed else "does not agree"
-        partly = "in part" if allowed and beyond else "within the numerical error estimates of both"
+        partly = (
+            ", but only in part" if allowed and beyond else " within the estimated numerical errors"
+        )
         said = [
-            f"The dynamic model {agrees} with the steady values of the map {partly}.",
+            f"The dynamic model {agrees} with the steady values of the map{partly}.",
             *([f"The largest differences within the estimates: {allowed}."] if allowed else []),
             *([f"Beyond them: {beyond}."] if beyond else []),
-            f"The {SHARE_LABEL} differs {_at(share)} at most.",
+            f"The largest difference in the {SHARE_LABEL} is {_at(share).removeprefix('by ')}.",
         ]
     if unsolved:
         said.append(f"Not solved: {'; '.join(unsolved)}.")

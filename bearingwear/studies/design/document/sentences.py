@@ -42,10 +42,10 @@ TAKE = {
 
 _HELD = {
     "none": "No limit is active: this preload gives the longest life.",
-    "end_of_range": "No limit is active: this preload is at the end of the range tried, and the "
-    "life may be longer beyond it.",
+    "end_of_range": "No limit is active, but this preload is at the end of the range tried, and "
+    "the life may be longer beyond it.",
     "not_solved": "The next preload of the map could not be solved; it may give a longer life.",
-    "end_of_life": "No limit is active: at other preloads, another criterion ends the life "
+    "end_of_life": "No limit is active, but at other preloads another criterion ends the life "
     "earlier.",
     "impractical": "Preloads with a longer life make the design impractical.",
     "cliff": "The life drops sharply near this preload.",
@@ -61,7 +61,7 @@ NEAREST = 3
 """Reversals of the choice that a sentence names; the table has all of them."""
 
 CALIBRATED = (
-    "Wear and friction were calibrated with {rows} tests ({tests}): the interval of the life "
+    "Wear and friction were calibrated with {rows} tests ({tests}). The interval of the life "
     "covers the remaining uncertainty and the scatter between bearings."
 )
 
@@ -108,7 +108,10 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
     if math.isfinite(below):
         near = percent_in_text(abs(below / preload - 1.0))
         life = Rough(one["cliff_life"]).text
-        end = f"; with {near} {'less' if below < preload else 'more'} preload the life is {life} h"
+        end = (
+            f"; with {near} {'less' if below < preload else 'more'} preload, the life is only "
+            f"{life} h"
+        )
     return f"{name}: use {taken[0]}{end}"
 
 
@@ -123,7 +126,7 @@ def what_it_gives(found: xr.Dataset) -> str:
         more = f"{percent_in_text(ratio - 1.0)} more than"
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
         words = f"{'a ' * pair}{method_words(scene_of(found), other)}"
-        said += f": {times} the {Rough(less).text} h of {words} at {preload_text(twin)} N"
+        said += f": {times} the {Rough(less).text} h with {words} at {preload_text(twin)} N"
     ended = end_words(lives[0][1])
     return f"{said}. {ended[:1].upper()}{ended[1:]} ends the life." if ended else f"{said}."
 
@@ -196,8 +199,8 @@ def what_would_change_it(found: xr.Dataset) -> str:
             near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
     if not near:
         return (
-            "No change of a limit, an end-of-life criterion or friction makes the other "
-            "method better, within the range tried."
+            "Within the range tried, no change of a limit, an end-of-life criterion or friction "
+            "makes the other method better."
         )
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
@@ -254,7 +257,7 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         if mine.longest:
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in {mine.longest.text} % of "
-                "bearings, each with the same uncertain values by either method."
+                "bearings if each has the same uncertain values with either method."
             )
     else:
         band, taken = band_by_wear(scene, life)

@@ -64,7 +64,7 @@ AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
 
 WHAT_LIMITS = (
     "Without a limit, the lowest preload always causes the least wear. State what the machine "
-    "requires, such as a stiffness, and what the bearing withstands, such as a pressure. Only "
+    "requires, such as a stiffness, and what the bearing can withstand, such as a pressure. Only "
     "preloads that satisfy these limits are then considered."
 )
 """What a limit does, where none was given."""

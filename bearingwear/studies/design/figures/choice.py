@@ -256,7 +256,7 @@ def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
         key("a limit is exceeded", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(
-            f"recommended{', bar: 90 % of bearings' if has_spread else ''}",
+            f"recommended{' (bar: 90 % of bearings)' if has_spread else ''}",
             color="0.6",
             linestyle="none",
             **STAR,

@@ -20,7 +20,7 @@ def draw_map(design: Path) -> Figure:
     """Life, stiffness and slip around the preload."""
     found = load(design)
     if found.attrs.get("kind") != "design map":
-        raise CaseFileError(f"{design}: not a design map")
+        raise CaseFileError(f"{design}: got another file, expected a design map")
     return map_figure.map_overview(found)
 
 

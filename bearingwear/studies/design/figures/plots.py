@@ -76,7 +76,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         draw_cumulated(panel, drawn, COLOURS[name])
         panel.set_title(f"{words}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")
-        panel.set_ylabel("share worn out")
+        panel.set_ylabel("share of bearings worn out")
         spread = spread_at(drawn.isel(loss_basis=basis))
         if spread:
             panel.axvspan(*spread.bearings, color=COLOURS[name], alpha=0.12, linewidth=0.0)
@@ -84,7 +84,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
     handles = [
         *(key(f"counting {in_words(w)}", color="0.3", linestyle=d) for w, d in LOSS_DASHES.items()),
         key(
-            "5, 10, 50, 90, 95 %, their sampling errors",
+            "5, 10, 50, 90, 95 % quantiles with sampling errors",
             color="0.3",
             linestyle="none",
             marker="o",

@@ -57,7 +57,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         draw_cumulated(cumulated, drawn.sel(uncertain_inputs=ALL_INPUTS), colour)
         cumulated.set_title(f"{method_words(scene, name)}, {float(drawn['preload']):.3g} N")
         cumulated.set_xlabel("wear life (h)")
-        cumulated.set_ylabel("share worn out")
+        cumulated.set_ylabel("share of bearings worn out")
         _tornado(tornado, drawn.isel(loss_basis=basis), names, colour)
         _bars(bars, drawn.isel(loss_basis=basis), colour)
         failed += int(round(float(((1 - one["solved_share"]) * one["evaluations"]).sum())))
@@ -71,7 +71,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
             for way, d in LOSS_DASHES.items()
         ),
         key(
-            "5, 10, 50, 90, 95 %, their sampling errors",
+            "5, 10, 50, 90, 95 % quantiles with sampling errors",
             color="0.3",
             linestyle="none",
             marker="o",
@@ -135,8 +135,8 @@ def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None
     panel.set_xticks(ticks, [f"{2.0**t:g}" for t in ticks])
     panel.set_xlim(-ends - 0.2, ends + 0.55 * ends + 0.4)
     panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])
-    panel.set_xlabel("life, times the nominal one")
-    panel.set_title("one value, 10 % to 90 %", fontsize=8)
+    panel.set_xlabel("life over nominal life")
+    panel.set_title("one value from its 10 % to its 90 % quantile", fontsize=8)
 
 
 def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
@@ -171,6 +171,6 @@ def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int)
     spread = spread_at(one.sel(uncertain_inputs=ALL_INPUTS))
     unsolved = f"; {failed} lives not solved" if failed else ""
     return (
-        f"{scene}: {spread_text(spread)}; the {decides(ALL_INPUTS)} dominates; if it is known, "
-        f"the {decides(ALL_BUT_WEAR)}{unsolved}"
+        f"{scene}: {spread_text(spread)}; the {decides(ALL_INPUTS)} dominates or, if the wear "
+        f"coefficient is known, the {decides(ALL_BUT_WEAR)}{unsolved}"
     )
