@@ -400,7 +400,7 @@ def test_plot_in_any_order_of_arguments(tmp_path, capsys):
     assert (tmp_path / "a.svg").is_file() and file.is_file()
     for argv in ([], ["-o", str(figure)], ["-o", str(file), str(file)]):
         assert main(["plot", *argv]) == 2
-        assert "result files, expected one, FILE.nc" in capsys.readouterr().err
+        assert "result files, expected one (FILE.nc)" in capsys.readouterr().err
 
 
 def test_recommend(capsys):

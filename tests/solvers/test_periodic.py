@@ -77,7 +77,7 @@ def test_the_estimate_covers_what_tight_steps_change(found, name, load):
     [
         ({"model.cage_results": True}, "a cage"),
         ({"wear.ball_diameter_loss_um": [0.1] * 8 + [0.2]}, "unequal ball diameters"),
-        ({"operation.rotating_load_N": 1.0}, "stationary loads together with a rotating one"),
+        ({"operation.rotating_load_N": 1.0}, "stationary and rotating loads together"),
         ({"operation.radial_load_N": [0.0, 0.0], "model.fidelity": "dynamic"}, "pure thrust"),
     ],
 )

@@ -157,7 +157,7 @@ def test_thickness_is_that_of_a_film_that_has_one():
             [],
             "spread of steel/steel, dry, from archard, dry_steel: K_s/H by",
         ),
-        ("mos2_gyro", FILM, "spread of steel/steel, film mos2 (no other has a source), from"),
+        ("mos2_gyro", FILM, "spread of steel/steel, film mos2 (no source for other films), from"),
         ("turbopump", ["model.contact=hertz"], "spread assumed, because no source covers"),
     ],
 )
