@@ -193,7 +193,7 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
         factors[key] = friction.factor
     text = {name: f"{factor:.2g}" for name, factor in factors.items()}
     if row:
-        film = "film mos2 (there is no source for other films)" if coated else "dry"
+        film = "film mos2 (no source for other films)" if coated else "dry"
         said = f"spread of {pair}, {film}, from {', '.join(row.rows)}"
     else:
         said = "spread assumed, because no source covers these materials"

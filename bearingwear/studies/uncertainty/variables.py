@@ -49,7 +49,7 @@ ANALYSED = table(
         comment="probability 0.1 gives L10; the middle of batch_probability gives the scatter "
         "within a batch, its ends the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
-        "half the confidence interval of that quantile, from sampling",
+        "half-width of the confidence interval of that quantile, from sampling",
         comment="from resampling of batches and bearings; widened by the error of interpolated "
         "lives"),
     Variable("life_quantile", QUANTILE, "h",
@@ -68,13 +68,13 @@ ANALYSED = table(
     Variable("life_one_at_a_time", ("quantity", "end", BASIS), "h",
         "life with one value at its 10 % and 90 % quantiles and the others at their medians"),
     Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
-    Variable("first_index_error", INDEX, "1", "half its confidence interval"),
+    Variable("first_index_error", INDEX, "1", "half-width of its confidence interval"),
     Variable("class_index", ("quantity", BASIS), "1",
         "total Sobol index of log life within the class of the value",
         comment="the two classes are values common to a batch and values that scatter within it; "
         "values of the other class are as in the scene"),
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
-    Variable("total_index_error", INDEX, "1", "half its confidence interval"),
+    Variable("total_index_error", INDEX, "1", "half-width of its confidence interval"),
     Variable("life_sample", (INPUTS, "member", BASIS), "h",
         "independent sampled lives, sorted", comment="evenly spaced values of a very large "
         "number of lives"),

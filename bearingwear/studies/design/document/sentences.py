@@ -119,14 +119,14 @@ def what_it_gives(found: xr.Dataset) -> str:
     """The life, beside that of the other method."""
     lives, pair = by_life(found), is_pair(scene_of(found))
     life = lives[0][2]
-    said = f"Life {Rough(life).text} h, counting wear of {COUNTED_WORDS[counted(found)]}"
+    said = f"Life {Rough(life).text} h (wear of {COUNTED_WORDS[counted(found)]})"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
         more = f"{percent_in_text(ratio - 1.0)} more than"
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
         words = f"{'a ' * pair}{method_words(scene_of(found), other)}"
-        said += f": {times} the {Rough(less).text} h with {words} at {preload_text(twin)} N"
+        said += f", {times} the {Rough(less).text} h with {words} at {preload_text(twin)} N"
     ended = end_words(lives[0][1])
     return f"{said}. {ended[:1].upper()}{ended[1:]} ends the life." if ended else f"{said}."
 
