@@ -1,9 +1,8 @@
 """Compiles what lives with worn grooves call, while a command compiles the steady solver.
 
-On two cores, the first solve and the first life of a machine then take half the time. A command
-starts this module in a process of its own (`compiled_beside`), which finds the types of all
-arguments by calling the kernels: once from a rough state, which needs no steady solve, then for the
-life itself. Each kernel is compiled by one process; the other one waits for it.
+A command starts this module in a process of its own (`compiled_beside`), which finds the types of
+all arguments by calling the kernels: once from a rough state, which needs no steady solve, then for
+the life itself. Each kernel is compiled by one process; the other one waits for it.
 """
 
 import contextlib

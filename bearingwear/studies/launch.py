@@ -18,6 +18,7 @@ from typing import IO, NoReturn, TextIO
 
 from bearingwear.atomic import write_text
 from bearingwear.console import UsageError
+from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.provenance import PACKAGE
 
 CONFIG = Path("config/config.yaml")
@@ -26,6 +27,9 @@ PAGE = Path("results/report/index.html")
 DRY_RUN = {"-n", "--dry-run", "--dryrun"}
 TOLD = {"-q", "--quiet", "--verbose", "-p", "--printshellcmds"}
 """Arguments of Snakemake that say how much it tells."""
+
+COMPILING = b"compiling the solver", b"waiting for another process that compiles"
+"""How lines of jobs begin that need the solver while it is compiled."""
 
 _LOCK_WAIT = 5.0  # seconds, in which an interrupted Snakemake has ended
 
@@ -111,7 +115,9 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
 
     def relay(source: IO[bytes], target: TextIO) -> None:
         for line in source:
-            if not unread.is_set():
+            if line.startswith(COMPILING):
+                tell_of_compiling()  # once, whichever jobs do
+            elif not unread.is_set():
                 try:
                     target.write(line.decode("utf-8", "replace"))
                     target.flush()
