@@ -29,6 +29,19 @@ def pytest_configure():
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """In a new clone, one process prepares the tests' assertions, and the others read its files."""
+    with open(__file__) as file:
+        if not any(Path(__file__).parent.glob("__pycache__/test_*")):
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                fcntl.flock(file, fcntl.LOCK_SH)
+                fcntl.flock(file, fcntl.LOCK_UN)
+        return (yield)
+
+
 def pytest_collection_finish():
     """What is loaded by now is no garbage, and is not looked through again and again."""
     gc.freeze()

@@ -131,6 +131,8 @@ def test_every_combination(model, film, warm):
     """A life has each effect that its scene has; pairs alone have no dynamic one."""
     lives = {}
     for name, arrangement in ARRANGEMENTS.items():
+        if name.startswith("mixed") and not film:
+            continue  # the second bearing of the pair with a film has none
         changes = *film, *arrangement, *warm
         if model == "dynamic" and name != "single":
             with pytest.raises(

@@ -118,7 +118,7 @@ def test_the_deepest_groove_by_hand(scene):
 
 def test_a_cage_does_not_keep_a_film_from_its_end(scene):
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.12, "pocket_clearance_mm": 0.5}}
-    short = {"model.life_run_in_turns": 5, "model.life_steps": 3, "model.simulated_turns": 4}
+    short = {"model.life_run_in_turns": 3, "model.life_steps": 3, "model.simulated_turns": 3}
     s = scene("gyro_s1", {name: one for name, one in ALONE.items() if name != "cage"})
     v = life(s.with_(FILM | end | short), "dynamic").values
     assert v["status"] == code.OK and CRITERIA[v["end_criterion"]] == "ball_diameter_loss_um"

@@ -377,13 +377,22 @@ def test_averaged_turns():
 # the solver itself
 
 
+IMPATIENT = """
+from bearingwear.__main__ import run_program
+from bearingwear.solvers.dynamic import windows
+
+windows.REPORT_EVERY = 0.1
+raise SystemExit(run_program())
+"""
+
+
 def test_interrupt_of_a_real_run(tmp_path):
     """Ctrl-C in the midst of a run that would take hours."""
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
     argv += ["--set", "model.simulated_turns=1000000", "model.history_points_per_turn=0"]
     argv += ["--set", "operation.rotating_load_N=1"]
     run = subprocess.Popen(
-        [sys.executable, "-m", "bearingwear", *argv],
+        [sys.executable, "-c", IMPATIENT, *argv],
         cwd=ROOT,
         stderr=subprocess.PIPE,
         text=True,
