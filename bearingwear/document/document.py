@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.results.netcdf import read_as
-from bearingwear.results.units import Display, Interval, Rough, digits, display, in_print
+from bearingwear.results.units import Display, Estimated, Interval, Rough, digits, display, in_print
 from bearingwear.results.variables import CASE, LIFE
 
 VARIABLES = CASE | LIFE
@@ -161,7 +161,9 @@ def quantity_row(
 
 def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
     """The text of a value in the unit that is shown."""
-    if isinstance(value, Interval) or (isinstance(value, Rough) and math.isfinite(value)):
+    if isinstance(value, Interval) or (
+        isinstance(value, Rough | Estimated) and math.isfinite(value)
+    ):
         return value.text
     if not isinstance(value, float):
         return str(value)
@@ -190,8 +192,12 @@ def load_document(path: Path) -> Document:
 
 def _encoded(value: Any) -> Any:
     """A value as JSON has it; what is no plain number says what it is."""
-    if isinstance(value, Rough | Interval):
-        return {"rough": float(value)} if isinstance(value, Rough) else {"interval": [*value]}
+    if isinstance(value, Rough):
+        return {"rough": float(value)}
+    if isinstance(value, Estimated):
+        return {"estimated": [float(value), value.error]}
+    if isinstance(value, Interval):
+        return {"interval": [*value]}
     if isinstance(value, Row):
         value = value._asdict()
     if isinstance(value, Mapping):
@@ -204,6 +210,8 @@ def _decoded(value: Any) -> Any:
     if isinstance(value, dict):
         if value.keys() == {"rough"}:
             return Rough(value["rough"])
+        if value.keys() == {"estimated"}:
+            return Estimated.of(*value["estimated"])
         if value.keys() == {"interval"}:
             return Interval(*value["interval"])
         return {key: _decoded(one) for key, one in value.items()}

@@ -6,12 +6,13 @@ import csv
 import io
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Row
-from bearingwear.results.units import display
+from bearingwear.results.units import Estimated, display
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +24,7 @@ def table_of(
     columns: Sequence[tuple[xr.DataArray | str, str]],
     title: str = "",
     lines: tuple[str, ...] = (),
+    errors: Mapping[str, Sequence[xr.DataArray]] = MappingProxyType({}),
 ) -> Block:
     """A table with a line for each point along some axes; labels and units are the variables' own.
 
@@ -30,7 +32,9 @@ def table_of(
     columns: a variable over the axes, or its name, which may go on after a point; and what tells
         the column from others of the same variable. All columns of a variable have one unit.
     title, lines: of the block.
+    errors: relative errors of the columns of a variable, which decide their digits.
     """
+    left = {name: iter(known) for name, known in errors.items()}
     found = [(dataset[v] if isinstance(v, str) else v, words) for v, words in columns]
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
     rows = []
@@ -45,6 +49,10 @@ def table_of(
         alike = [v for v, _ in found if _kind(v) == (name, units, shown)]
         unit = display(units, *alike, shown=shown)
         numbers = unit.of(variable.transpose(*axes).values.ravel()).tolist()
+        if name in left:
+            relative = next(left[name]).transpose(*axes).values.ravel().tolist()
+            pairs = zip(numbers, relative, strict=True)
+            numbers = [Estimated.of(number, abs(number) * error) for number, error in pairs]
         own = ".".join(filter(None, (name, which.replace(", ", "."))))
         rows.append(Row(label, unit.unit, tuple(numbers), own))
     return Block(title, rows=tuple(rows), lines=lines, axes=len(axes))

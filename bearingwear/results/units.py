@@ -139,6 +139,26 @@ class Interval(NamedTuple):
         return " to ".join(Rough(end).text for end in self)
 
 
+RESOLVED = 1e-4
+"""Relative error below which a number has no further digits: those serve no comparison."""
+
+
+class Estimated(float):
+    """A number with the estimate of its error, which decides its digits."""
+
+    error: float
+
+    @classmethod
+    def of(cls, value: float, error: float) -> Estimated:
+        found = cls(value)
+        found.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan
+        return found
+
+    @property
+    def text(self) -> str:
+        return to_error(self, self.error)
+
+
 def to_error(value: float, error: float) -> str:
     """A number to the first digit of its error: `0.87` of an error of 0.02."""
     if not (math.isfinite(value) and 0.0 < error < math.inf):

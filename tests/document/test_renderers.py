@@ -16,10 +16,10 @@ from bearingwear.document.html import as_html
 from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import flag_names
 from bearingwear.document.text import as_text
-from bearingwear.results.units import Interval, Rough
+from bearingwear.results.units import Estimated, Interval, Rough
 
 LIFE = Row("life", "h", (Rough(3.1415), Interval(1.0, 2.5)), "life", 2.0, "passed")
-POWER = Row("power", "mW", (12.3456, math.nan), "power")
+POWER = Row("power", "mW", (Estimated.of(12.3456, 0.02), math.nan), "power")
 PRELOAD = Row("preload", "N", (1.0, 2.0), "preload", given=True)
 DOCUMENT = Document(
     ("a_b: take <5> N", "second line"),
@@ -37,8 +37,8 @@ def test_text_has_a_line_for_each_quantity_and_for_each_point():
     text = as_text(DOCUMENT)
     assert text.startswith("a_b: take <5> N\nsecond line\n\n  what to take")
     assert re.search(r"^  life +h +3\.1 +1 to 2\.5  limit 2, passed$", text, re.M)
-    assert re.search(r"^  power +mW +12\.3 +–$", text, re.M)
-    assert re.search(r"^ +preload \(N\) +life \(h\) +power \(mW\)\n +1 +3\.1 +12\.3\n", text, re.M)
+    assert re.search(r"^  power +mW +12\.35 +–$", text, re.M)
+    assert re.search(r"^ +preload \(N\) +life \(h\) +power \(mW\)\n +1 +3\.1 +12\.35\n", text, re.M)
     assert "  why\n    It lasts | longest & best.\n" in text
     long = Document(("word " * 40,), {}, (Block("x", lines=("word " * 40,)),))
     assert max(map(len, as_text(long).splitlines())) <= 110

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from bearingwear.results.units import Rough, digits, display, in_print, span, to_error
+from bearingwear.results.units import Estimated, Rough, digits, display, in_print, span, to_error
 
 
 @pytest.mark.parametrize(
@@ -52,6 +52,8 @@ def test_digits_follow_the_error():
         (9.97, 0.096): "10.0",
     }
     assert {pair: to_error(*pair) for pair in known} == known
+    texts = [Estimated.of(137.4, error).text for error in (0.053, 1e-9, 0.0, math.nan)]
+    assert texts == ["137.40", "137.40", "137", "137"]
     assert to_error(math.nan, 0.1) == "–" and to_error(0.1234, math.nan) == "0.123"
     assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2" and span([]) == "–"
 

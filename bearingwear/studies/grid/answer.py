@@ -24,7 +24,7 @@ from bearingwear.results.quantiles import (
     load_quantiles,
     spreads_of,
 )
-from bearingwear.results.units import Rough, in_print, span
+from bearingwear.results.units import Estimated, Rough, in_print, span
 from bearingwear.results.words import in_words, methods, mu_is, percent_in_text, scene_of
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.scene import COUNTS
@@ -302,7 +302,12 @@ def lives_block(
     rows = (
         Row("friction", "", tuple(life.friction for life in known), "friction", given=True),
         Row("preload method", "", tuple(in_words(life.method) for life in known)),
-        Row("life", "h", tuple(life.counted for life in known), "life"),
+        Row(
+            "life",
+            "h",
+            tuple(Estimated.of(life.counted, life.error * life.counted) for life in known),
+            "life",
+        ),
         *spread_rows([life.spread.rows if life.spread else {} for life in known]),
         Row(
             f"life, counting {WORDS[other]}",

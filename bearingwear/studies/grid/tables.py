@@ -31,6 +31,12 @@ AXES = {
 }
 """Dimensions of cases, and the heads of their columns."""
 
+_WEAR = {
+    "total_qv": "qv_error_estimate",
+    "residual_preload": "residual_preload_error_estimate",
+}
+"""Numbers of the table of wear, and the estimates of their relative errors."""
+
 
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
     """Step: the numbers of a scene as CSV, and the few that matter as Markdown.
@@ -85,11 +91,16 @@ def _wear(study: xr.Dataset) -> Block:
     columns = [
         (one[name].isel(ball_diameter_loss=k), f"{words}at {float(loss):g} µm")
         for words, one in [(f"{which} bearing, " if which else "", ends[which]) for which in ends]
-        for name in ("total_qv", "residual_preload")
+        for name in _WEAR
         for k, loss in enumerate(one["ball_diameter_loss"])
     ]
+    errors = {
+        name: [one[error].isel(ball_diameter_loss=k) for one in ends.values() for k in range(2)]
+        for name, error in _WEAR.items()
+        if error in study
+    }
     said = ("QV is that of the whole bearing.",)
-    return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said)
+    return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said, errors)
 
 
 def _not_compared(lives: xr.Dataset) -> str:
