@@ -38,7 +38,7 @@ COMMANDS = {
     "uncertainty": ["uncertainty", "mine.yaml", "-o", "out.nc"],
     "cage": ["cage", "mine.yaml", "--runs", "20", "-o", "out.nc"],
     "margin": ["margin", "mine.yaml", "--drive", "1"],
-    "launch": ["launch", "mine.yaml", "--axial", "30"],
+    "launch": ["launch", "mine.yaml", "--axial", "30", "--set", "arrangement.rotor_mass_kg=2"],
     "export": ["export", "mine.yaml", "--speeds", "1000:18000:8", "-o", "out.csv"],
     "study": ["study", "mine.yaml", *LIMITS],
 }
@@ -68,7 +68,7 @@ def interrupted(
         (os.kill if alone else os.killpg)(run.pid, signal.SIGINT)
         _, said = run.communicate()
     seconds = time.monotonic() - sent
-    if not said or "KeyboardInterrupt" in said and "__main__.py" not in said:
+    if not said or "KeyboardInterrupt" in said and "in run_program" not in said:
         return EARLY, seconds, ""
     wrong = [str(path) for path in folder.rglob(".*.part")]
     if "Traceback" in said or not said.endswith("interrupted\n"):
