@@ -127,25 +127,29 @@ class _Compared(Grooves):
         return np.array([w.ball + share * (w.grooves.sum() + 2.0 * w.band.sum()) for w in rates])
 
 
-def groove_errors(scene: Scene, life: Life) -> dict:
+def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """Bound on the error of the steps, and the estimate of all; by lives in longer steps.
 
     That of the steps is at most twice what steps half as long again change. That of the cells is
     taken from a life with fewer cells; along that, states with half of v_r and with twice the
     points change its rates and its end.
+
+    length, criterion: of the life [s], and what ended it.
     """
-    now = life.last.time[1]
-    if life.status != code.OK or not now > 0.0:
+    if not length > 0.0:
         return {}
     wearing = _Compared(scene)
     lives = [
         follow_grooves(Grooves(scene, WORN_CELLS, LONGER_STEP, only_times=True, rough=True)),
         follow_grooves(wearing),
     ]
-    coarse, few = (float(one.last.time[1]) if _ends_alike(life, one) else math.nan for one in lives)
-    bound = 2.0 * abs(coarse - now)
+    coarse, few = (
+        float(one.last.time[1]) if (one.status, one.criterion) == (code.OK, criterion) else math.nan
+        for one in lives
+    )
+    bound = 2.0 * abs(coarse - length)
     values = {"life_error_bound": np.array([math.nan, bound])}
-    estimate = ROUNDING + (bound + abs(few - coarse)) / now
+    estimate = ROUNDING + (bound + abs(few - coarse)) / length
     if math.isfinite(estimate):
         estimate += _of_accuracies(wearing, lives[1], Criteria(scene))
     if math.isfinite(estimate):

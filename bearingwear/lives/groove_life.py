@@ -91,7 +91,9 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
 def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves, of one bearing or of two."""
     life = follow_grooves(Grooves(scene))
-    values = life_values(scene, life) | groove_errors(scene, life)
+    values = life_values(scene, life)
+    if life.status == code.OK:
+        values |= groove_errors(scene, float(life.last.time[1]), life.criterion)
     if life.nodes[0].status == code.OK:
         each = zip(life.wearing.sides, life.bearings, strict=True)
         values |= joined([groove_values(side, states) for side, states in each])

@@ -19,7 +19,9 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.ends import Criteria, with_end
+from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.many import HertzianLives, worn_life, worse_states
 from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
@@ -115,6 +117,10 @@ NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
 """What a point has of whole numbers before any solve."""
 
 
+WARNED = "warnings"
+"""What a point has that is no variable of a map: warnings of an exact life with worn grooves."""
+
+
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     """One life by the steady model, and the extremes along it.
 
@@ -177,6 +183,8 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
     kept["failed_solves"] = found["failed_solves"]
     if worn.status != OK:
         return kept
+    if not quick:
+        kept[WARNED] = json.dumps(_warnings_along(scene, worn))
     kept["life"] = np.array([hertzian[0], worn.last.time[1]])
     kept |= gone_through(scene, worse_states(worn, scene))
     if slip_limit is not None:
@@ -273,6 +281,14 @@ def _impractical(scene: Scene, states: Sequence[State]) -> int:
     return next((IMPRACTICAL.index(one["id"]) + 1 for one in warned if one["impractical"]), 0)
 
 
+def _warnings_along(scene: Scene, life: Life) -> list[dict[str, Any]]:
+    """Warnings of a life with worn grooves, as `life` has them."""
+    values = life_values(scene.one_of_alike, life) | {"groove_depth": ()}
+    if scene.one_of_alike is not scene:
+        values = joined([values, values])
+    return warnings_of(scene, choice_for_life(scene), values)
+
+
 def _frequency(scene: Scene, state: State) -> float:
     """From a state that has it, or from one that stands for both bearings."""
     found = state["lowest_frequency"]
@@ -337,6 +353,7 @@ def filled_points(
     **attributes: Any,
 ) -> xr.Dataset:
     """`filled` with what `followed_point` gives, and further variables."""
+    points = [{name: p[name] for name in p if name != WARNED} for p in points]
     timed = any("time_to_slip_limit" in point for point in points)
     known = {name: one for name, one in POINT.items() if timed or name != "time_to_slip_limit"}
     return filled({**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes)

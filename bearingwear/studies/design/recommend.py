@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.life import life
 from bearingwear.measures import LIMITED
@@ -46,6 +47,7 @@ from bearingwear.studies.design.map import (
     MAP_AXES,
     NO_LIFE,
     POINT,
+    WARNED,
     filled_points,
     followed_point,
     map_of,
@@ -334,7 +336,11 @@ class Search:
         room = [] if first is None else self._limits_room(lines, first)
         asked: list[Callable[[], Any]] = [
             *[partial(criteria_room, *compared)] * both,
-            *(partial(_printed, scene) for scene in given_scenes),
+            *(
+                partial(_printed, scene, row)
+                for scene, row in zip(scenes, rows, strict=True)
+                if scene is not None
+            ),
             partial(lives_by_track, scenes, lives, self.basis),
         ]
         found = []
@@ -370,25 +376,30 @@ def _called(asked: Callable[[], Any]) -> Any:
     return asked()
 
 
-def _printed(scene: Scene) -> dict[str, Any]:
+def _printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     """What stands beside a recommended preload."""
-    return {**_as_printed(scene), MACHINE: machine_answers(scene)}
+    return {**_as_printed(scene, point), MACHINE: machine_answers(scene)}
 
 
-def _as_printed(scene: Scene) -> dict[str, Any]:
-    """What `life` says beside a life: its numerical error, and the warnings.
+def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
+    """What `life` says beside a life of the map: its numerical error, and the warnings.
 
     Of several cases the largest error, the warnings of all, and which is the worst.
     """
     if scene.cases:
         each = scene.in_cases
-        parts = [_as_printed(one) for one in each.values()]
         points = {name: followed_point(one, None) for name, one in each.items()}
+        parts = [_as_printed(one, points[name]) for name, one in each.items()]
         return {
             "life_error_estimate": np.max([part["life_error_estimate"] for part in parts], axis=0),
             "warnings": gathered_warnings(parts),
             WORST_CASES: worst_cases(points),
         }
+    grooves, _ = grooves_followed(scene, "steady")
+    if grooves is not None and WARNED in point:
+        found = groove_errors(grooves, float(point["life"][1]), int(point["end_criterion"]))
+        error = found.get("life_error_estimate", NO_ERRORS)
+        return {"life_error_estimate": error, WARNED: point[WARNED]}
     answer = life(scene)
     error = answer.values.get("life_error_estimate", NO_ERRORS)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
