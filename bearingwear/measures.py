@@ -303,7 +303,7 @@ MEASURES = (
     Measure(key="torque_margin", words="torque margin", variables=("torque_margin",), falls=True,
         base=1.0, advice="use less preload or friction, or a stronger drive",
         limit=("Minimum torque margin of the drive according to its standard", "[0, inf)"),
-        note="new and worn, over the friction interval", block="drive",
+        note="new and worn, throughout the friction interval", block="drive",
         option="--torque-margin", letter="T"),
 )
 # fmt: on

@@ -26,7 +26,7 @@ GROWN = table(
     Variable("fit_pressure", ("race",), "Pa", "pressure on the seat of the ring",
         label="pressure on the seat"),
     Variable("heat_flow_residual", (), "1",
-        "heat not removed by the network after the solve, over total heat",
+        "heat not removed by the network after the solve, relative to total heat",
         comment="for a life, its maximum"),
     Variable("thermal_solves", (), "1", "number of solves to find the temperatures", "i4",
         comment="for a life, the sum over its states"),

@@ -39,7 +39,7 @@ SYSTEM = table(
                 "inertia is that of a slender rod",
         label="natural frequency"),
     Variable("rotor_balance_residual", (), "1",
-        "residual of the rotor's force and position balance, over the larger preload"),
+        "residual of the rotor's force and position balance, relative to the larger preload"),
 )
 """Of the arrangement, once for both bearings."""
 # fmt: on

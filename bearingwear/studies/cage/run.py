@@ -46,7 +46,8 @@ CAGE_RUN = table(
         "standard deviation of the distance of the cage's centre from the axis"),
     Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
     Variable("turns", (), "1", "shaft turns simulated"),
-    Variable("energy_account_error", (), "1", "imbalance of the energy account, over the heat"),
+    Variable("energy_account_error", (), "1", "imbalance of the energy account, relative to the "
+                                              "heat"),
 )  # fmt: skip
 """What is kept of a run: of its last stretches, where no other is named."""
 

@@ -239,7 +239,7 @@ class Search:
         lines: lives over `preload_method` and `preload`.
         """
         if self.limits.given:
-            self.tell("limits of new bearings over the preload")
+            self.tell("limits of new bearings against preload")
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:

@@ -218,7 +218,10 @@ def test_figures_and_tables_are_drawn(folder):
     tables = [folder / "map.csv", folder / "design.md"]
     assert step("studies.design.document.sheets.tables", *tables, **files) == 0
     text = (folder / "design.md").read_text()
-    assert "violates a limit: axial stiffness" in text and "10 lives over preload" in text
+    assert (
+        "violates a limit: axial stiffness" in text
+        and "10 lives at combinations of preload" in text
+    )
     assert len((folder / "map.csv").read_text().splitlines()) == 11
     assert step(f"{draw}.other", folder / "x.svg", **files) == 2
     wrong = dict(zip(FILES, reversed(files.values()), strict=True))
@@ -306,7 +309,10 @@ def test_every_status_is_counted(folder, tmp_path):
         assert f"| {in_words(name)} | {count} |" in text
         assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
     solves = int(design["solves"].sum())
-    assert f"10 lives over preload, method, friction and speed, from {solves} steady" in text
+    assert (
+        f"10 lives at combinations of preload, method, friction and speed, from {solves} steady"
+        in text
+    )
 
 
 def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):

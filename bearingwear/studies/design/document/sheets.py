@@ -369,8 +369,8 @@ def _statuses(design: xr.Dataset) -> Block:
     grooves = f"{worn} lives have worn grooves, the others" if worn else "All lives have"
     solves, failed = (int(design[name].sum()) for name in ("solves", "failed_solves"))
     said = (
-        f"{design['status'].size} lives over preload, method, friction and speed, from {solves} "
-        f"steady states; {failed} states were not found. {grooves} Hertzian grooves.",
+        f"{design['status'].size} lives at combinations of preload, method, friction and speed, "
+        f"from {solves} steady states; {failed} states were not found. {grooves} Hertzian grooves.",
         "A life that was not solved has a status and is never chosen.",
     )
     rows = (

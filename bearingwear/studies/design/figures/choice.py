@@ -101,10 +101,10 @@ def design_figure(
         panel.set_ylabel("wear life (h)")
         if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
             _logarithmic(panel)
-    over_preload.set(xlabel="initial preload (N)", title="life over preload")
+    over_preload.set(xlabel="initial preload (N)", title="life against preload")
     over_stiffness.set(
         xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"),
-        title="life over stiffness",
+        title="life against stiffness",
     )
     as_wide_as_it_is(over_preload, design)
     if area:

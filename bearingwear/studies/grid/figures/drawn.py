@@ -14,9 +14,9 @@ from bearingwear.studies.protocol import Bundle, Step, bundle, figure_step, tabl
 _ACROSS = "across scenes"
 
 _SHOWN = {
-    "friction": "QV and contact load over friction",
+    "friction": "QV and contact load against friction",
     "slip": "slip over the contacts",
-    "wear": "QV, preload and wear rates over wear",
+    "wear": "QV, preload and wear rates against wear",
     "life": "wear life",
     "dynamic": "dynamic cases with the cage",
     "running_average": "running averages of wear rates",
