@@ -274,7 +274,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
     # and the table sees where it does not
     beyond = 1.0 + 2.0 * float(load(cases[0])["qv_error_estimate"]) + 0.01
     text = table(*cases[:-1], changed(cases[-1], tmp_path / "qv.nc", total_qv=beyond))
-    assert "agrees with the steady values of the map in part" in text
+    assert "agrees with the steady values of the map, but only in part" in text
     assert "Beyond them: QV of the bearing by +" in text and text.count("| yes |") == 1
     failed = changed(cases[-1], tmp_path / "failed.nc", status=NOT_CONVERGED)
     text = table(*cases[:-1], failed)
@@ -331,7 +331,7 @@ def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
     for sampling in (SAMPLING, SAMPLING | {"samples": 1024}):
         assert step(quantiles, out, settings={"sampling": sampling}, **given) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 5 and "parts missing" in lines[3]
+    assert len(lines) == 5 and "parts are missing" in lines[3]
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):
