@@ -56,7 +56,7 @@ def test_random_scenes_are_never_wrong(name, unexplained):
     """No number is wrong; ends without a physical reason stay rare."""
     without = solved = 0
 
-    @settings(max_examples=60, deadline=None, derandomize=True, database=None)
+    @settings(max_examples=40, deadline=None, derandomize=True, database=None)
     @given(seed=st.integers(0, 2**32))
     def one(seed):
         nonlocal without, solved
@@ -72,7 +72,7 @@ def test_random_scenes_are_never_wrong(name, unexplained):
             assert violations(scene, fidelity, values) == []
 
     one()
-    assert solved > 40
+    assert solved > 26
     assert without <= max(1.0, unexplained * solved)
 
 
