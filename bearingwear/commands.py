@@ -290,10 +290,10 @@ def compare(args: argparse.Namespace) -> int:
 def study(args: argparse.Namespace) -> int:
     from bearingwear.arguments import is_result
     from bearingwear.studies.launch import (
-        CONFIG,
         DRY_RUN,
         check_arguments,
         launch,
+        launch_here,
         launch_own,
         only_run,
     )
@@ -322,11 +322,7 @@ def study(args: argparse.Namespace) -> int:
             _print(f"page: {page}")
         return status
     again = ["--force"] if is_result(args.name) else []
-    if not CONFIG.is_file():  # refused, and no folder made
-        return launch(args.name, jobs, args.more)
-    with only_run(Path()) as held:
-        more = [*args.more, *again, "--rerun-incomplete"]
-        return launch(args.name, jobs, more, files=[held])
+    return launch_here(args.name, jobs, [*args.more, *again, "--rerun-incomplete"])
 
 
 def step(args: argparse.Namespace) -> int:

@@ -31,6 +31,12 @@ TOLD = {"-q", "--quiet", "--verbose", "-p", "--printshellcmds"}
 COMPILING = b"compiling the solver", b"waiting for another process that compiles"
 """How lines of jobs begin that need the solver while it is compiled."""
 
+_PROFILE = b"Using workflow specific profile"
+"""Beginning of the line in which Snakemake names the profile that came with the workflow."""
+
+_BAD_INPUT = 2
+"""Exit status of Snakemake where the workflow refuses the configuration, before anything runs."""
+
 _LOCK_WAIT = 5.0  # seconds, in which an interrupted Snakemake has ended
 
 
@@ -117,7 +123,7 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
         for line in source:
             if line.startswith(COMPILING):
                 tell_of_compiling()  # once, whichever jobs do
-            elif not unread.is_set():
+            elif not (unread.is_set() or line.startswith(_PROFILE)):
                 try:
                     target.write(line.decode("utf-8", "replace"))
                     target.flush()
@@ -179,6 +185,29 @@ def only_run(folder: Path) -> Iterator[int]:
                     raise NoStudy(f"{folder}: {problem}") from None
             time.sleep(0.1)
         yield held.fileno()
+
+
+def launch_here(name: str, jobs: int, more: Sequence[str] = ()) -> int:
+    """Run a study of the present folder; Snakemake's own folder is not left by a bad configuration.
+
+    May raise NoStudy, SceneError.
+    """
+    from bearingwear.scene.checking.errors import SceneError, shown
+    from bearingwear.scene.checking.strict_yaml import data_of, text_of
+
+    if not CONFIG.is_file():  # refused, and no folder made
+        return launch(name, jobs, more)
+    if "--configfile" not in more:
+        data = data_of(text_of(CONFIG), str(CONFIG), anchors=True)
+        if not isinstance(data, dict):
+            raise SceneError("", f"got {shown(data)}, expected a block of keys", source=str(CONFIG))
+    own = Path(".snakemake")
+    known = own.exists()
+    with only_run(Path()) as held:
+        status = launch(name, jobs, more, files=[held])
+    if status == _BAD_INPUT and not known:
+        shutil.rmtree(own, ignore_errors=True)
+    return status
 
 
 def launch_own(

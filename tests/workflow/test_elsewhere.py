@@ -53,6 +53,21 @@ def test_a_case_that_cannot_be_solved(elsewhere):
     assert "check that every case was solved" in said and "gyro_s1: figures" not in said
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("studies: [", "config/config.yaml: got text that is not YAML"),
+        ("studies: a", "config: studies: got 'a', expected a list"),
+    ],
+)
+def test_a_bad_configuration_leaves_nothing_behind(text, said, tmp_path):
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config" / "config.yaml").write_text(text)
+    done = study(tmp_path)
+    assert done.returncode == 2 and done.stderr.startswith(said) and done.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["config"]
+
+
 def test_a_folder_without_a_study(tmp_path):
     done = study(tmp_path)
     assert done.returncode == 2
