@@ -1,8 +1,9 @@
 """What the first solve on a machine takes: a process that has to compile its kernels.
 
 `python benchmarks/cold.py [ROOT] [--only NAME ...]` solves gyro_s1 of a checkout (this one if left
-out) by each model with an empty folder for compiled code, and prints CPU and wall seconds; with
-`BEARINGWEAR_PLAIN_NUMBA=1` as versions of numba compile that are not tested.
+out) by each model with an empty folder for compiled code, then a 7008C and its life, and prints CPU
+and wall seconds; with `BEARINGWEAR_PLAIN_NUMBA=1` as versions of numba compile that are not tested.
+The process that compiles beside a command counts for its wall time alone.
 """
 
 import argparse
@@ -24,6 +25,8 @@ RUNS = (
     ("life", ["life"], True),
 )
 """What is run: its name, the command, and whether compiled code of before is removed."""
+OWN = (("7008C: solve", ["solve"], True), ("7008C: life after it", ["life"], False))
+"""Likewise, of a bearing as a new user writes it."""
 
 
 def cpu_of_children() -> float:
@@ -35,21 +38,26 @@ def cpu_of_children() -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).parents[1])
-    parser.add_argument("--only", nargs="+", default=[name for name, *_ in RUNS], metavar="NAME")
+    parser.add_argument(
+        "--only", nargs="+", default=[name for name, *_ in RUNS + OWN], metavar="NAME"
+    )
     args = parser.parse_args()
     root = args.root.resolve()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         compiled = Path(folder) / "compiled"
         environment = os.environ | {"NUMBA_CACHE_DIR": str(compiled), "PYTHONPATH": str(root)}
         print(f"{'first run of':<20}{'CPU s':>8}{'wall s':>8}")
-        for name, command, anew in RUNS:
+        program, own = [sys.executable, "-m", "bearingwear"], Path(folder) / "mine.yaml"
+        new = [*program, "new", str(own), "7008C", "--speed", "18000"]
+        subprocess.run(new, cwd=root, env=environment, check=True, capture_output=True)
+        for name, command, anew in RUNS + OWN:
             if name not in args.only:
                 continue
             if anew:
                 shutil.rmtree(compiled, ignore_errors=True)
-            file = root / "config" / "scenes" / "gyro_s1.yaml"
+            file = own if name.startswith("7008C") else root / "config" / "scenes" / "gyro_s1.yaml"
             word, *options = command
-            argv = [sys.executable, "-m", "bearingwear", word, str(file), "--quiet", *options]
+            argv = [*program, word, str(file), "--quiet", *options]
             cpu, started = cpu_of_children(), time.monotonic()
             subprocess.run(argv, cwd=root, env=environment, check=True, capture_output=True)
             wall = time.monotonic() - started
