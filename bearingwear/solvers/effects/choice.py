@@ -184,7 +184,7 @@ def effort(scene: Scene, chosen: Choice) -> str:
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
     runs = ""
     if scene.wear.end_of_life is not None:
-        runs = f"; a life takes about {scene.model.life_steps} such runs or more"
+        runs = f"; a life takes about {scene.model.life_steps} or more such runs"
     return (
         f"effort: {before}at most {turns:g} shaft turns, of the order of "
         f"{1e-3 * turns * ms:.1g} s (an estimate from one measured scene){runs}"

@@ -44,8 +44,8 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
         | {
             "title": "Accuracy against time",
             "history": "gathered by snakemake accuracy",
-            "comment": "Errors are relative to the reference of each scene, signed. "
-            "Wall times differ from run to run.",
+            "comment": "Errors are signed and relative to the reference of each scene. Wall times "
+            "differ from run to run.",
         }
     )
 
