@@ -12,7 +12,7 @@ from bearingwear.studies.pool import LINE_EVERY
 from bearingwear.studies.protocol import Bundle, Step
 from bearingwear.studies.seconds import job_times, kind, seconds_of
 
-PROCESS, FIGURE = 1.0, 0.5
+PROCESS, FIGURE = 1.0, 0.7
 """What a process takes to start, and a figure or a table to make [s]."""
 
 PACE_ASSUMED = 10.0
@@ -20,6 +20,9 @@ PACE_ASSUMED = 10.0
 
 LATE = 0.1
 """Of the time it has run, what a job beyond its estimate still takes."""
+
+WAITING = 6
+"""Jobs left for each that runs: the last ones wait for each other."""
 
 _DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}
 """Events of Snakemake that take no line of their own."""
@@ -110,6 +113,7 @@ class JobLines(logging.Filter):
             passed = run.get(job, 0.0)
             left[job] = max(whole - passed, LATE * passed)
         at_a_time = (self._took + sum(run.values())) / max(now - self._begin, 1e-3)
+        at_a_time = min(at_a_time, len(left) / WAITING)
         alone = sum(seconds for job, seconds in left.items() if job in self._alone)
         shared = (sum(left.values()) - alone) / max(at_a_time, 1.0)
         return max(alone + shared, *left.values(), 0.0)
