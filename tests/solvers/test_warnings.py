@@ -152,6 +152,13 @@ def test_absurd_scenes(spindle, name):
         assert one["excess"] is None or one["excess"] > 1.0
 
 
+def test_a_warning_names_the_pair(spindle):
+    rigid = {"operation.preload_method": "fixed_position", "arrangement.kind": "rigid_pair"}
+    scene = variant(spindle, rigid)
+    said = {one["id"]: one["sentence"] for one in warnings_of(scene, choice(scene))}
+    assert "the preload (rigid pair) by" in said["temperature_left_out"]
+
+
 @pytest.mark.parametrize(
     ("changes", "fidelity", "expected"),
     [

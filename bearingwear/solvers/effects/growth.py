@@ -130,18 +130,19 @@ def growth_left_out(e: Evidence) -> Finding | None:
     """Neglected growth of the inner ring at speed, at a fixed position."""
     if e.scene.bearing.bore_mm is not None or not is_held(e.scene):
         return None
-    return _left_out(e.scene, change_at_speed(e.scene)) | {"bore": assumed_bore(e.scene) / MM}
+    return _left_out(e, change_at_speed(e.scene)) | {"bore": assumed_bore(e.scene) / MM}
 
 
 def temperature_left_out(e: Evidence) -> Finding | None:
     given = e.scene.temperature is not None or e.scene.thermal is not None
     if given or not is_held(e.scene):
         return None
-    return _left_out(e.scene, change_by_warm_ring(e.scene, WARMER)) | {"kelvin": WARMER}
+    return _left_out(e, change_by_warm_ring(e.scene, WARMER)) | {"kelvin": WARMER}
 
 
-def _left_out(scene: Scene, change: float) -> Finding:
-    held = "fixed position" if scene.pair is None else "rigid pair"
+def _left_out(e: Evidence, change: float) -> Finding:
+    # each bearing of a pair is looked at alone
+    held = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
     return {"value": 100.0 * change, "excess": abs(change) / MOST_LEFT_OUT, "held": held}
 
 
