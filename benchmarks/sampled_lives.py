@@ -1,9 +1,10 @@
 """Sampled lives: what many of them cost, and interpolated ones against solved ones.
 
     python benchmarks/sampled_lives.py errors                # 500 Hertzian, 60 worn lives each
+    python benchmarks/sampled_lives.py study                 # 500 of each sample of `make study`
     python benchmarks/sampled_lives.py cost --most 1000000   # lives from 100 on, in one process
 
-Both print a Markdown table. `errors` solves random members of a sample of 65 536 interpolated
+Each prints a Markdown table. `errors` solves random members of a sample of 65 536 interpolated
 lives: the share of them that is off by more than the sample states, against the share stated.
 """
 
@@ -11,16 +12,19 @@ import argparse
 import resource
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 
+from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.grid.plan import Plan
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty import grooves
+from bearingwear.studies.uncertainty.batches import Batches
 from bearingwear.studies.uncertainty.plan import uncertain_scene
 from bearingwear.studies.uncertainty.quantiles import own_quantiles
 from bearingwear.studies.uncertainty.sample import independent_rows, with_preload
@@ -29,6 +33,9 @@ from bearingwear.studies.uncertainty.surrogate import relative_error
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 HERTZIAN, FOLLOWED = 500, 60
 METHODS = ("constant_force", "fixed_position")
+
+Rows = Callable[[Scene], np.ndarray]
+"""Uncertain values of the lives of a sample (n, values)."""
 
 
 def scenes() -> Iterator[tuple[str, Scene, int]]:
@@ -50,15 +57,35 @@ def scenes() -> Iterator[tuple[str, Scene, int]]:
                     yield f"{file.stem}, {contact}, {method}", one, count
 
 
-def errors(beginning: str) -> None:
-    columns = "lives | solved | error stated | but for | found beyond | median | 99 % | rms | worst"
-    print(f"| {columns} |\n| --- | --- |" + " ---: |" * 7)
-    for name, scene, count in (one for one in scenes() if one[0].startswith(beginning)):
+def scenes_of_study() -> Iterator[tuple[str, Scene, int]]:
+    """Those whose lives `make study` samples, at every friction of its grid."""
+    file = SCENES.parent / "config.yaml"
+    plan = Plan.from_config(data_of(file.read_text(), file.name))
+    for name in plan.uncertain_lives.scenes:
+        for mu in plan.grids[name].friction:
+            base = uncertain_scene(SCENES / f"{name}.yaml", [f"friction.ball_race={mu!r}"])
+            for method in plan.grids[name].preload_method:
+                one = with_preload(base, method, base.operation.preload_N)
+                yield f"{name}, {mu}, {method}", one, HERTZIAN
+
+
+def rows_of_study(scene: Scene) -> np.ndarray:
+    """Values of the lives that `make study` samples: independent ones, and those of batches."""
+    plan = Sampling()
+    return np.vstack([independent_rows(scene, plan), Batches(scene, plan).rows])
+
+
+def errors(cases: Iterator[tuple[str, Scene, int]], beginning: str, rows_of: Rows) -> None:
+    columns = "solved | error stated | but for | found beyond | median | 95 % | 99 % | rms | worst"
+    print(f"| lives | {columns} |\n| --- | --- |" + " ---: |" * 8)
+    for name, scene, count in (one for one in cases if one[0].startswith(beginning)):
         of = [*(scene.uncertainty or {})]
         names = [one for one in of if one not in WORN]
-        rows = independent_rows(scene, Sampling(samples=2**15))
+        rows = rows_of(scene)
         places = np.unique(rows[:, [of.index(one) for one in names]], axis=0)
         found = grooves.found_lives(scene, names, places)
+        if found.solved == len(places) and not found.followed:
+            continue  # none is interpolated
         some = np.random.default_rng(7).choice(len(places), count, replace=False)
         solve = grooves.followed_lives if found.followed else grooves.hertzian_lives
         true = np.array([one[0][-1] for one in solve((scene, names, places[some]))])
@@ -66,7 +93,7 @@ def errors(beginning: str) -> None:
             each = relative_error(np.log(found.life[some, 1:]), np.log(true)[:, None])
         stated = found.worn if found.followed else found.known
         beyond = np.mean(each > stated.error)
-        spread = (*np.quantile(each, [0.5, 0.99]), np.sqrt(np.mean(each**2)), each.max())
+        spread = (*np.quantile(each, [0.5, 0.95, 0.99]), np.sqrt(np.mean(each**2)), each.max())
         numbers = (*stated, beyond, *spread)
         cells = " | ".join(f"{100.0 * value:.2g} %" for value in numbers)
         print(f"| {name} | {found.followed or found.solved} | {cells} |", flush=True)
@@ -99,12 +126,14 @@ def cost(most: int, beginning: str) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("errors", "cost"))
+    parser.add_argument("what", choices=("errors", "study", "cost"))
     parser.add_argument("--most", type=int, default=1_000_000, help="lives at the most")
     parser.add_argument("--of", default="", help="beginning of the names of scenes")
     given = parser.parse_args()
     if given.what == "errors":
-        errors(given.of)
+        errors(scenes(), given.of, lambda one: independent_rows(one, Sampling(samples=2**15)))
+    elif given.what == "study":
+        errors(scenes_of_study(), given.of, rows_of_study)
     else:
         cost(given.most, given.of)
 
