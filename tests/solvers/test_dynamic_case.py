@@ -296,9 +296,9 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
     "settings, fidelity, why",
     [
         ([], "steady", "pure thrust load"),
-        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load: no steady state"),
-        (["operation.rotating_load_N=1"], "dynamic", "rotating load: no steady state"),
-        (["operation.tilt_mrad=1"], "dynamic", "tilt: no steady state"),
+        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load, so no steady state"),
+        (["operation.rotating_load_N=1"], "dynamic", "rotating load, so no steady state"),
+        (["operation.tilt_mrad=1"], "dynamic", "tilt, so no steady state"),
         ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "unequal ball diameters"),
         (["model.cage_results=true"], "dynamic", "cage motion and wear"),
         (["model.fidelity=dynamic"], "dynamic", "requested"),
