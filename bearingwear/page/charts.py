@@ -96,17 +96,17 @@ def chart_html(
 def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
-        "star: best of its method": any(line.star for line in chart.lines),
-        "vertical bar: life range of 90 % of the bearings": any(line.band for line in chart.lines),
-        "dashed line, shading or bar below: the method violates a limit": any(
-            line.beyond for line in chart.lines
+        "Star: longest life of the method within all limits.": any(c.star for c in chart.lines),
+        "Vertical line: life range of 90 % of the bearings.": any(c.band for c in chart.lines),
+        "Dashed line, shading and bar on the axis: the method violates a limit.": any(
+            c.beyond for c in chart.lines
         ),
-        "diamond: from here, another criterion ends the life": any(
-            len(set(line.ends)) > 1 for line in chart.lines
+        "Diamond: from here, another criterion ends the life.": any(
+            len(set(c.ends)) > 1 for c in chart.lines
         ),
     }
-    said = "; ".join(text for text, there in known.items() if there)
-    return f'<p class="note">{said[:1].upper()}{said[1:]}.</p>' if said else ""
+    said = " ".join(text for text, there in known.items() if there)
+    return f'<p class="note">{said}</p>' if said else ""
 
 
 def _numbers(chart: Chart) -> str:

@@ -207,11 +207,19 @@ KEY_UNITS = {
 """Units at the ends of the keys of scenes and limits."""
 
 
+_PROPER = {
+    "youngs modulus": "Young's modulus",
+    "poisson ratio": "Poisson's ratio",
+    "brinell hardness": "Brinell hardness",
+}
+
+
 def key_in_words(key: str) -> tuple[str, str]:
     """The last part of a key in words, and its unit: `ball diameter`, `mm`."""
     name = key.rpartition(".")[2]
     end = next((end for end in KEY_UNITS if name.endswith(end)), "")
-    return name.removesuffix(end).replace("_", " "), KEY_UNITS.get(end, "")
+    words = name.removesuffix(end).replace("_", " ")
+    return _PROPER.get(words, words), KEY_UNITS.get(end, "")
 
 
 def in_ascii(text: str) -> str:

@@ -143,7 +143,9 @@ def temperature_left_out(e: Evidence) -> Finding | None:
 def _left_out(e: Evidence, change: float) -> Finding:
     # each bearing of a pair is looked at alone
     held = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
-    return {"value": 100.0 * change, "excess": abs(change) / MOST_LEFT_OUT, "held": held}
+    newtons = change * e.scene.operation.preload_N
+    excess = abs(change) / MOST_LEFT_OUT
+    return {"value": 100.0 * change, "newtons": newtons, "excess": excess, "held": held}
 
 
 def fit_lost(e: Evidence) -> Finding | None:

@@ -238,7 +238,7 @@ EFFECTS = (
         "growth_left_out",
         growth.growth_left_out,
         "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed) it "
-        "would change the preload ({held}) by {value:+.0f} %",
+        "would change the preload ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "set bearing.bore_mm",
         modelled=growth.growth_at_speed,
     ),
@@ -246,7 +246,7 @@ EFFECTS = (
         "temperature_left_out",
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
-        "the preload ({held}) by {value:+.0f} %",
+        "the preload ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "add a temperature or thermal block to the scene",
         modelled=growth.temperature,
     ),

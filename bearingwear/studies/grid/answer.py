@@ -196,7 +196,8 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         grooves += " where wear is deep"
     return (
         f"The comparison applies to the {scene['operation']['preload_N']:g} N of the scene, "
-        f"{grooves}. At the preloads recommended for each method, the order may differ."
+        f"{grooves} and no limits but the end of life. At the preloads recommended for each "
+        "method, the order may differ."
     )
 
 

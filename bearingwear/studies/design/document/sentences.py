@@ -132,13 +132,23 @@ def what_it_gives(found: xr.Dataset) -> str:
 
 
 def what_limits_it(found: xr.Dataset) -> list[str]:
-    """Limit that prevents a longer life, and the distance to a sudden drop of the life."""
-    one = by_life(found)[0][1]
-    name, given = ACTIVE[int(one["active_limit"])], limits_of(found).given
-    text = _HELD.get(name) or (
-        f"Any preload with a longer life violates a limit: {limit_text(name, given[name])}."
-    )
-    return [text, *map(sentence, _cliffs(found))]
+    """Limits that prevent a longer life by either method, and distances to a sudden drop of it."""
+    said: list[str] = []
+    given = limits_of(found).given
+    for method, one, _ in by_life(found):
+        name = ACTIVE[int(one["active_limit"])]
+        if name in given:
+            longer = "a longer life"
+            if said:
+                longer += (
+                    f" by {method_words(scene_of(found), method)} than at {preload_text(one)} N"
+                )
+            said.append(
+                f"Any preload with {longer} violates a limit: {limit_text(name, given[name])}."
+            )
+        elif not said:
+            said.append(_HELD[name])
+    return [*said, *map(sentence, _cliffs(found))]
 
 
 def _cliffs(found: xr.Dataset) -> list[str]:
