@@ -100,8 +100,7 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
                 axis.set_minor_formatter(NullFormatter())
     if layout := figure.get_layout_engine():  # takes longer than drawing: once for all formats
         layout.execute(figure)
-        with matplotlib.rc_context({"figure.constrained_layout.use": False}):
-            figure.set_layout_engine(None)  # "none" would draw twice for each format
+        figure.set_layout_engine("none")
     for path, kind in kinds.items():
         with whole_file(path) as part:
             figure.savefig(part, format=kind[1:], metadata=metadata[kind])
