@@ -278,7 +278,7 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--tilt", choices=("held", "released"), default="held",
         help="shaft tilt in the bearing, which ROSS does not model; default held")
     sub.add_argument("--damping", type=_positive, metavar="N_S_M",
-        help="damping in x, y, z; default 0, assumed")
+        help="damping in x, y, z; 0 by default (assumed)")
     sub.add_argument("--node", type=int, default=0, metavar="N",
         help="node of the rotor; default 0")
     sub.add_argument("--ross", type=int, choices=(2, 3), default=2,

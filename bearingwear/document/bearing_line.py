@@ -72,7 +72,7 @@ def _warmth(scene: Mapping[str, Any]) -> str:
         for name, value in given.items()
         if value is not None and name != "reference_C"
     ]
-    return ", ".join(parts) or "cold"
+    return ", ".join(parts) or "temperatures neglected"
 
 
 def _pair_words(a: Mapping[str, Any]) -> list[str]:

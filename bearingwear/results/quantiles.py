@@ -69,9 +69,11 @@ class Spread(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """`90 % of bearings between 0.34 and 5.8 h`, and of how many lives if not of all."""
+        """`90 % of bearings last between 0.34 and 5.8 h`, and of how many lives if not of all."""
         low, high = self.bearings.text.split(" to ")
-        text = f"{BEARINGS_BETWEEN} between {low} and {high} h".replace(" %", "\N{NO-BREAK SPACE}%")
+        text = f"{BEARINGS_BETWEEN} last between {low} and {high} h".replace(
+            " %", "\N{NO-BREAK SPACE}%"
+        )
         if self.bearings.low == 0.0:
             text += " (0: a limit is exceeded when new)"
         share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"

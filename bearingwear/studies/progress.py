@@ -21,6 +21,10 @@ PACE_ASSUMED = 10.0
 LATE = 0.1
 """Of the time it has run, what a job beyond its estimate still takes."""
 
+STALLED = 8.0
+"""Times its estimate, of a second at least, after which a job tells nothing of the pace: it waited
+for a kernel that was compiled."""
+
 WAITING = 6
 """Jobs left for each that runs: the last ones wait for each other."""
 
@@ -56,7 +60,7 @@ class JobLines(logging.Filter):
         self._known: dict[str, list[float]] = {}  # times of finished jobs
         self._labels: dict[int, str] = {}
         self._started: dict[int, float] = {}
-        self._estimated = self._took = 0.0
+        self._estimated = self._took = self._worked = 0.0
         self._done = self._count = 0
         self._begin = self._last = time.monotonic()
         handler.addFilter(self)
@@ -93,9 +97,12 @@ class JobLines(logging.Filter):
     def _finished(self, job: int) -> str:
         self._last = time.monotonic()
         took = self._last - self._started.pop(job, self._last)
-        self._estimated += self._seconds.pop(job, PROCESS)
-        self._took += took
-        self._known.setdefault(self._rules.get(job, ""), []).append(took)
+        estimate = self._seconds.pop(job, PROCESS)
+        self._worked += took
+        if took < STALLED * max(estimate, PROCESS):
+            self._estimated += estimate
+            self._took += took
+            self._known.setdefault(self._rules.get(job, ""), []).append(took)
         self._done += 1
         width = len(str(self._count))
         text = f"{self._done:{width}} of {self._count}: {self._labels.get(job, job)}, {took:.0f} s"
@@ -112,7 +119,7 @@ class JobLines(logging.Filter):
             whole = sum(known) / len(known) if known else pace * seconds
             passed = run.get(job, 0.0)
             left[job] = max(whole - passed, LATE * passed)
-        at_a_time = (self._took + sum(run.values())) / max(now - self._begin, 1e-3)
+        at_a_time = (self._worked + sum(run.values())) / max(now - self._begin, 1e-3)
         at_a_time = min(at_a_time, len(left) / WAITING)
         alone = sum(seconds for job, seconds in left.items() if job in self._alone)
         shared = (sum(left.values()) - alone) / max(at_a_time, 1.0)

@@ -40,6 +40,19 @@ def test_a_line_for_each_finished_job():
     assert failed == "failed: fast; see logs/fast.log"
 
 
+def test_a_job_that_waited_for_a_kernel_is_no_pace_for_the_others():
+    text = io.StringIO()
+    handler = logging.StreamHandler(text)
+    lines = JobLines(handler)
+    lines.begin(dict.fromkeys(range(10), step("solve", "{speed}.nc", "run.at", ["1"])))
+    handler.handle(record("JOB_INFO", jobid=0, rule_msg="slow", rule_name="solve"))
+    lines._started[0] -= 60.0
+    lines._begin -= 60.0
+    handler.handle(record("JOB_FINISHED", job_id=0))
+    (line,) = text.getvalue().splitlines()
+    assert int(re.search(r"about (\d+) s left", line)[1]) < 30  # not nine minutes
+
+
 def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 

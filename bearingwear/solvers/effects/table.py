@@ -201,7 +201,7 @@ EFFECTS = (
         practice.grown_preload,
         "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
         "(rule of thumb: at most three times)",
-        "use a spring, or cool the inner rings",
+        "if that matters here, use a spring or cool the inner rings",
     ),
     Effect(
         "temperature_beyond_practice",

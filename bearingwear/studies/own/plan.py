@@ -24,7 +24,7 @@ STATES_OF_WEAR = 8
 LANDS = (0.5, 1.0)
 """Clearances of the cage at its land over the scene's own."""
 
-HALF_OF_THE_LIVES = 64
+HALF_OF_THE_LIVES = 256
 """Half of the lives sampled for each method and friction."""
 
 

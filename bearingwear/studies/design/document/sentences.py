@@ -134,18 +134,15 @@ def what_it_gives(found: xr.Dataset) -> str:
 def what_limits_it(found: xr.Dataset) -> list[str]:
     """Limits that prevent a longer life by either method, and distances to a sudden drop of it."""
     said: list[str] = []
-    given = limits_of(found).given
+    scene, given = scene_of(found), limits_of(found).given
     for method, one, _ in by_life(found):
         name = ACTIVE[int(one["active_limit"])]
         if name in given:
-            longer = "a longer life"
-            if said:
-                longer += (
-                    f" by {method_words(scene_of(found), method)} than at {preload_text(one)} N"
-                )
-            said.append(
-                f"Any preload with {longer} violates a limit: {limit_text(name, given[name])}."
-            )
+            longer = "Any preload with a longer life"
+            if said:  # of the other method
+                other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
+                longer = f"With {other}, any preload with a longer life than {preload_text(one)} N"
+            said.append(f"{longer} violates a limit: {limit_text(name, given[name])}.")
         elif not said:
             said.append(_HELD[name])
     return [*said, *map(sentence, _cliffs(found))]
@@ -202,8 +199,8 @@ def what_would_change_it(found: xr.Dataset) -> str:
         known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
-            limit = "the limit on " * row.name.startswith(LIMIT_KEY)
-            label = limit + row.label.replace("end: ", "the end-of-life limit on ")
+            limit = "limit on " * row.name.startswith(LIMIT_KEY)
+            label = "the " + limit + row.label.replace("end: ", "end-of-life limit on ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
             near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
@@ -214,9 +211,8 @@ def what_would_change_it(found: xr.Dataset) -> str:
         )
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
-    more = "; larger changes of other values would do so too" if len(near) > NEAREST else ""
     said = "; or if ".join(text for _, text in near[:NEAREST])
-    return f"{other} becomes the better method if {said}{more}."
+    return f"{other} becomes the better method if {said}."
 
 
 def _as_subject(found: xr.Dataset, method: str) -> str:
@@ -263,11 +259,11 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
             "assumption, or the other ball track, would reverse the order."
         )
     if mine := spread[method]:
-        said.append(f"{mine.sentence}, including all uncertain values.")
+        said.append(f"{mine.sentence}, allowing for all uncertain values.")
         if mine.longest:
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in {mine.longest.text} % of "
-                "bearings if each has the same uncertain values with either method."
+                "bearings, with the same uncertain values for both methods."
             )
     else:
         band, taken = band_by_wear(scene, life)
