@@ -21,7 +21,7 @@ PACE_ASSUMED = 10.0
 LATE = 0.1
 """Of the time it has run, what a job beyond its estimate still takes."""
 
-STALLED = 8.0
+UNUSUAL = 8.0
 """Times its estimate, of a second at least, after which a job tells nothing of the pace: it waited
 for a kernel that was compiled."""
 
@@ -99,7 +99,7 @@ class JobLines(logging.Filter):
         took = self._last - self._started.pop(job, self._last)
         estimate = self._seconds.pop(job, PROCESS)
         self._worked += took
-        if took < STALLED * max(estimate, PROCESS):
+        if took < UNUSUAL * max(estimate, PROCESS):
             self._estimated += estimate
             self._took += took
             self._known.setdefault(self._rules.get(job, ""), []).append(took)

@@ -11,6 +11,7 @@ from support import ROOT
 from bearingwear import studies
 from bearingwear.studies import module_name, run_step
 from bearingwear.studies.design import recommend
+from bearingwear.studies.design.study import DesignStudy
 
 
 def pattern_of(step, output):
@@ -89,10 +90,15 @@ def single(text):
     return f"{text} None"
 
 
-def test_the_small_map_takes_every_core_and_says_how_far_it_is(made):
-    steps = [step for study in made.values() for step in study.steps]
-    told = {step.run for step in steps if step.alone and step.tells}
-    assert told == {"studies.design.recommend.small_map"}
+def test_the_small_map_of_one_scene_takes_every_core(made):
+    def telling(study):
+        (found,) = (step for step in study.steps if step.tells)
+        return found
+
+    several = telling(made["design"])
+    assert several.run == "studies.design.recommend.small_map" and not several.alone
+    scene = next(iter(made["design"].plan.small_maps))
+    assert telling(DesignStudy(made["design"].plan, studied=[scene])).alone
     assert "workers" in inspect.signature(recommend.small_map).parameters
 
 

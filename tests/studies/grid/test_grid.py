@@ -59,7 +59,7 @@ def test_ids_are_unique_and_say_the_case(mus, losses):
         (["constant_force"], [float("nan")], [0.0], "friction: got nan"),
         (["constant_force"], [0.1], [1 / 3], "ball_diameter_loss_um: got 0.333"),
         (["constant_force"], [0.1, 0.1], [0.0], "expected each value once"),
-        (["constant_force"], [], [0.0], "friction: empty"),
+        (["constant_force"], [], [0.0], "friction: got no value, expected at least one"),
         (["rigid"], [0.1], [0.0], "preload_method: got rigid"),
     ],
 )
