@@ -20,6 +20,7 @@ from bearingwear.atomic import write_text
 from bearingwear.console import UsageError
 from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.provenance import PACKAGE
+from bearingwear.studies.progress import COMPILING
 
 CONFIG = Path("config/config.yaml")
 PAGE = Path("results/report/index.html")
@@ -27,9 +28,6 @@ PAGE = Path("results/report/index.html")
 DRY_RUN = {"-n", "--dry-run", "--dryrun"}
 TOLD = {"-q", "--quiet", "--verbose", "-p", "--printshellcmds"}
 """Arguments of Snakemake that say how much it tells."""
-
-COMPILING = b"compiling the solver", b"waiting for another process that compiles"
-"""How lines of jobs begin that need the solver while it is compiled."""
 
 _PROFILE = b"Using workflow specific profile"
 """Beginning of the line in which Snakemake names the profile that came with the workflow."""

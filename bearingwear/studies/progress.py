@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.studies.pool import LINE_EVERY
 from bearingwear.studies.protocol import Bundle, Step
 from bearingwear.studies.seconds import job_times, kind, seconds_of
@@ -28,6 +29,9 @@ for a kernel that was compiled."""
 WAITING = 6
 """Jobs left for each that runs: the last ones wait for each other."""
 
+COMPILING = b"compiling the solver", b"waiting for another process that compiles"
+"""How lines of jobs begin that need the solver while it is compiled."""
+
 _DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}
 """Events of Snakemake that take no line of their own."""
 
@@ -45,6 +49,15 @@ def _expected(job: Step | Bundle) -> float:
     return job.seconds or PROCESS + FIGURE * len(job.steps)
 
 
+def _compiles(log: str) -> bool:
+    """Whether a job began to compile the solver, as its log says."""
+    try:
+        with open(log, "rb") as file:
+            return file.readline().startswith(COMPILING)
+    except OSError:
+        return False
+
+
 class JobLines(logging.Filter):
     """Handler of Snakemake's logger that prints a line for each finished job.
 
@@ -59,6 +72,7 @@ class JobLines(logging.Filter):
         self._alone: set[int] = set()  # jobs that take every core
         self._known: dict[str, list[float]] = {}  # times of finished jobs
         self._labels: dict[int, str] = {}
+        self._logs: dict[int, list[str]] = {}
         self._started: dict[int, float] = {}
         self._estimated = self._took = self._worked = 0.0
         self._done = self._count = 0
@@ -80,6 +94,7 @@ class JobLines(logging.Filter):
         if event == "JOB_INFO":
             job: int = record.jobid  # type: ignore[attr-defined]
             self._labels[job] = record.rule_msg or record.rule_name  # type: ignore[attr-defined]
+            self._logs[job] = vars(record).get("log") or []
             self._started[job] = time.monotonic()
         if event is None:
             return not str(record.msg).lstrip().startswith(_WITHOUT_EVENT)
@@ -134,6 +149,8 @@ class JobLines(logging.Filter):
                 silence = LINE_EVERY
             elif quiet > silence and (running := list(self._started)):
                 silence *= 2.0
+                if any(map(_compiles, (log for job in running for log in self._logs[job]))):
+                    tell_of_compiling()
                 names = "; ".join(self._labels[job] for job in running)
                 record: dict[str, Any] = {"msg": f"running for {quiet:.0f} s: {names}"}
                 self._handler.handle(logging.makeLogRecord({"levelno": logging.INFO, **record}))

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from bearingwear.studies import pool
+from bearingwear.studies import pool, progress
 from bearingwear.studies.progress import JobLines
 from bearingwear.studies.protocol import SCENE, Study, step
 from bearingwear.studies.repair import OFF_GRID, off_grid
@@ -51,6 +51,22 @@ def test_a_job_that_waited_for_a_kernel_is_no_pace_for_the_others():
     handler.handle(record("JOB_FINISHED", job_id=0))
     (line,) = text.getvalue().splitlines()
     assert int(re.search(r"about (\d+) s left", line)[1]) < 30  # not nine minutes
+
+
+def test_a_silent_study_says_that_a_job_compiles(tmp_path, monkeypatch):
+    log, said = tmp_path / "job.log", []
+    log.write_bytes(b"compiling the solver, once on this machine ...\n")
+    monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
+    monkeypatch.setattr(progress, "tell_of_compiling", lambda: said.append(True))
+    lines = JobLines(logging.StreamHandler(io.StringIO()))
+    started = record("JOB_INFO", jobid=0, rule_msg="a", rule_name="solve", log=[str(log)])
+    lines._handler.handle(started)
+    lines.begin({0: None})
+    end = time.monotonic() + 10.0
+    while not said and time.monotonic() < end:
+        time.sleep(0.05)
+    lines._handler.handle(record("JOB_FINISHED", job_id=0))
+    assert said
 
 
 def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
