@@ -69,6 +69,6 @@ onsuccess:
             for path in study.page_answers():
                 if path.endswith("answer.json"):
                     print(load_document(Path(path)).title, file=sys.stderr)
-        # the folder from where the command was given
-        folder = os.environ.get("BEARINGWEAR_STUDY", "")
-        print(f"page: {Path(folder, PAGE)}", file=sys.stderr)
+        # the study of a scene ends with the path of its copy of the page
+        if os.environ.get("BEARINGWEAR_STUDY", ".") == ".":
+            print(f"page: {PAGE}", file=sys.stderr)
