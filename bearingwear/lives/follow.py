@@ -13,7 +13,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.solvers.condition import States
-from bearingwear.solvers.roots import brent_root, monotone_cubic
+from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
@@ -163,15 +163,16 @@ class Life:
         """
         if self.nodes[0].status != code.OK:
             return np.nan
+        from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are asked this
+
         times, first = self.times[:, counts], np.inf
         for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
             met = np.flatnonzero(margin <= 0.0)
             if met.size and met[0] == 0:
                 return 0.0
             if met.size:
-                k = int(met[0])
-                within = monotone_cubic(times, margin, k - 1)
-                first = min(first, brent_root(within, times[k - 1], times[k]))
+                a, b = times[met[0] - 1], times[met[0]]
+                first = min(first, brent_root(PchipInterpolator(times, margin), a, b))
         return first if np.isfinite(first) else np.nan
 
     def fails(self, beyond: Node) -> None:

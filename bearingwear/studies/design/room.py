@@ -12,6 +12,7 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.groove_life import grooves_followed
@@ -20,7 +21,6 @@ from bearingwear.measures import ENDS
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
-from bearingwear.solvers.roots import brent_root
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
 from bearingwear.studies.design.plan import DesignLimits
@@ -162,7 +162,7 @@ def _root(
             known[x] = advantage(x)
         return known[x] if known[x] > 0.0 else min(known[x], -1e-9) if known[x] <= 0.0 else -1.0
 
-    root = brent_root(value, held, lost, xtol=to)
+    root = float(brentq(value, held, lost, xtol=to))
     beyond = [x for x in known if not known[x] > 0.0 and (x - held) * (lost - held) > 0.0]
     nearest = min(beyond, key=lambda x: abs(x - held))
     return root if known[nearest] <= 0.0 else math.nan
