@@ -10,7 +10,6 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.contact import summary
-from bearingwear.kernels.contact.friction import friction_capacity
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.scene.scene import Scene
@@ -22,6 +21,7 @@ from bearingwear.solvers.bearing.outputs import (
     contact_values,
     depth_peak,
     diameter_loss_rates,
+    friction_used,
     loss_per_wear,
     slips_across,
     stiffness_of_loads,
@@ -114,14 +114,12 @@ class Steady:
             return State.unsolved(solution.status, loss)
         g, c = problem.g, case.contacts
         D, contacts = float(g.D0 - loss), c.T.tolist()  # numbers: NumPy takes ten times as long
-        qv, major, load, mu = (
-            contacts[k] for k in (summary.QV, summary.MAJOR, summary.LOAD, summary.FRICTION)
-        )
+        qv, major = contacts[summary.QV], contacts[summary.MAJOR]
         factors = unworn_factors(self.scene, self.films, c[:, summary.MAJOR])
         ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
         rates = ball_rate, race_rate, major, contacts[summary.TRACK]
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
-        used = gyroscopic / (friction_capacity(*mu, *load) * 0.5 * D) if gyroscopic else 0.0
+        used = friction_used(c[:, summary.FRICTION], D, gyroscopic, c[:, summary.LOAD])
         values = {
             "ball_diameter_loss": loss,
             "ball_diameter_loss_rate": np.array(diameter_loss_rates(g.n_balls, D, *rates)),
@@ -140,7 +138,7 @@ class Steady:
             "ball_wear_rate": sum(ball_rate),
             "race_wear_rate": g.n_balls * np.array(race_rate),
             "axial_displacement": solution.place,
-            "friction_used_by_gyroscopic_moment": used,
+            "friction_used_by_gyroscopic_moment": float(used),
             "friction_coefficient": c[:, summary.FRICTION],
         }
         if self.limits_depth:
