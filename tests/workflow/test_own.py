@@ -22,7 +22,7 @@ def study(tmp_path, monkeypatch, capfd):
     """Function (*arguments) -> exit status and output of `bearingwear study mine.yaml`."""
     monkeypatch.setattr(own_plan, "FRICTIONS", (1.0,))
     monkeypatch.setattr(own_plan, "STATES_OF_WEAR", 2)
-    monkeypatch.setattr(own_plan, "HALF_OF_THE_LIVES", 16)
+    monkeypatch.setattr(own_plan, "SAMPLES", 16)
     monkeypatch.setattr(design_plan, "FACTORS", (0.25, 0.5, 1.0, 2.0))
     monkeypatch.chdir(tmp_path)
     shutil.copy(scene_file("gyro_s1"), tmp_path / "mine.yaml")

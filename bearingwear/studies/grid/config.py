@@ -10,6 +10,7 @@ from typing import Any
 
 from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.sampling import SAMPLES
 
 _SCENES = "Names of files config/scenes/NAME.yaml"
 UNSOLVED = ("error", "warning")
@@ -47,7 +48,7 @@ class UncertainLives:
         default=())
     samples: int = setting(
         "Half the number of lives sampled for each method and friction (a power of two)",
-        within="[16, 4096]", default=256)
+        within="[16, 4096]", default=SAMPLES)
     # fmt: on
     seed: int = setting("Seed of the sample", within="[0, inf)", default=1)
 

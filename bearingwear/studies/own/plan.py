@@ -11,6 +11,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.cage.plan import FEWEST
 from bearingwear.studies.design.plan import DesignLimits, axes_around
+from bearingwear.studies.sampling import SAMPLES
 
 if TYPE_CHECKING:
     from bearingwear.solvers.compose import Remembered
@@ -23,9 +24,6 @@ STATES_OF_WEAR = 8
 
 LANDS = (0.5, 1.0)
 """Clearances of the cage at its land over the scene's own."""
-
-HALF_OF_THE_LIVES = 256
-"""Half of the lives sampled for each method and friction."""
 
 
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
@@ -55,7 +53,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
         },
     }
     if scene.uncertainty:
-        config["uncertain_lives"] = {"scenes": [name], "samples": HALF_OF_THE_LIVES}
+        config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
     design = {"scenes": {name: of_scene}}
