@@ -6,7 +6,6 @@ import csv
 import io
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +23,7 @@ def table_of(
     columns: Sequence[tuple[xr.DataArray | str, str]],
     title: str = "",
     lines: tuple[str, ...] = (),
-    errors: Mapping[str, Sequence[xr.DataArray]] = MappingProxyType({}),
+    errors: Sequence[xr.DataArray | None] = (),
 ) -> Block:
     """A table with a line for each point along some axes; labels and units are the variables' own.
 
@@ -32,9 +31,8 @@ def table_of(
     columns: a variable over the axes, or its name, which may go on after a point; and what tells
         the column from others of the same variable. All columns of a variable have one unit.
     title, lines: of the block.
-    errors: relative errors of the columns of a variable, which decide their digits.
+    errors: relative error of each column, which decides its digits; None if it is not known.
     """
-    left = {name: iter(known) for name, known in errors.items()}
     found = [(dataset[v] if isinstance(v, str) else v, words) for v, words in columns]
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
     rows = []
@@ -42,17 +40,17 @@ def table_of(
         words = tuple(text.replace("_", " ") for text in texts)
         units = display(dataset[axis].attrs.get("units", "1")).unit
         rows.append(Row(axis.replace("_", " "), units, words, axis))
-    for variable, which in found:
+    for (variable, which), error in zip(found, errors or [None] * len(found), strict=True):
         name, units, shown = _kind(variable)
         known = VARIABLES.get(name)
         label = ", ".join(filter(None, (known.label if known else name.replace("_", " "), which)))
         alike = [v for v, _ in found if _kind(v) == (name, units, shown)]
         unit = display(units, *alike, shown=shown)
         numbers = unit.of(variable.transpose(*axes).values.ravel()).tolist()
-        if name in left:
-            relative = next(left[name]).transpose(*axes).values.ravel().tolist()
+        if error is not None:
+            relative = error.transpose(*axes).values.ravel().tolist()
             pairs = zip(numbers, relative, strict=True)
-            numbers = [Estimated.of(number, abs(number) * error) for number, error in pairs]
+            numbers = [Estimated.of(number, abs(number) * share) for number, share in pairs]
         own = ".".join(filter(None, (name, which.replace(", ", "."))))
         rows.append(Row(label, unit.unit, tuple(numbers), own))
     return Block(title, rows=tuple(rows), lines=lines, axes=len(axes))

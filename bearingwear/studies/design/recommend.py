@@ -256,7 +256,8 @@ class Search:
                 rows[k] = _row(line, one, self.limits)
         if self.limits.given:
             self.tell("robustness of the choice")
-        return rows, none, self._held(known, rows)
+        held_so, beside = self._held(known, rows)
+        return [row | more for row, more in zip(rows, beside, strict=True)], none, held_so
 
     def _at(self, method: str, preload: float) -> Scene:
         return held_by(self.scene, method, preload)
@@ -317,10 +318,12 @@ class Search:
         self.left.done(kind, sum(_EXACT if exact else 1.0 for *_, exact in requests))
         return solved
 
-    def _held(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> xr.Dataset:
+    def _held(
+        self, lines: Sequence[PreloadLine], rows: Sequence[dict[str, Any]]
+    ) -> tuple[xr.Dataset, list[dict[str, Any]]]:
         """How far the choice holds: limits with new preloads, all else at the recommended ones.
 
-        Completes the rows by what stands beside these.
+        Also what stands beside the recommended preload of each row.
         """
         lives = [float(r["life"][self.basis]) if "life" in r else math.nan for r in rows]
         scenes = [
@@ -331,18 +334,17 @@ class Search:
         first = longer(np.nan_to_num(lives).tolist()) if len(lives) == 2 else None
         compared = given_scenes, lives, self.basis, first or 0
         both = first is not None and len(given_scenes) == 2
+        ways = _WAYS if both else ()
         # one life after the other, so it is begun first
-        friction = self.each(_called, [partial(friction_end, *compared, up) for up in _WAYS * both])
+        friction = self.each(_called, [partial(friction_end, *compared, up) for up in ways])
         room = [] if first is None else self._limits_room(lines, first)
-        asked: list[Callable[[], Any]] = [
-            *[partial(criteria_room, *compared)] * both,
-            *(
-                partial(_printed, scene, row)
-                for scene, row in zip(scenes, rows, strict=True)
-                if scene is not None
-            ),
-            partial(lives_by_track, scenes, lives, self.basis),
+        asked: list[Callable[[], Any]] = [partial(criteria_room, *compared)] if both else []
+        asked += [
+            partial(_printed, scene, row)
+            for scene, row in zip(scenes, rows, strict=True)
+            if scene is not None
         ]
+        asked.append(partial(lives_by_track, scenes, lives, self.basis))
         found = []
         for one in self.each(_called, asked):
             found.append(one)
@@ -350,10 +352,9 @@ class Search:
         tracks = found.pop()
         if both:
             room += [*found.pop(0), *friction_room(given_scenes[0], *friction)]
-        for row in rows:
-            row |= found.pop(0) if "preload" in row else {}
-        errors = [r.get("life_error_estimate", NO_ERRORS)[self.basis] for r in rows]
-        return held(room, tracks, verdict_on(lives, errors, room, tracks))
+        beside = [{} if scene is None else found.pop(0) for scene in scenes]
+        errors = [one.get("life_error_estimate", NO_ERRORS)[self.basis] for one in beside]
+        return held(room, tracks, verdict_on(lives, errors, room, tracks)), beside
 
     def _limits_room(self, lines: Sequence[PreloadLine], first: int) -> list[Assumption]:
         names = list(self.limits.given)

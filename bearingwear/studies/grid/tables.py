@@ -94,11 +94,12 @@ def _wear(study: xr.Dataset) -> Block:
         for name in _WEAR
         for k, loss in enumerate(one["ball_diameter_loss"])
     ]
-    errors = {
-        name: [one[error].isel(ball_diameter_loss=k) for one in ends.values() for k in range(2)]
-        for name, error in _WEAR.items()
-        if error in study
-    }
+    errors = [
+        one[error].isel(ball_diameter_loss=k) if error in one else None
+        for one in ends.values()
+        for error in _WEAR.values()
+        for k in range(one.sizes["ball_diameter_loss"])
+    ]
     said = ("QV is that of the whole bearing.",)
     return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said, errors)
 
