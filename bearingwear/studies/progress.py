@@ -35,11 +35,12 @@ COMPILING = b"compiling the solver", b"waiting for another process that compiles
 _DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}
 """Events of Snakemake that take no line of their own."""
 
-_WITHOUT_EVENT = (
-    "Select jobs", "Using shell", "Provided", "Rules claiming", "Building DAG", "RuleException",
-    "Assuming unrestricted", "Shutting down", "Exiting because",
+_UNINFORMATIVE = (
+    "Select jobs", "Using shell", "Provided", "Rules claiming", "Building DAG",
+    "RuleException:\nCalledProcessError", "WorkflowError:\nAt least one job did not complete",
+    "Assuming unrestricted", "Shutting down", "Exiting because", "Complete log", "Elapsed time",
 )  # fmt: skip
-"""Beginnings of messages that say nothing of the study."""
+"""Beginnings of messages that state nothing about the study, or only that a job has failed."""
 
 
 def _expected(job: Step | Bundle) -> float:
@@ -96,9 +97,7 @@ class JobLines(logging.Filter):
             self._labels[job] = record.rule_msg or record.rule_name  # type: ignore[attr-defined]
             self._logs[job] = vars(record).get("log") or []
             self._started[job] = time.monotonic()
-        if event is None:
-            return not str(record.msg).lstrip().startswith(_WITHOUT_EVENT)
-        return event not in _DROPPED
+        return event not in _DROPPED and not str(record.msg).lstrip().startswith(_UNINFORMATIVE)
 
     def _line(self, record: logging.LogRecord) -> str:
         event, values = getattr(getattr(record, "event", None), "name", None), vars(record)

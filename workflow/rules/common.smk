@@ -67,7 +67,8 @@ if workflow.is_main_process:
 
 # The command of this very environment, whether or not it is activated.
 client = shlex.join([sys.executable, "-I", "-S", fork_server.__file__])
-shell.prefix(f'bearingwear() ( exec {client} "$@" ); ')
+# A prefix takes the place of Snakemake's own, without which a pipe to `tee` hides a failure.
+shell.prefix(f'set -euo pipefail; bearingwear() ( exec {client} "$@" ); ')
 
 
 MADE = set()  # what this run is about to make

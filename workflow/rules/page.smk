@@ -62,13 +62,21 @@ rule verdict:
         "bearingwear step studies.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"
 
 
-# The last lines of a run that made the page: what was found, and where it stands.
-onsuccess:
-    if PAGE in MADE:
+# The last lines of a run that made the page: the result, and the path of the page.
+def tell_result():
+    if PAGE in MADE and os.path.exists(PAGE):
         for study in STUDIES.values():
             for path in study.page_answers():
-                if path.endswith("answer.json"):
+                if path.endswith("answer.json") and os.path.exists(path):
                     print(load_document(Path(path)).title, file=sys.stderr)
         # the study of a scene ends with the path of its copy of the page
         if os.environ.get("BEARINGWEAR_STUDY", ".") == ".":
             print(f"page: {PAGE}", file=sys.stderr)
+
+
+onsuccess:
+    tell_result()
+
+
+onerror:
+    tell_result()
