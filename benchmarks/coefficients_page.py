@@ -61,7 +61,7 @@ ASSUMED = (
     Assumed(
         surface="lead film on steel",
         wear=math.nan,
-        taken_by="nothing",
+        taken_by="no scene",
         why="only bearing lives are published ([films against tests](film_tests.md)), not K_s/H",
     ),
 )
@@ -102,7 +102,7 @@ def page_of_coefficients() -> str:
     """The page, in Markdown."""
     rows = [
         f"**{name}**: {m.surface} on {m.against}{f', film {m.film}' if m.film else ''}. K_s/H "
-        f"{_span(m.wear, M2_PER_N, ' m²/N')}, friction {_span(m.friction)}. {m.conditions}. "
+        f"{_span(m.wear, M2_PER_N, ' m²/N')}, friction {_span(m.friction)}. {m.conditions[0].upper()}{m.conditions[1:]}. "
         f"[{m.source}]({m.url}), {m.read}."
         for name, m in MEASURED_WEAR.items()
     ]

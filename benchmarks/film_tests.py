@@ -72,13 +72,13 @@ others 2 to 6 h | – | | not predicted: no coefficient for lead was found |
 of 5 m/s | – | | not predicted: the model does not include film rupture |
 | SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared: no open source found |
 
-The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed, and a life
-that ends when half of a track is bare. The test ended without failure (run-out), which limits K_s/H
-to at most {bound:.2g} m²/N. Two discs of [6] had 4e-15 during running-in, {4e-15 / bound:.2g} times
-as much. The 90 % interval of the table extends from one to the other,
+The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
+is assumed to end when half of a track is bare. The test ended without failure (run-out), which limits K_s/H
+to at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in,
+{4e-15 / bound:.2g} times as high. The 90 % interval of the table extends from one to the other,
     so the run-out lies at its lower end.
 
-**Cause.** A transferred and compacted film wears by material that moves back and forth in patches,
+**Cause.** A transferred and compacted film wears as patches of material move back and forth,
 much more slowly than in its first thousand cycles. A single K_s/H cannot describe this. A film that
 is worn through in the model need not end lubrication in a bearing, where its debris continues to
 lubricate.
@@ -108,7 +108,7 @@ def _wrapped(line: str) -> str:
     if program == "–":
         text = f"{test}: {seen}; {verdict}."
     else:
-        text = f"{test}: {seen}. Computed: {program}{f', off by {off}' if off else ''}; {verdict}."
+        text = f"{test}: {seen}. Computed: {program}{f', off by a factor of {off}' if off else ''}; {verdict}."
     return textwrap.fill(text, 100, initial_indent="- ", subsequent_indent="  ")
 
 
