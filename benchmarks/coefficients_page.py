@@ -102,8 +102,8 @@ def page_of_coefficients() -> str:
     """The page, in Markdown."""
     rows = [
         f"**{name}**: {m.surface} on {m.against}{f', film {m.film}' if m.film else ''}. K_s/H "
-        f"{_span(m.wear, M2_PER_N, ' m²/N')}, friction {_span(m.friction)}. {m.conditions[0].upper()}{m.conditions[1:]}. "
-        f"[{m.source}]({m.url}), {m.read}."
+        f"{_span(m.wear, M2_PER_N, ' m²/N')}, friction {_span(m.friction)}. "
+        f"{m.conditions[0].upper()}{m.conditions[1:]}. [{m.source}]({m.url}), {m.read}."
         for name, m in MEASURED_WEAR.items()
     ]
     pairs = [

@@ -73,8 +73,8 @@ of 5 m/s | – | | not predicted: the model does not include film rupture |
 | SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared: no open source found |
 
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
-is assumed to end when half of a track is bare. The test ended without failure (run-out), which limits K_s/H
-to at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in,
+is assumed to end when half of a track is bare. The test ended without failure (run-out), which
+limits K_s/H to at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in,
 {4e-15 / bound:.2g} times as high. The 90 % interval of the table extends from one to the other,
     so the run-out lies at its lower end.
 
@@ -108,7 +108,8 @@ def _wrapped(line: str) -> str:
     if program == "–":
         text = f"{test}: {seen}; {verdict}."
     else:
-        text = f"{test}: {seen}. Computed: {program}{f', off by a factor of {off}' if off else ''}; {verdict}."
+        factor = f", off by a factor of {off}" if off else ""
+        text = f"{test}: {seen}. Computed: {program}{factor}; {verdict}."
     return textwrap.fill(text, 100, initial_indent="- ", subsequent_indent="  ")
 
 

@@ -122,9 +122,9 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "energy account includes their work. Its largest share of the heat is "
         f"{booked(trade)}. {of_weight(trade)}",
         presets(trade),
-        '"Life" is the error of the life for steady solves, and of the loss rate for dynamic solves. '
-        "Errors are relative to each scene's reference. QV of a single contact is far more sensitive than "
-        "total QV. Speeds compare draft with standard, and standard with reference.",
+        '"Life" is the error of the life for steady solves, and of the loss rate for dynamic '
+        "solves. Errors are relative to each scene's reference. QV of a single contact is far more "
+        "sensitive than total QV. Speeds compare draft with standard, and standard with reference.",
         estimates(trade),
         "All points with an error estimate are included, even the extremes of the sweeps. An error "
         "counts as covered if it exceeds its estimate by no more than the uncertainty of the "
