@@ -72,10 +72,7 @@ def _append(part: Path) -> None:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text as UTF-8.
-
-    May raise OutputError.
-    """
+    """Write a text as UTF-8."""
     with whole_file(path) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
 

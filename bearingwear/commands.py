@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.atomic import check_folder, check_output
-from bearingwear.console import UsageError, one_line
+from bearingwear.console import UsageError, one_line, printable
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
@@ -474,4 +474,4 @@ def _warn(attributes: Mapping[str, Any]) -> None:
 
 def _print(text: str) -> None:
     """Mask control characters: names in a foreign file may hold some."""
-    print("\n".join("".join(c if c.isprintable() else "?" for c in s) for s in text.split("\n")))
+    print("\n".join(map(printable, text.split("\n"))))

@@ -61,7 +61,7 @@ def scenes_of_study() -> Iterator[tuple[str, Scene, int]]:
     """Those whose lives `make study` samples, at every friction of its grid."""
     file = SCENES.parent / "config.yaml"
     plan = Plan.from_config(data_of(file.read_text(), file.name))
-    for name in plan.uncertain_lives.scenes:
+    for name in plan.config.uncertain_lives.scenes:
         for mu in plan.grids[name].friction:
             base = uncertain_scene(SCENES / f"{name}.yaml", [f"friction.ball_race={mu!r}"])
             for method in plan.grids[name].preload_method:

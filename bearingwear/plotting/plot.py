@@ -38,8 +38,5 @@ def plot(
     figures: Registry,
     bearing: str | None = None,
 ) -> None:
-    """Draw a result file into files whose suffixes name their formats.
-
-    May raise CaseFileError, OutputError.
-    """
+    """Draw a result file into files whose suffixes name their formats."""
     save(figure_of(load(path), path, figures, bearing), outputs)

@@ -42,8 +42,6 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
     """Write a case or life file; the same result gives the same bytes.
 
     The file appears under its name only when it is complete.
-
-    May raise OutputError.
     """
     import netCDF4
 
@@ -218,10 +216,7 @@ def header(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
-    """A result file, open for reading; any fault in it is reported in one line.
-
-    May raise CaseFileError.
-    """
+    """A result file, open for reading; any fault in it is reported in one line."""
     import netCDF4
 
     readable(path)
@@ -237,10 +232,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
 
 
 def readable(path: str | os.PathLike[str]) -> None:
-    """Refuse a file that is not netCDF, with a better reason than the libraries give.
-
-    May raise CaseFileError.
-    """
+    """Refuse a file that is not netCDF, with a better reason than the libraries give."""
     name = os.fspath(path)
     try:
         with open(path, "rb") as file:
@@ -258,10 +250,7 @@ def readable(path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def read_as(path: str | os.PathLike[str], what: str) -> Iterator[None]:
-    """Report any fault in reading a file of JSON in one line, with what it should hold.
-
-    May raise CaseFileError.
-    """
+    """Report any fault in reading a file of JSON in one line, with what it should hold."""
     try:
         yield
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:

@@ -124,10 +124,7 @@ Spreads = dict[str, Spread]
 
 
 def load_quantiles(path: str | Path) -> xr.Dataset:
-    """A file of the study of uncertainty.
-
-    May raise CaseFileError.
-    """
+    """A file of the study of uncertainty."""
     found = load(path)
     if found.attrs.get("kind") != KIND:
         raise CaseFileError(f"{path}: got a file of another kind, expected {KIND}")

@@ -29,7 +29,6 @@ SCALES: dict[str, tuple[_Scale, ...]] = {
     "%": (_Scale("%", 100.0),),
     "%/turn": (_Scale("%/turn", 100.0),),
     "1": (_Scale("", 1.0),),
-    "Hz": (_Scale("Hz", 1.0),),
     "J": (_Scale("uJ", 1e6), _Scale("mJ", 1e3), _Scale("J", 1.0)),
     "N m": (_Scale("uN m", 1e6), _Scale("mN m", 1e3), _Scale("N m", 1.0)),
     "N m rad-1": (_Scale("N m/rad", 1.0),),

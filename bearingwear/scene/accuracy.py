@@ -240,10 +240,7 @@ MOST_HISTORY_POINTS = 1_000_000
 
 
 def check_model(scene: Scene) -> None:
-    """Refuse settings that contradict each other.
-
-    May raise SceneError.
-    """
+    """Refuse settings that contradict each other."""
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "got true; only allowed with a cage", ("cage",))
     turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns

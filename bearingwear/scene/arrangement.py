@@ -172,10 +172,7 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
 
 
 def one_bearing(scene: Scene, source: object) -> Scene:
-    """The scene, if it is of a single bearing.
-
-    SceneError: one line.
-    """
+    """The scene, if it is of a single bearing."""
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
@@ -208,10 +205,7 @@ def held_by(scene: Scene, method: str, preload_N: float | None = None, **operati
 
 
 def check_arrangement(scene: Scene) -> None:
-    """Whether the arrangement fits the scene, and its second bearing is one.
-
-    May raise SceneError.
-    """
+    """Whether the arrangement fits the scene, and its second bearing is one."""
     a = scene.arrangement
     if a is None or not a.is_pair:
         return

@@ -30,10 +30,7 @@ SHARED_BY_CASES = (
 
 
 def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[str, Any]]:
-    """Cases by their names, each with its keys in one part, `temperature.inner_ring_C`.
-
-    May raise SceneError.
-    """
+    """Cases by their names, each with its keys in one part, `temperature.inner_ring_C`."""
     found = {}
     for name, changes in cases.items():
         if name == NOMINAL or not re.fullmatch(NAME, name):
@@ -66,10 +63,7 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 
 
 def in_case(scene: Scene, name: str, source: str) -> Scene:
-    """A scene in the case of a name.
-
-    May raise SceneError.
-    """
+    """A scene in the case of a name."""
     if name not in scene.in_cases:
         problem = f"got {name}, expected {', '.join(scene.in_cases)}"
         raise SceneError("", problem, source=source)

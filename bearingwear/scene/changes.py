@@ -17,10 +17,7 @@ KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 
 
 def changes_of(texts: Iterable[str]) -> dict[str, Any]:
-    """Changes from texts `operation.preload_N=9`, as `--set` takes them, their values in YAML.
-
-    May raise SceneError.
-    """
+    """Changes from texts `operation.preload_N=9`, as `--set` takes them, their values in YAML."""
     changes: list[tuple[str, Any]] = []
     for text in texts:
         key, equals, value = text.partition("=")

@@ -101,10 +101,7 @@ class Friction:
 
 
 def check_films(scene: Scene) -> None:
-    """Refuse friction and films that contradict each other, or the rest of a scene.
-
-    May raise SceneError.
-    """
+    """Refuse friction and films that contradict each other, or the rest of a scene."""
     friction, b = scene.friction, scene.bearing
     if friction.film is None and friction.ball_race is None:
         raise SceneError(

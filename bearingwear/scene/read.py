@@ -74,7 +74,6 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
 
     data: the shape of a scene file; not changed.
     source: what error messages name.
-    May raise SceneError.
     """
     try:
         plain = checked_data(Scene, data)
@@ -143,10 +142,7 @@ class BasedOn:
 
 
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
-    """The file of a scene, and those it is based on.
-
-    May raise SceneError.
-    """
+    """The file of a scene, and those it is based on."""
     return _read(path)[1]
 
 

@@ -153,12 +153,12 @@ class Scene:
         check_arrangement(self)
 
     def __repr__(self) -> str:
-        b, o = self.bearing, self.operation
+        b, o, mu = self.bearing, self.operation, self.friction.ball_race
         method = o.preload_method.replace("_", " ")
         return (
             f"<Scene {self.name}: {b.ball_count} balls of {b.ball_diameter_mm:g} mm, "
             f"{o.shaft_speed_rpm:g} r/min, {method} preload {o.preload_N:g} N, "
-            f"friction {self.friction.coefficient:g}>"
+            f"friction {'of a film' if mu is None else f'{mu:g}'}>"
         )
 
     def _repr_html_(self) -> str:
@@ -280,18 +280,11 @@ def key_of_scene(path: str) -> Part | None:
 
 
 def _check_materials(scene: Scene) -> None:
-    used = {
-        "bearing.ball_material": scene.bearing.ball_material,
-        "bearing.race_material": scene.bearing.race_material,
-    }
-    if scene.cage is not None:
-        used["cage.material"] = scene.cage.material
-    for key, name in used.items():
-        if name not in scene.materials:
-            names = ", ".join(scene.materials)
-            raise SceneError(
-                key, f"got {name!r}, not under materials, expected {names}", ("materials",)
-            )
+    blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
+    for key, name in leaves({key: vars(block) for key, block in blocks.items() if block}).items():
+        if key.endswith("material") and name is not None and name not in scene.materials:
+            problem = f"got {name!r}, not under materials, expected {', '.join(scene.materials)}"
+            raise SceneError(key, problem, ("materials",))
 
 
 def most_balls(diameter: float, pitch_diameter: float) -> int:

@@ -134,10 +134,7 @@ def uncertain_key(name: str, material: str) -> str:
 
 
 def check_uncertainty(scene: Scene) -> None:
-    """Refuse distributions that lack a parameter, or have one too many.
-
-    May raise SceneError.
-    """
+    """Refuse distributions that lack a parameter, or have one too many."""
     for name, given in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"
         for own, other in (("ball_race", "film"), ("film", "ball_race")):

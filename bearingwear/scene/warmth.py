@@ -107,10 +107,7 @@ def expansion(scene: Scene, material: str) -> float:
 
 
 def check_warmth(scene: Scene) -> None:
-    """Refuse temperatures, networks and fits that contradict the rest of a scene.
-
-    May raise SceneError.
-    """
+    """Refuse temperatures, networks and fits that contradict the rest of a scene."""
     if scene.temperature is not None and scene.thermal is not None:
         raise SceneError(
             "thermal",
@@ -126,12 +123,6 @@ def _check_fits(scene: Scene) -> None:
     if scene.fits is None:
         return
     fits, b = scene.fits, scene.bearing
-    for name in ("shaft_material", "housing_material"):
-        material = getattr(fits, name)
-        if material is not None and material not in scene.materials:
-            names = ", ".join(scene.materials)
-            problem = f"got {material!r}, not under materials, expected {names}"
-            raise SceneError(f"fits.{name}", problem, ("materials",))
     for name, ring in (
         ("shaft_interference_um", "bore_mm"),
         ("shaft_bore_mm", "bore_mm"),

@@ -146,20 +146,6 @@ def _one_after_the_other(
     return values
 
 
-def attrs(long_name: str, units: str) -> dict[str, Any]:
-    """Attributes of a variable with numbers."""
-    return {"long_name": long_name, "units": units}
-
-
-def flags(long_name: str, meanings: Sequence[str]) -> dict[str, Any]:
-    """Attributes of a variable with flags 0, 1, ..."""
-    return {
-        "long_name": long_name,
-        "flag_values": np.arange(len(meanings), dtype=np.int8),
-        "flag_meanings": " ".join(meanings),
-    }
-
-
 def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]:
     """A coordinate by its name; without values it has all of its flags."""
     if values is None:
@@ -169,10 +155,7 @@ def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]
 
 
 def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
-    """A file that has the given dimensions and, along them, the given values.
-
-    May raise CaseFileError.
-    """
+    """A file that has the given dimensions and, along them, the given values."""
     dataset = load(path)
     for axis, values in axes.items():
         if axis not in dataset.dims:

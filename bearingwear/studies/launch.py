@@ -63,7 +63,6 @@ def launch(
     files: open files that Snakemake keeps open while it runs.
 
     Returns: exit status of Snakemake.
-    May raise NoStudy.
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
@@ -77,7 +76,6 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
     """Refuse arguments that are none of Snakemake's, before it prints its usage.
 
     own: options of ours, one of which may have been meant.
-    May raise UsageError.
     """
     if set(more) <= DRY_RUN | TOLD:
         return
@@ -186,10 +184,7 @@ def only_run(folder: Path) -> Iterator[int]:
 
 
 def launch_here(name: str, jobs: int, more: Sequence[str] = ()) -> int:
-    """Run a study of the present folder; Snakemake's own folder is not left by a bad configuration.
-
-    May raise NoStudy, SceneError.
-    """
+    """Run a study of the present folder; a bad configuration leaves no folder of Snakemake."""
     from bearingwear.scene.checking.errors import SceneError, shown
     from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
@@ -217,7 +212,6 @@ def launch_own(
 
     Returns `status`: exit status of Snakemake.
     Returns `page`: the page, beside the folders of the study; none where none was made.
-    May raise NoStudy.
     """
     # nobody runs it: a lock of Snakemake is left by a run that was killed
     shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)

@@ -37,7 +37,6 @@ def run_step(
     step: `Step.run`.
     inputs, settings: keyword arguments: files, and all else.
     workers: processes, for a function that takes `workers`; they decide nothing.
-    May raise StepError, CaseFileError, SceneError, OutputError.
     NotSolved: where the step itself fails; nothing is written.
     """
     function = _function(step)

@@ -49,10 +49,7 @@ def _report(text: str) -> None:
 
 
 def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = False) -> Scene:
-    """A scene with an end of life and a steady state; `films` says whether it may have any.
-
-    May raise SceneError.
-    """
+    """A scene with an end of life and a steady state; `films` says whether it may have any."""
     from bearingwear.solvers.effects.choice import choice_for_life
 
     scene = for_life(load_scene(path, settings), os.fspath(path))

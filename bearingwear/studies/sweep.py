@@ -103,7 +103,8 @@ def sweep(
     chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
     # neighbours take alike long; the time left is that of the others
     order = sorted(range(len(chunks)), key=lambda k: k * _GOLDEN % 1.0)
-    found = _told(_solved_by([chunks[k] for k in order], cores), len(jobs), progress)
+    solved = in_processes(_solved, [chunks[k] for k in order], cores, "sweep")
+    found = _told(solved, len(jobs), progress)
     parts = dict(zip(order, found, strict=True))
     made = _side_by_side([parts[k] for k in range(len(chunks))], base, axes, what)
     _warn(made, base.name)
@@ -173,11 +174,6 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
     warnings = gathered_warnings(result.attrs for result in results)
     fidelities = [result.attrs["fidelity"] for result in results]
     return made.assign_attrs(fidelity=fidelities, warnings=warnings)
-
-
-def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
-    """Results of chunks of jobs, in their order."""
-    return in_processes(_solved, chunks, workers, "sweep")
 
 
 def _told(parts: Iterator[xr.Dataset], count: int, progress: bool) -> Iterator[xr.Dataset]:

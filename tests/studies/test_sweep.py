@@ -140,9 +140,8 @@ def test_progress(monkeypatch, capsys):
     assert capsys.readouterr().err == lines
 
 
-def test_an_interrupt_waits_for_no_process(monkeypatch):
-    monkeypatch.setattr(module, "_solved", time.sleep)
-    results = module._solved_by([0.0, 60.0, 60.0, 60.0], 2)
+def test_an_interrupt_waits_for_no_process():
+    results = pool.in_processes(time.sleep, [0.0, 60.0, 60.0, 60.0], 2, "sweep")
     next(results)
     started = time.monotonic()
     results.close()
@@ -177,10 +176,10 @@ def test_where_processes_start_anew(tmp_path):
 
 UNGUARDED = """
 import multiprocessing
-from bearingwear.studies.sweep import _solved_by
+from bearingwear.studies.pool import in_processes
 
 multiprocessing.set_start_method("spawn", force=True)
-list(_solved_by([[]], 2))
+list(in_processes(len, [[]], 2, "sweep"))
 """
 
 

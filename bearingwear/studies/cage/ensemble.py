@@ -170,7 +170,6 @@ def ensemble_of(
     tell: given a line every few seconds.
     before: an ensemble to go on from. That of another scene or plan is not used.
     journal: file that the ensemble will be written to, beside which runs are kept till then.
-    May raise SceneError.
     """
     solved = ensemble_scene(scene)
     spread, said = cage_spread(solved)

@@ -14,7 +14,7 @@ from bearingwear.results.variable import Variable
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import variant
 from bearingwear.studies.cage.plan import CagePlan
-from bearingwear.studies.dataset import attrs, coordinate, stacked
+from bearingwear.studies.dataset import coordinate, stacked
 
 MAP_KIND = "cage map"
 
@@ -55,7 +55,8 @@ def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, An
     shape = {CAGE_AXES[name][0].name: len(values) for name, values in checked.axes.items()}
     together = stacked(parts, shape, leave_out=("run", "value", "across"))
     counts = np.reshape([part.sizes["run"] for part in parts], tuple(shape.values()))
-    together = together.assign(runs=(tuple(shape), counts, attrs("runs of the ensemble", "1")))
+    about = {"long_name": "runs of the ensemble", "units": "1"}
+    together = together.assign(runs=(tuple(shape), counts, about))
     for name, given in checked.axes.items():
         axis, factor = CAGE_AXES[name]
         codes = [GUIDES.index(one) if factor is None else factor * one for one in given]

@@ -282,8 +282,6 @@ def cage_found(
 
     path: file to write. What is killed goes on from there. Ensembles along the life stand beside
         it, NAME-1.nc and so on.
-
-    May raise SceneError.
     """
     if life:
         with_cage_end(scene)  # refused before anything is solved

@@ -20,7 +20,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import scene_of
-from bearingwear.studies.dataset import attrs, counted, flags, pareto
+from bearingwear.studies.dataset import counted, pareto
 from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
@@ -89,8 +89,10 @@ def with_choices(design: xr.Dataset) -> xr.Dataset:
     best = design.isel(preload=xr.where(none, 0, index))
     preload, life = best["preload"].where(~none), best["life"].where(~none)
     return design.assign(
-        recommended_preload=preload.assign_attrs(attrs("preload with the longest life", "N")),
-        recommended_life=life.assign_attrs(attrs("life at the recommended preload", "h")),
+        recommended_preload=preload.assign_attrs(
+            long_name="preload with the longest life", units="N"
+        ),
+        recommended_life=life.assign_attrs(long_name="life at the recommended preload", units="h"),
         active_limit=active,
     )
 
@@ -142,10 +144,9 @@ def best_within(
             index[line] = best
             active[line] = _held_by(best, solved[line], lives[line], margin, names)
     coords = {dim: design[dim] for dim in others}
-    meaning = flags(ACTIVE_LIMIT.long_name, ACTIVE)
     return (
         xr.DataArray(index, coords, others),
-        xr.DataArray(active, coords, others, attrs=meaning),
+        xr.DataArray(active, coords, others, attrs=ACTIVE_LIMIT.attributes),
     )
 
 

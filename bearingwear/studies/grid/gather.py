@@ -11,12 +11,14 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.results.entries import stored_data
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
+from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.dataset import attrs, flags, stacked
+from bearingwear.studies.dataset import stacked
 from bearingwear.studies.grid.grid import Case, Grid
 
 # Left to the case files: profiles, histories, states to restart from, lists whose length differs
@@ -234,9 +236,5 @@ def _axis_variables(
     methods: Sequence[int], friction: Sequence[float], loss_um: Sequence[float]
 ) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
     """Values along the axes of a study, and their attributes."""
-    method_flags = flags("preload method", PRELOAD_METHODS)
-    return {
-        "preload_method": (np.array(methods, dtype=np.int8), method_flags),
-        "friction": (np.array(friction), attrs("ball/race friction coefficient", "1")),
-        "ball_diameter_loss": (np.array(loss_um), attrs("loss of ball diameter due to wear", "um")),
-    }
+    columns = zip(STUDY_COORDINATES.values(), (methods, friction, loss_um), strict=True)
+    return {one.name: (stored_data(one, values), one.attributes) for one, values in columns}

@@ -16,7 +16,7 @@ from bearingwear.scene.arrangement import Arrangement, one_bearing
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
 from bearingwear.studies.axis import in_name, place_of_errors
-from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
+from bearingwear.studies.grid.config import Config
 from bearingwear.studies.grid.grid import Case, Grid, Line, grids
 
 MOST_FILES = 200
@@ -48,35 +48,20 @@ class Plan:
         """Grid of each scene that is solved dynamically."""
         return grids(self.config.dynamic, "dynamic")
 
-    @property
-    def spreads(self) -> Mapping[str, Overlay]:
-        """Figures that lay scenes over each other, by their name."""
-        return self.config.figures.spreads
-
-    @property
-    def uncertain_lives(self) -> UncertainLives:
-        """Scenes whose lives are quoted with their spread."""
-        return self.config.uncertain_lives
-
-    @property
-    def column_scenes(self) -> tuple[str, ...]:
-        """Scenes of the columns of the figure of wear across scenes; empty: no such figure."""
-        return tuple(column.scene for column in self.config.figures.wear_columns)
-
     def __post_init__(self) -> None:
-        for column in self.config.figures.wear_columns:
-            self._check_studied("wear_columns", column.scene, column.friction)
         figures = self.config.figures
+        for column in figures.wear_columns:
+            self._check_studied("wear_columns", column.scene, column.friction)
         for kind, overlays in (("spreads", figures.spreads), ("lives", figures.lives)):
             for name, overlay in overlays.items():
                 for scene in overlay.scenes:
                     self._check_studied(f"{kind}.{name}", scene, overlay.friction)
-        for scene in self.uncertain_lives.scenes:
+        for scene in self.config.uncertain_lives.scenes:
             # without any grid, as of a pair, they go with recommended preloads alone
             if self.grids and scene not in self.grids:
                 allowed = ", ".join(self.grids)
                 raise ValueError(f"config: uncertain_lives.scenes: got {scene}, expected {allowed}")
-        for scene in self.config.figures.running_averages:
+        for scene in figures.running_averages:
             if scene not in self.dynamic:
                 allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
                 raise ValueError(
@@ -132,7 +117,7 @@ class Plan:
             cases = grid.every_value()
             one_bearing(load_scene(_scene_file(scene)), _scene_file(scene))
             _check_cases(scene, {case: self.dynamic_changes(scene, case) for case in cases})
-        for scene in self.uncertain_lives.scenes:
+        for scene in self.config.uncertain_lives.scenes:
             if not load_scene(_scene_file(scene)).uncertainty:
                 raise ValueError(
                     f"config: uncertain_lives.scenes: got {scene}, whose file has no uncertainty, "
@@ -209,7 +194,7 @@ class Plan:
         """Files of how lives spread, of those of the given scenes that have one, or of all."""
         return [
             f"results/{scene}/spread/mu{in_name(mu, 3)}.nc"
-            for scene in self.uncertain_lives.scenes
+            for scene in self.config.uncertain_lives.scenes
             if scene in (scenes or self.grids)
             for mu in self.grids[scene].friction
         ]

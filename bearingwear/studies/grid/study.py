@@ -119,6 +119,7 @@ def _span(losses: Sequence[float]) -> str:
 
 
 def _lived(plan: Plan) -> list[Step]:
+    lives = plan.config.uncertain_lives
     return [
         step(
             "solve_dynamic",
@@ -143,7 +144,7 @@ def _lived(plan: Plan) -> list[Step]:
         step("quantiles", "spread/mu{mu}.nc", "studies.uncertainty.quantiles.life_quantiles",
             {
                 (scene, in_name(mu, 3)): (scene, mu)
-                for scene in plan.uncertain_lives.scenes
+                for scene in lives.scenes
                 if scene in plan.grids
                 for mu in plan.grids[scene].friction
             },
@@ -151,8 +152,8 @@ def _lived(plan: Plan) -> list[Step]:
             settings=lambda point: {
                 "friction": point[1],
                 "methods": plan.grids[point[0]].preload_method,
-                "samples": plan.uncertain_lives.samples,
-                "seed": plan.uncertain_lives.seed,
+                "samples": lives.samples,
+                "seed": lives.seed,
             },
             label="{scene}: spread of its lives, mu {mu}", work=1.0),
     ]  # fmt: skip

@@ -33,7 +33,6 @@ def write_study(
     file: the scene.
     folder: new, empty, or of an earlier call for this scene.
     instead: where to write in its place.
-    May raise SceneError, UsageError, OutputError.
     """
     from bearingwear.scene.checking.strict_yaml import text_of
     from bearingwear.scene.read import scene_files

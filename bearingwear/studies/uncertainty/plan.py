@@ -80,7 +80,6 @@ def uncertain_scene(
 
     path, settings: as of `life_scene`.
     tell: given what distributions are taken where the scene has none.
-    May raise SceneError.
     """
     scene, source = life_scene(path, settings, films=True), os.fspath(path)
     scene, said = with_usual_spread(scene)

@@ -90,20 +90,21 @@ def _dynamic_steps(plan: Plan, scene: str) -> list[Step]:
 
 
 def _steps_across(plan: Plan) -> list[Step]:
-    columns = plan.config.figures.wear_columns
-    wear = _figure("fig10_wear", "wear", studies=plan.studies(*plan.column_scenes),
+    figures = plan.config.figures
+    columns = figures.wear_columns
+    wear = _figure("fig10_wear", "wear", studies=plan.studies(*(one.scene for one in columns)),
         settings={"friction": [column.friction for column in columns]})  # fmt: skip
     return [
         *([wear] if columns else []),
         *(
             _figure(f"spread_{name}", "overlay", f", {name}", studies=plan.studies(*overlay.scenes),
                 settings={"friction": overlay.friction})
-            for name, overlay in plan.spreads.items()
+            for name, overlay in figures.spreads.items()
         ),
         *(
             _figure(f"lives_{name}", "life_overlay", f", {name}", lives=plan.lives(*overlay.scenes),
                 settings={"friction": overlay.friction})
-            for name, overlay in plan.config.figures.lives.items()
+            for name, overlay in figures.lives.items()
         ),
     ]  # fmt: skip
 

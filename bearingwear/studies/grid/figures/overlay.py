@@ -22,6 +22,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.units import Display, display, in_print, key_in_words
 from bearingwear.results.words import in_words, methods, mu_is, percent, scene_of
+from bearingwear.scene.checking.errors import leaves
 
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
 MOST_DIFFERENCES = 4
@@ -138,40 +139,31 @@ def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
     What a steady case does not depend on does not count: names, descriptions, the cage, and what
     of a scene is uncertain.
     """
-    flat = [_flat(scene) for scene in scenes]
-    differing = [
-        path
-        for path in dict.fromkeys(path for values in flat for path in values)
-        if len({str(values.get(path)) for values in flat}) > 1 and path[0] not in NOT_SOLVED_FOR
+    flat = [
+        leaves({key: part for key, part in scene.items() if key not in NOT_SOLVED_FOR})
+        for scene in scenes
     ]
+    differing = [
+        key
+        for key in dict.fromkeys(key for values in flat for key in values)
+        if len({str(values.get(key)) for values in flat}) > 1
+    ][:MOST_DIFFERENCES]
     return [
         ": ".join(
-            part
-            for part in (
-                scene["name"],
-                ", ".join(_quantity(p[-1], values.get(p)) for p in differing[:MOST_DIFFERENCES]),
+            filter(
+                None,
+                (scene["name"], ", ".join(_quantity(key, values.get(key)) for key in differing)),
             )
-            if part
         )
         for scene, values in zip(scenes, flat, strict=True)
     ]
 
 
-def _quantity(name: str, value: Any) -> str:
+def _quantity(key: str, value: Any) -> str:
     """A key and its value in words: `pitch_diameter_mm`, 9.0 -> `pitch diameter 9 mm`."""
-    words, unit = key_in_words(name)
+    words, unit = key_in_words(key)
     if value is None:
         return f"no {words}"
     number = f"{value:g}" if isinstance(value, float) else str(value)
     space = "" if unit == "degree" else " "
     return f"{words} {number}{space}{in_print(unit)}".strip()
-
-
-def _flat(data: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:
-    found: dict[tuple[str, ...], Any] = {}
-    for name, value in data.items():
-        if isinstance(value, Mapping):
-            found |= _flat(value, (*path, name))
-        else:
-            found[(*path, name)] = value
-    return found
