@@ -163,7 +163,7 @@ LIFE = table(
         label="film worn off, land", shown="%"),
     Variable("steady_status", (), "", "whether a steady life is available for comparison", "i1",
         flags=STATUS_NAMES, comment=_OF_STEADY),
-    Variable("steady_life", (), "h", "time to the end of life by the steady model",
+    Variable("steady_life", (), "h", "time to the end of life according to the steady model",
         scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="steady life"),
     Variable("steady_end_criterion", (), "", "the first criterion reached in the steady life", "i1",
         flags=CRITERIA, comment=_OF_STEADY),

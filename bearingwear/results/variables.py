@@ -169,8 +169,8 @@ STATE = ALWAYS | table(
         "rate of the total wear depth, mean over the balls", averaged=True,
         label="total wear depth", shown="um/1000 h"),
     Variable("quasistatic_axial_stiffness", (), "N m-1", "quasi-static axial stiffness",
-        comment="slope of the axial force over displacement in steady state; motion and friction "
-        "adapt, temperatures and wear are constant", label="quasi-static axial stiffness"),
+        comment="slope of axial force against displacement in the steady state; motion and "
+        "friction adapt, temperatures and wear are constant", label="quasi-static axial stiffness"),
     Variable("stiffness_transition_frequency", (), "Hz",
         "transition frequency between quasi-static and dynamic stiffness",
         comment="1/(2 pi slow_time_scale); under slower changes, the spin axis settles",

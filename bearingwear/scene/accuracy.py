@@ -188,7 +188,7 @@ class Model:
     history_points_per_turn: int = setting("History points per shaft turn (0: no histories; at "
         "most a million points in total; dynamic model only)", "1", "[0, 10000]", default=20)
     integrator: str = setting(
-        "Time integration method: linearly implicit, or explicit as in the source",
+        "Time integration method: linearly implicit, or explicit, as in the source of the model",
         choices=("rosenbrock", "runge_kutta"), default="rosenbrock")
     dynamic_solution: str = setting("Solution of the dynamic model: march steps in time until the "
         "motion settles; periodic solves directly for the periodic motion (identical balls, no "

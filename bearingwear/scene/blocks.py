@@ -163,7 +163,7 @@ class Lubricant:
 
     # fmt: off
     drag_density_kg_m3: float = setting(
-        "Effective density of the oil-gas mixture times drag coefficient of an orbiting ball",
+        "Effective density of the oil-gas mixture times the drag coefficient of an orbiting ball",
         "kg/m3", "[0, 10000]", default=0.0)
     # fmt: on
 

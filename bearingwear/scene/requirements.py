@@ -58,7 +58,7 @@ RULES: dict[tuple[str, str], dict[str, float]] = {
 its motorization factor of 2 on all but the dynamic and the output torque."""
 
 STANDARDS = {
-    "ecss": "ECSS-E-ST-33-01C (6 March 2009) 4.7.5.3, this edition was read, not Rev. 1 and 2",
+    "ecss": "ECSS-E-ST-33-01C (6 March 2009), 4.7.5.3; Rev. 1 and 2 were not available",
     "nasa": "NASA-STD-5017B (6 December 2022) eq. 4-1 and table 1, from a secondary source",
     "own": "factors defined in the scene",
 }

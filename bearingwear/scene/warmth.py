@@ -35,8 +35,9 @@ class Temperature:
     shaft_C: float | None = setting("Temperature of the shaft (if omitted, axial positions are as "
         "mounted, and the fit assumes the temperature of the inner ring)", "degC", _DEGREES,
         default=None)
-    housing_C: float | None = setting("Temperature of the housing (if omitted, as for the shaft)",
-        "degC", _DEGREES, default=None)
+    housing_C: float | None = setting("Temperature of the housing (if omitted, axial positions are "
+        "as mounted, and the fit assumes the temperature of the outer ring)", "degC", _DEGREES,
+        default=None)
     # fmt: on
     reference_C: float = setting("Mounting temperature", "degC", _DEGREES, default=20.0)
 

@@ -107,7 +107,7 @@ def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
     monkeypatch.setattr(Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, other=0.1))
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
     assert (
-        "not used, because it is unstable: disturbances grow e-fold in 10 turns"
+        "not used, because it is unstable: disturbances grow by a factor of e in 10 turns"
         in marched.attrs["start"]
     )
     assert marched.values["simulated_turns"] == 1.0

@@ -83,9 +83,9 @@ class GrowthRates:
     @property
     def sentence(self) -> str:
         if self.other > LEAST_GROWTH:
-            return f"unstable: disturbances grow e-fold in {_turns(self.other)}"
+            return f"unstable: disturbances grow by a factor of e in {_turns(self.other)}"
         spacing = (
-            f"grow e-fold in {_turns(self.spacing)}"
+            f"grow by a factor of e in {_turns(self.spacing)}"
             if self.spacing > LEAST_GROWTH
             else "do not grow"
         )
@@ -103,7 +103,7 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
     """Sentence and advice for an unstable periodic motion."""
     spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
     if other > LEAST_GROWTH:
-        said = f"its disturbances grow e-fold in {_turns(other)}"
+        said = f"its disturbances grow by a factor of e in {_turns(other)}"
         return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (

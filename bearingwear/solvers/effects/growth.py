@@ -107,7 +107,7 @@ def growth_at_speed(chosen: Choice) -> Iterator[str]:
 def temperature(chosen: Choice) -> Iterator[str]:
     scene, held = chosen.scene, is_held(chosen.scene)
     if scene.thermal is not None:
-        rough = "; conductances, and hence the preload, are rough estimates" if held else ""
+        rough = "; conductances, and therefore the preload, are rough estimates" if held else ""
         yield f"temperature: computed for rings and balls from the friction heat{rough}"
     elif scene.temperature is not None:
         alone = Growth(growth_of(scene).heat, _STILL, _STILL)

@@ -106,7 +106,7 @@ def pair(chosen: Choice) -> Iterator[str]:
         counts = " and ".join(map(str, a.tandem))
         yield f"tandem: {counts} identical bearings on the two sides, equally loaded"
     if asymmetries(chosen.scene):
-        yield "radial load and tilt: separate values for each bearing, from the scene"
+        yield "radial load and tilt: the values of the scene, applied to each bearing"
     if a.rotor_mass_kg is not None and a.span_mm is not None:
         rod = "" if a.rotor_transverse_inertia_kg_mm2 else ", transverse inertia of a slender rod"
         yield f"natural frequencies: for a rigid rotor at standstill{rod} (assumed)"

@@ -118,7 +118,7 @@ EFFECTS = (
     Effect(
         "criterion_not_watched",
         _unwatched,
-        "the model {fidelity} cannot evaluate the following end-of-life criteria: {names}",
+        "the {fidelity} model cannot evaluate the following end-of-life criteria: {names}",
         "use fidelity dynamic, which evaluates all criteria",
     ),
     Effect(
@@ -287,7 +287,7 @@ EFFECTS = (
     Effect(
         "speed_assumed",
         _assumed,
-        "the speed of {value:.6g} r/min is assumed by `bearingwear new`",
+        "the speed of {value:.6g} r/min was assumed by `bearingwear new`",
         "set operation.shaft_speed_rpm",
     ),
 )

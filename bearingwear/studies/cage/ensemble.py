@@ -39,7 +39,7 @@ RunRow = dict[str, Any]
 ENSEMBLE_KIND = "cage ensemble"
 
 OF_RUN = Variable("run", ("run",), "1", "index of the run", "i8")
-GROUP = Variable("group", ("group",), "", "runs in a mean", "i1", flags=("all", *MOTIONS))
+GROUP = Variable("group", ("group",), "", "runs included in a mean", "i1", flags=("all", *MOTIONS))
 OF_MOTION = Variable("of_motion", ("of_motion",), "", "motion", "i1", flags=MOTIONS)
 END = Variable("end", ("end",), "", "end of an interval", "i1", flags=("low", "high"))
 

@@ -243,7 +243,7 @@ class Search:
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:
-            self.tell("the best preloads between preloads of the map")
+            self.tell("the best preloads between those of the map")
             solve = partial(self._solve, _SEARCH)
             found = answered([search(one, self.limits) for one in known], solve)
         self.left.drop(_SEARCH)

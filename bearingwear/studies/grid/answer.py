@@ -195,9 +195,9 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     if len(worn) > 1:
         grooves += " where wear is deep"
     return (
-        f"The comparison applies to the {scene['operation']['preload_N']:g} N of the scene, "
-        f"{grooves} and no limits but the end of life. At the preloads recommended for each "
-        "method, the order may differ."
+        f"The comparison is for the preload of the scene, {scene['operation']['preload_N']:g} N, "
+        f"{grooves} and without limits other than the end of life. At the preloads recommended "
+        "for each method, the order may differ."
     )
 
 
