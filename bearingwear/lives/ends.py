@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bearingwear.measures import ENDS
-from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene
 from bearingwear.solvers.bearing.mounted import MM
 from bearingwear.solvers.state import State
 
@@ -48,20 +48,3 @@ class Criteria:
 
 def with_end(scene: Scene, end: EndOfLife) -> Scene:
     return replace(scene, wear=replace(scene.wear, end_of_life=end))
-
-
-def check_end(scene: Scene) -> None:
-    """Refuse a scene whose life cannot end."""
-    end = scene.wear.end_of_life
-    if end is None or not end.criteria:
-        raise SceneError(
-            "wear.end_of_life",
-            "got nothing, expected at least one criterion",
-            source=scene.name,
-        )
-    if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
-        raise SceneError(
-            "wear.end_of_life.preload_fraction",
-            "got a fraction of preload_N 0, expected a preload > 0",
-            source=scene.name,
-        )

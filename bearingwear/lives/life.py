@@ -4,11 +4,11 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from bearingwear.lives.ends import check_end
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
+from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import lasting_growth
 from bearingwear.solvers.compose import solver_of
@@ -28,8 +28,7 @@ def life(
     one line of text at each step of a dynamic life. Raises SceneError where the scene has no
     criterion, or a preload fraction without a preload; NotAvailable as `choice_for_life`.
     """
-    check_end(scene)
-    chosen = choice_for_life(scene, fidelity)
+    chosen = choice_for_life(for_life(scene, scene.name), fidelity)
     started = time.perf_counter()
     followed, why = grooves_followed(scene, chosen.fidelity)
     if chosen.fidelity == "dynamic":

@@ -15,8 +15,9 @@ from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow
 
 _PERCENT = display("1", shown="%")
+_MEDIAN = "median QV"
 ERRORS = {
-    "median QV": "total_qv",
+    _MEDIAN: "total_qv",
     "QV": "total_qv",
     "contact": "contact_qv",
     "preload": "residual_preload",
@@ -56,9 +57,7 @@ def cells(trade: xr.Dataset, row: TableRow) -> list:
     points = points_where(trade, sweep=row.sweep, label=row.label)
     solved = points.isel(point=points["status"].values == 0)
     errors = [
-        _over(
-            np.median if name == "QV, median" else np.max, np.abs(solved[f"error_{error}"].values)
-        )
+        _over(np.median if name == _MEDIAN else np.max, np.abs(solved[f"error_{error}"].values))
         for name, error in ERRORS.items()
     ]
     ratio = solved["reference_time"].values / solved["wall_time"].values
