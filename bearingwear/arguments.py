@@ -195,7 +195,6 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
             unit, metavar = "", "SHARE"
         sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
             metavar=metavar, help=f"{text}{unit}")
-    sub.add_argument("--system-stiffness", type=_now_stiffness, help=argparse.SUPPRESS)
 
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
@@ -357,10 +356,6 @@ def _positive(text: str) -> float:
 
 def _not_negative(text: str) -> float:
     return _number(text, lambda value: 0.0 <= value < math.inf, ">= 0")
-
-
-def _now_stiffness(text: str) -> NoReturn:
-    raise argparse.ArgumentTypeError(f"is now --stiffness {text}")
 
 
 def _share(text: str) -> float:

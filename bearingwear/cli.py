@@ -30,23 +30,6 @@ NEED_LIVES = {"solve", "life", "uncertainty", "recommend", "study"}
 """Commands that need the kernels of a life, or after which a life is usual."""
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 
-RENAMED = {
-    "life-spread": "uncertainty",
-    "figure": "plot",
-    "report": "study",
-    "design-map": "study design",
-    "sample-lives": "study uncertainty",
-    "spread": "study uncertainty",
-    "identify": "study identify",
-    "tradeoff": "study accuracy",
-    "extremes": "study robustness",
-    "wear-life": "study",
-    "gather": "study",
-    "verdict": "study",
-    "tables": "study",
-}
-"""Former commands and their successors; longer names that begin so count too."""
-
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status."""
@@ -112,8 +95,6 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         import argcomplete
 
         argcomplete.autocomplete(parser)
-    if argv and (now := RENAMED.get(argv[0], RENAMED.get(argv[0].partition("-")[0]))):
-        parser.error(f"{argv[0]} is now `bearingwear {now}`")
     known = list(parser._subparsers._group_actions[0].choices)  # type: ignore[union-attr,arg-type]
     if argv and not argv[0].startswith("-") and argv[0] not in known:
         people = [name for name in known if name != "step"]

@@ -15,7 +15,6 @@ import pytest
 from support import step
 
 import bearingwear
-from bearingwear import cli
 from bearingwear.arguments import command_parser
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
@@ -253,14 +252,6 @@ def test_wrong_arguments(argv, capsys):
 # steps
 
 
-@pytest.mark.parametrize("old", [*cli.RENAMED, "tables-design", "gather-extremes"])
-def test_an_old_command_says_what_it_is_now(old, capsys):
-    assert main([old, "a.nc", "-o", "b.nc"]) == 2
-    out, err = capsys.readouterr()
-    new = cli.RENAMED.get(old) or cli.RENAMED[old.partition("-")[0]]
-    assert not out and err.count("\n") == 1 and f"{old} is now `bearingwear {new}`" in err
-
-
 def test_every_command_has_a_handler():
     from bearingwear import commands
 
@@ -486,7 +477,6 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
     "arguments, said",
     [
         (["--stiffness", "0"], "argument --stiffness: got '0', expected a number > 0"),
-        (["--system-stiffness", "3"], "argument --system-stiffness: is now --stiffness 3"),
         (
             ["--pressure", "2000"],
             "maximum_pressure_GPa: got 2000.0, expected a number > 0 and <= 20",

@@ -32,10 +32,6 @@ EVERY = 4  # states of worn grooves that are compared
 _WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
-def _ends_alike(life: Life, other: Life) -> bool:
-    return (other.status, other.criterion) == (life.status, life.criterion)
-
-
 def surface_error(scene: Scene, life: Life) -> dict:
     """Estimate for a steady life whose contacts stay Hertzian; none without an end of its own."""
     now, own = life.last.time, COUNTS.index(scene.wear.counts)
@@ -48,7 +44,8 @@ def surface_error(scene: Scene, life: Life) -> dict:
             change = _changed_along(life, states, Criteria(scene))
         else:
             other = surface_life(scene, states, bounded=False, counts=(own,))
-            change = changed(now, other.last.time) if _ends_alike(life, other) else None
+            is_alike = (other.status, other.criterion) == (life.status, life.criterion)
+            change = changed(now, other.last.time) if is_alike else None
         if change is None:
             return {}
         total = total + weight * change

@@ -71,21 +71,18 @@ def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
     # data after all definitions: netCDF rewrites those of the whole file before data
     made = []
     for name, entry in entries.items():
+        is_large = entry.data.size > COMPRESSED_ABOVE
         variable = file.createVariable(
             name,
             entry.data.dtype,
             entry.dims,
             fill_value=entry.fill,
-            compression="zlib" if _is_compressed(entry) else None,
+            compression="zlib" if is_large or entry.dims[: len(TIME)] == TIME else None,
         )
         variable.setncatts(entry.attrs)
         made.append(variable)
     for variable, entry in zip(made, entries.values(), strict=True):
         variable[...] = entry.data
-
-
-def _is_compressed(entry: Entry) -> bool:
-    return entry.data.size > COMPRESSED_ABOVE or entry.dims[: len(TIME)] == TIME
 
 
 def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
@@ -202,6 +199,15 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
         raise damaged(path, error) from None
     if not str(found.attrs.get("source", "")).startswith(SOURCE):
         raise foreign(path)
+    return found
+
+
+def load_kind(path: str | os.PathLike[str], *kinds: str) -> xr.Dataset:
+    """A result file of one of some kinds."""
+    found = load(path)
+    if found.attrs.get("kind") not in kinds:
+        allowed = " or ".join(kinds)
+        raise CaseFileError(f"{os.fspath(path)}: got a file of another kind, expected {allowed}")
     return found
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from bearingwear.results.netcdf import CaseFileError, header, load
+from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, key_in_words
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
@@ -125,9 +125,7 @@ Spreads = dict[str, Spread]
 
 def load_quantiles(path: str | Path) -> xr.Dataset:
     """A file of the study of uncertainty."""
-    found = load(path)
-    if found.attrs.get("kind") != KIND:
-        raise CaseFileError(f"{path}: got a file of another kind, expected {KIND}")
+    found = load_kind(path, KIND)
     if (
         not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
         or not np.isin(INTERVAL, found["probability"]).all()

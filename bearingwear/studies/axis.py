@@ -61,7 +61,7 @@ class Values:
     values: tuple[float, ...] = setting("Values", least=1, within="(0, inf)")
 
     def __post_init__(self) -> None:
-        check_rising(self.values)
+        check_rising("values", self.values)
 
 
 class RisingAxis(tuple[float, ...]):
@@ -81,11 +81,11 @@ class RisingAxis(tuple[float, ...]):
             raise ValueError(": ".join(part for part in (key, error.problem) if part)) from None
 
 
-def check_rising(values: Sequence[float]) -> None:
-    """Refuse values that do not rise. Raises ValueError."""
+def check_rising(name: str, values: Sequence[float]) -> None:
+    """Refuse values of a key that do not rise."""
     if list(values) != sorted(set(values)):
         given = ", ".join(f"{value:g}" for value in values)
-        raise ValueError(f"got {given}, expected increasing numbers > 0")
+        raise SceneError(name, f"got {given}, expected increasing numbers > 0")
 
 
 @contextlib.contextmanager

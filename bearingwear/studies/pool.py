@@ -20,11 +20,6 @@ LINE_EVERY = 3.0
 """Seconds between two lines of progress, and before the first."""
 
 
-def one_by_one(result: Any) -> int:
-    """Share of the work in a result: each counts as one."""
-    return 1
-
-
 def to_stderr(text: str) -> None:
     print(text, file=sys.stderr)
 
@@ -155,7 +150,7 @@ def told_in_lines(
     results: Iterator[Any],
     count: int,
     what: str,
-    size: Callable[[Any], int] = one_by_one,
+    size: Callable[[Any], int] = lambda _: 1,
     tell: Tell = to_stderr,
     kind: str = "",
     left: TimeLeft | None = None,

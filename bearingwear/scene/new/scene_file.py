@@ -98,7 +98,9 @@ def scene_text(
     size = size_of(designation, bore, outside, maker, angle)
     for key in given:
         _check_range(key, given[key])
-    method = preload_method or _usual_method(size, given)
+    # a maker's class of preload is that of a rigid pair
+    rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
+    method = preload_method or ("fixed_position" if rigid else "constant_force")
     rubs = _rubbing(pair, film, given, ball_material)
     numbers = numbers_of(size, given, clearance, preload_class, method)
     if rubs.rule and _BALL_RACE not in given:
@@ -109,12 +111,6 @@ def scene_text(
     text = _filled(name, size, numbers, ball_material, preload_method, method, rubs)
     _check(text)
     return text, _assumed(size, numbers, ball_material, preload_method, method)
-
-
-def _usual_method(size: Designation, given: Mapping[str, float]) -> str:
-    """A maker's class of preload is that of a rigid pair."""
-    rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
-    return "fixed_position" if rigid else "constant_force"
 
 
 def _rubbing(
@@ -241,6 +237,7 @@ def _filled(
     steel = MATERIALS["bearing_steel"].replace("5.0e-6", yaml_number(rubs.steel))
     D, dm, Z = _balls(numbers)
     grooves, groove_rule = grooves_of(size.entry)
+    room = dm * math.sin(math.pi / Z) - D
     return _template().render(
         name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
         size=size,
@@ -252,8 +249,8 @@ def _filled(
         grooves=grooves,
         groove_rule=groove_rule,
         speed=numbers["operation.shaft_speed_rpm"],
-        # pockets that leave something of the cage between them, to three decimals
-        pocket=_down(min(0.05 * D, 0.5 * (dm * math.sin(math.pi / Z) - D))),
+        # pockets that leave something of the cage between them, rounded down to three decimals
+        pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * room)) / 1e3),
         ball_material=ball_material,
         preload_method=method,
         method_given=preload_method is not None,
@@ -304,8 +301,3 @@ def _check(text: str) -> None:
         # bore and outside diameter decide what no option names
         option = next(filter(None, map(_option, (error.key, *error.involved))), "--bore, --outside")
         raise SceneError(error.key, error.problem, error.involved, option) from None
-
-
-def _down(value: float) -> str:
-    """A clearance to three decimals, never above what it was."""
-    return yaml_number(math.floor(1e3 * value) / 1e3)

@@ -17,9 +17,9 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import in_words
+from bearingwear.results.words import in_words, scene_of
 from bearingwear.studies.cage.motion import MOTIONS
-from bearingwear.studies.cage.show import MOTION_COLOURS, name_of
+from bearingwear.studies.cage.show import MOTION_COLOURS
 from bearingwear.studies.cage.tables import DESIGN, MOSTLY, QUIET, in_design_words, recommended_cage
 from bearingwear.studies.dataset import loaded
 
@@ -67,7 +67,7 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
         for code in np.flatnonzero(found).tolist()
     ]
     handles.append(key(f"quiet; numbers: work per turn ({unit.printed})", color="black"))
-    frame(figure, f"{name_of(motions.attrs)}: {recommended_cage(motions)}", handles, 3)
+    frame(figure, f"{scene_of(motions)['name']}: {recommended_cage(motions)}", handles, 3)
     return figure
 
 

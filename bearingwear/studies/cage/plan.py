@@ -112,10 +112,7 @@ class CagePlan:
 
     def __post_init__(self) -> None:
         for name in ("gravity_m_s2", "imbalance_um"):
-            try:
-                check_rising(getattr(self, name))
-            except ValueError as error:
-                raise SceneError(name, str(error)) from None
+            check_rising(name, getattr(self, name))
 
     @property
     def scene_file(self) -> str:

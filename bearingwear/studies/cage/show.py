@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from bearingwear.document.rows import values
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import Interval, Rough, display, key_in_words, to_error
-from bearingwear.results.words import in_words
+from bearingwear.results.words import in_words, scene_of
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.cage.life import WEARING
@@ -187,7 +187,8 @@ def ensemble_figure(found: xr.Dataset) -> Figure:
         key(in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
         for code in seen
     ]
-    frame(figure, f"{name_of(found.attrs)}: {shares_in_words(found['share'].values)}", handles, 4)
+    name = scene_of(found)["name"]
+    frame(figure, f"{name}: {shares_in_words(found['share'].values)}", handles, 4)
     return figure
 
 
@@ -199,11 +200,6 @@ def _draw_life(panel: Any, found: xr.Dataset) -> None:
     panel.set_xlabel("shaft turns")
     panel.set_ylabel("worn off the cage (µm)")
     panel.legend()
-
-
-def name_of(attributes: Mapping[str, Any]) -> str:
-    """The name of the scene of a file."""
-    return str(json.loads(attributes["scene"])["name"])
 
 
 def within(mean: float, ends: Any, unit: Any) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import CaseFileError, load, load_kind
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
@@ -22,7 +22,7 @@ from bearingwear.studies.dataset import LOSS_BASIS
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
-from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
+from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.solve import life_scene
 
 _KIND = "beside"
@@ -63,9 +63,7 @@ def lives_beside(
 
 def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
     """Lives at the recommended preloads under other assumptions. Raises CaseFileError."""
-    found = load(path)
-    if found.attrs.get("kind") != _KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
-        raise CaseFileError(f"{path}: got a file of another kind, expected {_KIND}")
+    found = load_kind(path, _KIND)
     if found.attrs["scene"] != recommendation.attrs["scene"]:
         raise CaseFileError(
             f"{path}: got lives of another scene, expected the scene of the recommendation"

@@ -16,7 +16,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, Measure
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import CaseFileError, load_kind
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import scene_of
@@ -57,11 +57,9 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
     limits: `DesignLimits` by their names.
     CaseFileError: no part of a map, parts that do not belong together, or parts missing.
     """
-    found = {path: load(path) for path in parts}
+    found = {path: load_kind(path, "design map") for path in parts}
     first, attributes = next((path, one.attrs) for path, one in found.items())
     for path, one in found.items():
-        if one.attrs.get("kind") != "design map":
-            raise CaseFileError(f"{path}: got another file, expected a part of a design map")
         if one.attrs != attributes:
             raise CaseFileError(f"{path}: differs from {first} in scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
@@ -239,10 +237,8 @@ def design_files(
     kinds = {design: "design map", recommendation: "recommendation"}
     if uncertainty is not None:
         kinds[uncertainty] = "uncertainty"
-    found = {path: load(path) for path in kinds}
-    for path, kind in kinds.items():
-        if found[path].attrs.get("kind") != kind:
-            raise CaseFileError(f"{path}: got a file of another kind, expected {kind}")
+    found = {path: load_kind(path, kind) for path, kind in kinds.items()}
+    for path in kinds:
         if found[path].attrs["scene"] != found[design].attrs["scene"]:
             raise CaseFileError(f"{path}: got another scene, expected that of {design}")
         if not found[path]["preload_method"].equals(found[design]["preload_method"]):

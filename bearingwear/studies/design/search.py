@@ -181,14 +181,13 @@ def answered(
         go_on(k)
     while wanted:
         asked = {(id(one[0]), *one[1:]): one for each in wanted.values() for one in each}
-        requests = [one for one in asked.values() if not _is_known(*one)]
+        requests = [
+            (line, preload, exact)
+            for line, preload, exact in asked.values()
+            if preload not in line.tried or line.tried[preload].exact < exact
+        ]
         for (line, preload, exact), values in zip(requests, solve(requests), strict=True):
             line.add(preload, values, exact or values.get("groove") == HERTZIAN_GROOVE)
         for k in list(wanted):
             go_on(k)
     return [found[k] for k in range(len(asking))]
-
-
-def _is_known(line: PreloadLine, preload: float, exact: bool) -> bool:
-    known = line.tried.get(preload)
-    return known is not None and known.exact >= exact

@@ -177,7 +177,8 @@ def _headline(name: str, lives: Sequence[MethodLife], contests: Sequence[_Contes
         return f"{name}: no end of life was found"
     winners = {contest.longest for contest in contests}
     if not winners:
-        return f"{name}: life with {' and '.join(_distinct(lives, 'method'))}"
+        known = dict.fromkeys(in_words(life.method) for life in lives)
+        return f"{name}: life with {' and '.join(known)}"
     if winners == {""}:
         return f"{name}: neither preload method can be used"
     winners.discard("")
@@ -199,10 +200,6 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         f"{grooves} and without limits other than the end of life. At the preloads recommended "
         "for each method, the order may differ."
     )
-
-
-def _distinct(lives: Iterable[MethodLife], what: str) -> list[str]:
-    return list(dict.fromkeys(in_words(str(getattr(life, what))) for life in lives))
 
 
 def _grouped(pairs: Iterable[tuple[str, float]]) -> list[tuple[str, str]]:

@@ -176,7 +176,7 @@ def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
         for test in tests:
             log = log + test.count * test.log_likelihood(*grids)
         density = np.exp(log - log.max())
-        found = Posterior(*grids, _normalised(density, grids[1]))
+        found = Posterior(*grids, density / (density.sum() * (grids[1][1] - grids[1][0])))
         grids = (
             _narrowed(grids[0], density.max(axis=1), _FRICTIONS),
             _narrowed(grids[1], density.max(axis=0), _WEARS),
@@ -200,11 +200,6 @@ def _axis(normal: Normal, wide: float, points: int) -> np.ndarray:
     if half == 0.0:
         return np.array([normal.mean])
     return np.linspace(normal.mean - half, normal.mean + half, points)
-
-
-def _normalised(density: np.ndarray, y: np.ndarray) -> np.ndarray:
-    step = y[1] - y[0]
-    return density / (density.sum() * step)
 
 
 def _narrowed(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:

@@ -277,7 +277,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
         (
             "| yes |",
             "| no |",
-            "Worn grooves, constant force: loss of 0.3 A a², gyro_fresh: followed: the table contains no",
+            "constant force: loss of 0.3 A a², gyro_fresh: followed: the table contains no",
         ),
         ("| 50 equal strips |", "| 51 equal strips |", "50 equal strips: missing"),
     ]:

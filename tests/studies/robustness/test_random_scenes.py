@@ -18,10 +18,15 @@ from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.robustness.draw import drawn_scene, with_values
-from workflow.studies.robustness.ends import WITHOUT_REASON
 from workflow.studies.robustness.lives import life_of, life_violations
 from workflow.studies.robustness.maps import crossing
-from workflow.studies.robustness.plan import KeyAxis, RobustnessPlan, drawn, draws
+from workflow.studies.robustness.plan import (
+    WITHOUT_REASON,
+    KeyAxis,
+    RobustnessPlan,
+    drawn,
+    draws,
+)
 from workflow.studies.robustness.run import end_of, solved_values, violations
 
 FILE = ROOT / "config" / "robustness.yaml"

@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure, series_look
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.units import Rough, span
 from bearingwear.results.words import in_words, percent_in_text
 from bearingwear.studies.dataset import loaded, pareto
 from workflow.studies.accuracy.gather import names, points_where
@@ -140,7 +141,7 @@ def steady_figure(trade: xr.Dataset) -> Figure:
     strips = points_where(points, sweep="strips", label="strips 50")
     split = points_where(points, sweep="split", label="split 32")
     worst, best = _worst(strips, "total_qv"), _worst(split, "total_qv")
-    times = _range(time_ratios(split, strips))
+    times = span(map(Rough, time_ratios(split, strips)))
     title = (
         f"Steady state: total QV is in error by up to {percent_in_text(worst)} with 50 equal "
         f"strips, and {percent_in_text(best)} with 32 split Gauss points, in {times} times the time"
@@ -335,11 +336,7 @@ def time_ratios(points: xr.Dataset, others: xr.Dataset) -> np.ndarray:
 
 
 def _most(ratios: np.ndarray) -> str:
-    return f"{ratios.max():.2g}" if ratios.size else "–"
-
-
-def _range(ratios: np.ndarray) -> str:
-    return f"{ratios.min():.2g} to {ratios.max():.2g}" if ratios.size else "–"
+    return Rough(ratios.max(initial=np.nan)).text
 
 
 def _worst(points: xr.Dataset, quantity: str) -> float:

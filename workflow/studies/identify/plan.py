@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.studies.axis import RisingAxis, check_rising
 
@@ -27,10 +26,7 @@ class Statements:
     qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", "(0, inf)")
 
     def __post_init__(self) -> None:
-        try:
-            check_rising(self.qv_least_um)
-        except ValueError as error:
-            raise SceneError("qv_least_um", str(error)) from None
+        check_rising("qv_least_um", self.qv_least_um)
 
 
 @keyed
@@ -47,10 +43,7 @@ class IdentifyPlan:
     statements: Statements = setting("Statements of the text")
 
     def __post_init__(self) -> None:
-        try:
-            check_rising(self.ball_count)
-        except ValueError as error:
-            raise SceneError("ball_count", str(error)) from None
+        check_rising("ball_count", self.ball_count)
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Refuse scenes that do not exist."""

@@ -15,9 +15,9 @@ from bearingwear.plotting.drawing import (
     key,
     new_figure,
 )
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import load_kind
 from bearingwear.results.words import in_words
-from workflow.studies.robustness.ends import WITHOUT_REASON
+from workflow.studies.robustness.plan import WITHOUT_REASON
 
 END_COLOURS = {
     "contact_lost": "C5",
@@ -57,16 +57,6 @@ _LIMITS = {
 SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 
 
-def of_kind(path: Path, kind: str) -> xr.Dataset:
-    """A file of one kind of the study; CaseFileError that names any other."""
-    dataset = load(path)
-    if dataset.attrs.get("kind") != kind:
-        raise CaseFileError(
-            f"{path}: got another file, expected the {kind} of the study of robustness"
-        )
-    return dataset
-
-
 def edges(values: np.ndarray, log: bool) -> np.ndarray:
     """Edges of the cells around the points of an axis."""
     points = np.log(values) if log else values
@@ -81,7 +71,7 @@ def edges(values: np.ndarray, log: bool) -> np.ndarray:
 
 def map_figure(solved: Path) -> Figure:
     """Step: a map with its boundaries."""
-    return figure_of_map(of_kind(solved, "maps"))
+    return figure_of_map(load_kind(solved, "maps"))
 
 
 def figure_of_map(solved: xr.Dataset) -> Figure:
@@ -162,7 +152,7 @@ _NANO = {"loss_rate": 1e9}
 
 def branches_figure(solved: Path) -> Figure:
     """Step: steady states followed up, down, and found anew."""
-    return figure_of_branches(of_kind(solved, "branches"))
+    return figure_of_branches(load_kind(solved, "branches"))
 
 
 def figure_of_branches(solved: xr.Dataset) -> Figure:

@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.netcdf import CaseFileError, load
-from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
+from bearingwear.results.netcdf import load_kind
+from workflow.studies.robustness.plan import REFUSED, WITHOUT_REASON
 
 _KINDS = ("scene_classes", "maps")
 
@@ -26,12 +26,7 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
     rows: list[dict[str, Any]] = []
     shared: dict[str, Any] = {}
     for path in map(Path, paths):
-        dataset = load(path)
-        if dataset.attrs.get("kind") not in _KINDS:
-            raise CaseFileError(
-                f"{path}: got another file, expected random scenes or a map of the "
-                "study of robustness"
-            )
+        dataset = load_kind(path, *_KINDS)
         kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
         shared = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}
         rows.append(_row(dataset))

@@ -11,12 +11,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from bearingwear.kernels.status import NOT_CONVERGED, UNVERIFIED
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.read import load_scene
 
 ROBUSTNESS_FILE = "config/robustness.yaml"
+
+WITHOUT_REASON = (NOT_CONVERGED, UNVERIFIED)
+"""Statuses that give no physical reason."""
+
+REFUSED = -1
+"""Status of a draw that makes no bearing and is refused before any solve."""
 
 RANDOM_FIDELITIES = ("race_control", "steady", "dynamic", "worn_life")
 LIMIT_NAMES = ("contact", "gyroscopic_slip", "skid")

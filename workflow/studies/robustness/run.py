@@ -18,9 +18,14 @@ from bearingwear.sides import of_bearing
 from bearingwear.solvers.solve import solved
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
-from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
 from workflow.studies.robustness.lives import WORN_LIFE, life_of, life_violations
-from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
+from workflow.studies.robustness.plan import (
+    REFUSED,
+    WITHOUT_REASON,
+    RobustnessPlan,
+    drawn,
+    draws,
+)
 
 TRIALS = table(
     Variable("status", (), "", "how it ended; -1: no such bearing", "i1"),

@@ -10,7 +10,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
-from workflow.studies.robustness.ends import WITHOUT_REASON
+from workflow.studies.robustness.plan import WITHOUT_REASON
 
 _KINDS = {"scene_classes": "random", "maps": "map"}
 NO_REASON = [STATUS_NAMES[code] for code in (OK, *WITHOUT_REASON)]

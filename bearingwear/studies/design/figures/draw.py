@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from bearingwear.plotting.drawing import Figure
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import load_kind
 from bearingwear.studies.design.choice import design_files
 from bearingwear.studies.design.figures import choice, map_figure, uncertainty_figure
 
@@ -18,10 +18,7 @@ def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = N
 
 def draw_map(design: Path) -> Figure:
     """Life, stiffness and slip around the preload."""
-    found = load(design)
-    if found.attrs.get("kind") != "design map":
-        raise CaseFileError(f"{design}: got another file, expected a design map")
-    return map_figure.map_overview(found)
+    return map_figure.map_overview(load_kind(design, "design map"))
 
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
