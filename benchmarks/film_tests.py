@@ -75,18 +75,19 @@ of 5 m/s | – | | not predicted: the model does not include film rupture |
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
 is assumed to end when half of a track is bare. The test ended without failure (run-out), which
 limits K_s/H to at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in,
-{4e-15 / bound:.2g} times as high. The 90 % interval of the table extends from one to the other,
-    so the run-out lies at its lower end.
+{4e-15 / bound:.2g} times as high. The 90 % interval of the table extends from one to the other, so
+the run-out lies at its lower end.
 
-**Cause.** A transferred and compacted film wears as patches of material move back and forth,
-much more slowly than in its first thousand cycles. A single K_s/H cannot describe this. A film that
-is worn through in the model need not end lubrication in a bearing, where its debris continues to
+**Cause.** A transferred and compacted film wears as patches of material move back and forth, much
+more slowly than in its first thousand cycles. A single K_s/H cannot describe this. A film that is
+worn through in the model need not end lubrication in a bearing, where its debris continues to
 lubricate.
 
 **Load.** Under Archard's law the life of a track as wide as the Hertzian contact is proportional to
-F^(-2/3): {archard:.2g} times shorter at four times the load. To match [2], K_s must increase with
-pressure to the power of {exponent():.2g} or more. `friction.film.pressure_exponent` provides this
-([theory](theory/23-films.md)). It is off by default, because it is based on a single pair of loads.
+F^(-2/3): it is shorter by a factor of {archard:.2g} at four times the load. To match [2], K_s must
+increase with pressure to the power of {exponent():.2g} or more. `friction.film.pressure_exponent`
+provides this ([theory](theory/23-films.md)). It is off by default, because it is based on a single
+pair of loads.
 
 1. [NASA, bearing endurance tests in vacuum](https://core.ac.uk/works/24927645)
 2. [Spalvins, 1971](https://ntrs.nasa.gov/citations/19720029182)

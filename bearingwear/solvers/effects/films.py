@@ -23,8 +23,8 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
     if films.exponent:
         yield (
             f"wear of films: proportional to (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, "
-            "where p is the mean pressure of each contact; a dynamic case uses its mean load, its "
-            "history the instantaneous load"
+            "where p is the mean pressure of each contact; a dynamic case uses the mean load, and "
+            "its history uses the instantaneous load"
         )
     coated = {"races": films.race, "balls": films.ball}
     for part, surface in coated.items():

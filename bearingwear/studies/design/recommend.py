@@ -463,7 +463,7 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
     CaseFileError: where it is not.
     """
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
-        raise CaseFileError("the recommended preload requires the file of a recommendation")
+        raise CaseFileError("the recommended preload requires a recommendation file")
     if json.loads(recommendation.attrs["scene"]) != scene.to_dict():
         raise CaseFileError("the recommendation belongs to another scene")
     return recommendation

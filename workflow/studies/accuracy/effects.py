@@ -50,9 +50,9 @@ def effects_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTab
         "edit. Each number is relative to the first point of its sweep "
         "(`config/accuracy.yaml`): the bearing as mounted, a single bearing, or no traction in the "
         "balance, always with slip over the whole ellipse. Preload and QV refer to the first "
-        "bearing at the wear of the scene. Lives start from new; a life of 0 means that a limit is "
-        "exceeded when new. Times are CPU times of complete steady solves and lives with compiled "
-        f"code, medians of {plan.repeats} runs. The study checks this table: results agree within "
-        f"{answers_agree_within()}, times within a factor of {plan.tolerance.time:g}.",
+        "bearing at the wear of the scene. Lives start with new bearings; a life of 0 means that a "
+        "limit is exceeded when new. Times are CPU times of complete steady solves and lives with "
+        f"compiled code, medians of {plan.repeats} runs. The study checks this table: results "
+        f"agree within {answers_agree_within()}, times within a factor of {plan.tolerance.time:g}.",
         *(CheckedTable(title=title, columns=columns, rows=found) for title, found in rows.items()),
     ]

@@ -136,7 +136,8 @@ def of_weight(trade: xr.Dataset) -> str:
     """What a cage wears without its weight, over what it wears with it."""
     points = points_where(trade, sweep="weight")
     ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]  # each against the point before it
-    return f"Over the averaged turns, a weightless cage wears {span(ratios)} times as much."
+    times = f"{span(ratios)} times as much as one with weight"
+    return f"Over the averaged turns, a weightless cage wears {times}."
 
 
 def booked(trade: xr.Dataset) -> str:
