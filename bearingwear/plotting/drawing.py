@@ -136,9 +136,6 @@ def mark_failed(
 ) -> bool:
     """Put a cross at the foot of a panel for each case of a line that was not solved.
 
-    where: abscissa of each case.
-    status: its status.
-    color: that of the line.
     slot: row of the crosses, so that several lines do not hide each other's.
 
     Returns: whether there was any.

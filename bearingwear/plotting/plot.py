@@ -16,12 +16,8 @@ def figure_of(
 ) -> Figure:
     """The figure of a dataset as files have it.
 
-    name: what the error calls it.
     figures: for each kind that can be drawn, a function that takes the dataset and returns a
         figure.
-    bearing {"first", "second"}: which bearing of a pair.
-
-    CaseFileError: a kind that cannot be drawn.
     """
     kind = kind_of(dataset)
     dataset = chosen_bearing(dataset, name, bearing)

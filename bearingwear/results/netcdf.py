@@ -212,10 +212,7 @@ def load_kind(path: str | os.PathLike[str], *kinds: str) -> xr.Dataset:
 
 
 def header(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Global attributes of a result file; its values are not read.
-
-    CaseFileError: as `load`.
-    """
+    """Global attributes of a result file; its values are not read."""
     with opened(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
 

@@ -23,7 +23,6 @@ MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGUL
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
     """State from which a run continues.
 
-    path: a case file of `fidelity: dynamic`, solved.
     scene: the scene to continue; it may differ from the file's in wear and model alone.
 
     Returns: `state` (m,) in SI units, `time` [s], `scene` as plain data.

@@ -79,7 +79,6 @@ class Display(NamedTuple):
 def display(units: str, *values: Any, shown: str = "") -> Display:
     """The unit in which values are shown together.
 
-    units: of the file.
     *values: those that are shown; the largest magnitude decides.
     shown: how the quantity is shown where its unit does not say: `%`.
     """

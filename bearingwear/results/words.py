@@ -41,8 +41,6 @@ def each_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
 def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None) -> xr.Dataset:
     """What one bearing has: the only one, either of two that are alike, or `first` or `second`.
 
-    name: what the error calls the dataset.
-
     CaseFileError: two bearings that differ without a choice of one, or a choice where there is
     none.
     """

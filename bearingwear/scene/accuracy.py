@@ -39,11 +39,7 @@ class AccuracyPreset(NamedTuple):
     tolerance: float
 
     def keys(self, slip_over: str, cage_wears: bool = False) -> dict[str, float | int | str]:
-        """The settings by their paths in a scene.
-
-        slip_over: `line` or `ellipse`.
-        cage_wears: whether motion and wear of the cage are asked for.
-        """
+        """The settings by their paths in a scene."""
         values = self._asdict()
         del values["error"]
         if cage_wears:

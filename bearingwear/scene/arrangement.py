@@ -188,12 +188,7 @@ def bearings_holding(method: str) -> float:
 
 
 def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
-    """The scene with its preload held by a method, as the pair that is made by it if it is one.
-
-    method: preload method.
-    preload_N: another preload [N].
-    **operation: other values of `operation`.
-    """
+    """The scene with its preload held by a method, as the pair that is made by it if it is one."""
     a = scene.arrangement
     if a is not None and a.is_pair:
         kind = PAIRS[method]

@@ -78,11 +78,7 @@ def _joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 
 
 def blamed(error: SceneError, data: Mapping[str, Any], changes: Sequence[str]) -> SceneError:
-    """The same error, naming the change that brought it about, if one did.
-
-    data: before the changes.
-    changes: their keys.
-    """
+    """The same error, naming the change that brought it about, if one did."""
     for at_fault in (error.key, *error.involved):
         for key in changes:
             for cause in filter(None, (key, _block_made(data, key))):

@@ -29,7 +29,6 @@ _CHECKED = "_is_checked"
 def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
     """Read and check a scene file.
 
-    path: the YAML file.
     overrides: `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
     SceneError: one line that names the file (or the `--set`), the key, what was given, what is
     allowed.
@@ -70,11 +69,7 @@ def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: s
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
-    """Check plain nested data and build the scene from it.
-
-    data: the shape of a scene file; not changed.
-    source: what error messages name.
-    """
+    """Check plain nested data and build the scene from it."""
     try:
         plain = checked_data(Scene, data)
         _check_spread(plain)

@@ -12,22 +12,11 @@ WITHOUT_PRELOAD = "no preload is set (operation.preload_N is 0), so no ball carr
 
 @dataclass
 class Result:
-    """Values of one solve.
-
-    Attributes
-    ----------
-    values : dict
-        Keyed by the variable names of `bearingwear.results.variables`; arrays or numbers in SI
-        units and radians. A quantity that was not solved is absent.
-    attrs : dict
-        Global attributes: scene as JSON, fidelity, what was modelled and why, iterations, ...
-    wall_time_s : float
-        Duration of the solve alone.
-    """
+    """Values of one solve, by the names of `bearingwear.results.variables`, in SI and radians."""
 
     values: dict[str, Any]
     attrs: dict[str, Any] = field(default_factory=dict)
-    wall_time_s: float = 0.0
+    wall_time_s: float = 0.0  # of the solve alone
 
     @property
     def status(self) -> str:

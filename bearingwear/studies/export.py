@@ -40,28 +40,16 @@ class NotExported(ValueError):
 
 @dataclass(frozen=True)
 class StiffnessOverSpeed:
-    """Dynamic stiffness of the bearings of a scene.
-
-    Attributes
-    ----------
-    speeds_rpm : tuple of float
-    matrices : ndarray (speeds, bearings, 5, 5)
-        Each in its own frame, of all in tandem together [N/m, N, N m].
-    """
+    """Dynamic stiffness of the bearings of a scene."""
 
     scene: Scene
     speeds_rpm: tuple[float, ...]
+    # (speeds, bearings, 5, 5) each in its own frame, of all in tandem together [N/m, N, N m]
     matrices: np.ndarray
 
     @classmethod
     def of(cls, source: Source, speeds_rpm: Sequence[float]) -> StiffnessOverSpeed:
-        """Solve a scene at each speed of the shaft [r/min].
-
-        Raises
-        ------
-        SceneError, NotExported
-            One line: speeds that do not rise, or one at which no stiffness is known.
-        """
+        """Solve a scene at each speed of the shaft [r/min]; NotExported without a stiffness."""
         from bearingwear.solvers.effects.choice import choice
         from bearingwear.solvers.solve import solve
 
@@ -101,13 +89,7 @@ class StiffnessOverSpeed:
     def coefficients(
         self, bearing: int = 1, tilt: str = "held", damping: float = 0.0
     ) -> dict[str, list[float]]:
-        """ROSS's coefficients of a bearing by their names [N/m], [N s/m].
-
-        Raises
-        ------
-        SceneError
-            Fewer speeds than ROSS interpolates between, or as `ross_matrices`.
-        """
+        """ROSS's coefficients of a bearing by their names [N/m], [N s/m]."""
         if len(self.speeds_rpm) < FEWEST_SPEEDS:
             problem = f"got {len(self.speeds_rpm)}, expected at least {FEWEST_SPEEDS} for ROSS"
             raise SceneError("", problem, source="speeds")

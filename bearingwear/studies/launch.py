@@ -56,13 +56,7 @@ def launch(
 ) -> int:
     """Run a study; its results are below `results/`.
 
-    name: a study of `studies.NAMES`, or `all` for those that run by default.
-    jobs: how many run at a time.
-    more: further arguments of Snakemake.
-    folder: where the study is.
     files: open files that Snakemake keeps open while it runs.
-
-    Returns: exit status of Snakemake.
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")

@@ -137,10 +137,7 @@ class Step(Task):
         return [path.format(**job) for job in self.jobs() for path in self.outputs]
 
     def point(self, wildcards: Wildcards) -> Any:
-        """Point of one job in the plan.
-
-        ValueError: the plan has no such point.
-        """
+        """Point of one job in the plan."""
         try:
             return (self.points or {})[tuple(wildcards[name] for name in self.wildcards)]
         except KeyError:
@@ -372,10 +369,7 @@ class Study:
         return f"{path}: got a point that is not in the plan"
 
     def check(self) -> None:
-        """Read every scene as the study changes it.
-
-        ValueError: the first thing that is wrong.
-        """
+        """Read every scene as the study changes it."""
         self.plan.check_scenes()
 
     def judged(self) -> list[str]:

@@ -34,8 +34,6 @@ def run_step(
 ) -> None:
     """Call the function of a step and write its outputs, each whole or not at all.
 
-    step: `Step.run`.
-    inputs, settings: keyword arguments: files, and all else.
     workers: processes, for a function that takes `workers`; they decide nothing.
     NotSolved: where the step itself fails; nothing is written.
     """

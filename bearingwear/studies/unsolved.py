@@ -21,7 +21,6 @@ from bearingwear.studies.run_step import NotSolved
 def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
     """Step: says that all was solved, or fails. A map alone keeps the status of each life.
 
-    paths: study files and files of wear life.
     unsolved_is {"error", "warning"}: whether the step fails, or says so on standard error.
     """
     if not paths:

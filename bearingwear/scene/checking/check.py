@@ -34,10 +34,7 @@ _LARGEST = 1.7976931348623157e308  # a whole number of YAML may be larger
 
 
 def record(record_type: type[R], data: Any, source: str = "scene") -> R:
-    """Check plain nested data, which it does not change, and build the record of it.
-
-    SceneError: whatever is wrong; its message names the source.
-    """
+    """Check plain nested data, which it does not change, and build the record of it."""
     try:
         return built(record_type, checked_data(record_type, data))
     except SceneError as error:
@@ -45,10 +42,7 @@ def record(record_type: type[R], data: Any, source: str = "scene") -> R:
 
 
 def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
-    """Read a YAML file, in which anchors are allowed, and build the record of it.
-
-    SceneError: whatever is wrong.
-    """
+    """Read a YAML file, in which anchors are allowed, and build the record of it."""
     from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
     source = os.fspath(path)

@@ -69,7 +69,6 @@ def size_of(
 ) -> Designation:
     """The size of a bearing, of which either the designation or the diameters [mm] are given.
 
-    maker: one of `MAKERS`, in whose catalogue the designation is looked up.
     angle: contact angle [degree], which tells apart bearings of one designation there.
 
     SceneError where both or neither are given, or the diameters leave no room.
@@ -113,7 +112,6 @@ def numbers_of(
     size: of a bearing with a contact angle, unless it or a contact angle of 0 says otherwise.
     given: by key of the scene, in its units.
     clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
-    preload_class: one of `PRELOAD_CLASSES`, or of the maker.
 
     SceneError where numbers leave no room, or contradict each other.
     """

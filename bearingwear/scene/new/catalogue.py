@@ -116,11 +116,8 @@ def entry_of(
 ) -> tuple[CatalogueBearing, str]:
     """A bearing by its maker's designation, and the suffixes that are not used.
 
-    designation: 7010C, 7010CTYNDBLP4, SEA 60.
     angle: contact angle [degree], where bearings of several have the designation; else the
         smallest.
-
-    SceneError: one line that lists those with a name alike.
     """
     known = _named(maker)
     found, ignored = _found(maker, designation)

@@ -94,10 +94,7 @@ class Designation(NamedTuple):
 
 
 def designation_of(text: str) -> Designation:
-    """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
-
-    SceneError: one line that says which are known.
-    """
+    """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
     plain = text.strip().upper()
     match = re.fullmatch(
         r"([A-Z]{0,4})[\s/_-]*((?:7[0239]|719|6[023])(?=\d\d(?!\d))|6[0289](?=\d(?!\d)))"

@@ -77,7 +77,6 @@ def scene_text(
 ) -> tuple[str, list[str]]:
     """A commented scene file, and a line for each thing in it that was not given.
 
-    name: of the scene.
     bore, outside: diameters [mm], unless a designation says them.
     given: what else is known, by key of the scene (those of `OPTIONS`), in its units.
     ball_material, preload_method: as in a scene. Bearing steel is assumed, and a constant force; a
@@ -86,8 +85,6 @@ def scene_text(
         60.
     clearance: radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance
         [um].
-    preload_class: one of `PRELOAD_CLASSES`, or of the maker's classes, in place of a preload.
-    maker: one of `catalogue.MAKERS`.
     pair, film: what rubs, of `coefficients.RUBBING`: wear, friction and their spread come from its
         sources.
 
@@ -180,7 +177,6 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     The scene has no name of its own, so a copy is named as its file.
 
     Returns: what was assumed, a line each.
-    SceneError: as `scene_text`.
     OutputError: the file's name is no name of a scene, it is there already, or cannot be
     written.
     """

@@ -52,11 +52,7 @@ ACTIVE_LIMIT = Variable(
 
 
 def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset:
-    """Step: all parts of a map as one dataset, with the best preload of every line of it.
-
-    limits: `DesignLimits` by their names.
-    CaseFileError: no part of a map, parts that do not belong together, or parts missing.
-    """
+    """Step: all parts of a map as one dataset, with the best preload of every line of it."""
     found = {path: load_kind(path, "design map") for path in parts}
     first, attributes = next((path, one.attrs) for path, one in found.items())
     for path, one in found.items():
@@ -120,8 +116,6 @@ def best_within(
     neighbouring preload whose life is longer: the limit passed there by most, the end of the range,
     a neighbour that was not solved, or nothing (the life itself is longest there).
 
-    basis: index along the loss basis.
-
     Returns `index, active`: over the dimensions of the map but `preload`; index -1 where no preload
         is within the limits.
     """
@@ -149,11 +143,7 @@ def best_within(
 
 
 def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
-    """Which limits no preload of a line keeps to, and how near one comes.
-
-    line: over `preload` alone, none of which is within the limits.
-    basis: index along the loss basis.
-    """
+    """Which limits no preload of a line keeps to, and how near one comes."""
     solved = (line["status"] == OK).values
     alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
     if not alive.any():
@@ -231,7 +221,6 @@ def design_files(
 ) -> DesignFiles:
     """Read the files of one scene.
 
-    CaseFileError: a file of another kind, or not of the scene or the preload methods of the
     map.
     """
     kinds = {design: "design map", recommendation: "recommendation"}

@@ -26,9 +26,6 @@ def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene
     """The scene with the recommended method, and its preload times a factor.
 
     Where no preload is recommended, with the scene's own method and preload times the factor.
-
-    CaseFileError: where the recommendation is not of this scene.
-    SceneError: a preload that cannot be.
     """
     recommended_for(scene, recommendation)
     method, preload = scene.operation.preload_method, scene.operation.preload_N
@@ -42,10 +39,7 @@ def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene
 
 
 def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
-    """Step: `check_scene` as a scene file.
-
-    times: factor of the recommended preload.
-    """
+    """Step: `check_scene` as a scene file."""
     base = life_scene(scene)
     plain = check_scene(base, load(recommendation), times).to_dict()
     head = f"# {base.name} at {times:g} times its recommended preload.\n"

@@ -124,7 +124,6 @@ WARNED = "warnings"
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     """One life by the steady model, and the extremes along it.
 
-    scene: with a steady state and an end of life.
     slip_limit: gyroscopic slip share whose passing is timed.
 
     Returns: values of `POINT` by their names, SI. Where the status is not ok: `status`,
@@ -162,7 +161,6 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
 
     Where races do not count, they do not wear: that life is the same with both.
 
-    scene, slip_limit: as of `life_point`.
     quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
         life with the Hertzian ones is left out.
     """
@@ -311,9 +309,6 @@ def map_part(
 ) -> xr.Dataset:
     """Step: lives over preload and speed, for one method and one friction coefficient.
 
-    method: how the preload is applied.
-    friction: coefficient of ball and race [1].
-    shaft_speed_rpm, preload_N: axes of the map.
     slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
     axes = [method], [friction], shaft_speed_rpm, preload_N

@@ -236,9 +236,6 @@ def criteria_room(
     By quick lives, times what those of the scenes are over their own quick ones.
 
     scenes: with the preloads to compare, which stay as they are.
-    lives: of the scenes [s].
-    basis: index along the loss basis.
-    first: which of them lasts longer.
     """
     end = scenes[0].wear.end_of_life or EndOfLife()
     most = {name: _largest(name, limit) for name, limit in end.criteria.items()}
@@ -279,11 +276,7 @@ def _largest(name: str, limit: float) -> float:
 def friction_end(
     scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int, up: bool
 ) -> float:
-    """The factor of friction at which the choice is reversed; NaN for none found.
-
-    scenes, lives, basis, first: as of `criteria_room`.
-    up: whether friction rises.
-    """
+    """The factor of friction at which the choice is reversed; NaN for none found."""
     mu, most = scenes[0].friction.coefficient, _most_friction(scenes[0])
     if not most > 1.0:
         return math.nan
@@ -344,10 +337,7 @@ def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
 def lives_by_track(
     scenes: Sequence[Scene | None], lives: Sequence[float], basis: int
 ) -> np.ndarray:
-    """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove.
-
-    lives: by the tracks of the scenes [s].
-    """
+    """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove."""
     found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
     tracks = [
         [replace(one, wear=replace(one.wear, ball_track=track)) for track in BALL_TRACKS]
@@ -387,11 +377,7 @@ HELD = table(
 def verdict_on(
     lives: Sequence[float], errors: Sequence[float], room: Sequence[Assumption], tracks: np.ndarray
 ) -> int:
-    """Index into `VERDICTS`: whether one of two methods is preferred.
-
-    lives, errors: life and its relative numerical error of each method.
-    tracks: as `lives_by_track`.
-    """
+    """Index into `VERDICTS`: whether one of two methods is preferred."""
     better = longer(lives) if len(lives) == 2 else None
     if better is None:
         return NO_COMPARISON

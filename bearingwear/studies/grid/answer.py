@@ -113,8 +113,6 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
 
     Two methods whose lives differ by less than their estimated numerical errors together count as
     equal.
-
-    scene: the first scene, as its file states it.
     """
     name = lives[0].scene
     here = [life for life in lives if life.scene == name]

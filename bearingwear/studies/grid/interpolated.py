@@ -45,7 +45,6 @@ def interpolated_life(
         What lies behind the first case that was not solved is not used.
     criteria: limits by the names of `CRITERIA`; those that the cases do not hold (`known_of`) are
         not looked at.
-    preload_N: initial preload [N].
 
     Returns: interpolated_life [h] over `counts`, NaN where no criterion is met on the line;
         interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over

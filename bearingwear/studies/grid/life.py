@@ -34,13 +34,8 @@ def study_life(scene: Path, study: Path) -> xr.Dataset:
 def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     """Wear life for each preload method and friction coefficient of a study.
 
-    scene_path: the scene of the study.
-    study: as `bearingwear.studies.grid.gather.study` gives it.
-
     Returns: the variables of a life file over `preload_method` and `friction`, those of
         `interpolated_life`, and `life_route_difference`, the second route against the first.
-
-    SceneError: where the scene has no end of life, or is not one that can be solved.
     """
     grid = Grid.from_lists(
         [PRELOAD_METHODS[int(flag)] for flag in study["preload_method"]],

@@ -33,7 +33,6 @@ class Plan:
     def from_config(cls, config: Mapping) -> "Plan":
         """The plan of a config.yaml.
 
-        ValueError: also where a figure wants a scene or a coefficient that is not
         studied.
         """
         return cls(record(Config, config, "config"))
@@ -105,10 +104,7 @@ class Plan:
         return [scene for scene in self.dynamic if scene in self.grids]
 
     def check_scenes(self) -> None:
-        """Read every scene as it stands, and with each value of its grid.
-
-        ValueError: the first thing that is wrong with a scene or with a value of its grid.
-        """
+        """Read every scene as it stands, and with each value of its grid."""
         for scene, grid in self.grids.items():
             path = _scene_file(scene)
             for_life(load_scene(path), path)

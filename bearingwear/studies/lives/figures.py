@@ -35,13 +35,7 @@ _AGES = "viridis_r"
 
 
 def wear_history(life: Path) -> Figure:
-    """Step: the history of a life.
-
-    Raises
-    ------
-    CaseFileError
-        One line: the life has no history.
-    """
+    """Step: the history of a life."""
     solved = dynamic_life(life)
     if "history_ball_worn_volume" not in solved:
         raise CaseFileError(f"{life}: no step of this life was solved")
@@ -49,13 +43,7 @@ def wear_history(life: Path) -> Figure:
 
 
 def history_figure(life: xr.Dataset) -> Figure:
-    """What has worn of each ball, races, pockets and land, and what preload is left, over the time.
-
-    Parameters
-    ----------
-    life : Dataset
-        A life file of fidelity dynamic with a history.
-    """
+    """What has worn of each ball, races, pockets and land, and the preload left, over the time."""
     time = life["history_time"].isel(counts=counted(life))
     figure, panels = new_figure(2, 2, 7.6, 5.6, sharex=True)
     for panel, (part, lines) in zip(panels.flat, _worn(life).items(), strict=False):
@@ -136,13 +124,7 @@ def _message(life: xr.Dataset) -> str:
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Pressure and profile of both grooves at five states of a life; of banded balls, too.
-
-    Parameters
-    ----------
-    life : Dataset
-        A life file with worn grooves.
-    """
+    """Pressure and profile of both grooves at five states of a life; of banded balls, too."""
     banded = "band_depth" in life
     figure, panels = new_figure(3 if banded else 2, 2, 7.6, 7.4 if banded else 5.4)
     steps = life["groove_step"].values

@@ -30,7 +30,6 @@ def write_study(
 ) -> None:
     """Write the configuration of a study of a scene, and the scene, into a folder.
 
-    file: the scene.
     folder: new, empty, or of an earlier call for this scene.
     instead: where to write in its place.
     """

@@ -107,7 +107,6 @@ def calibrated(
 
     scene: with an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
         then that of the table of coefficients is taken.
-    workers: processes that share the lives.
     tell: given a line of progress before each condition.
     SceneError, CaseFileError: the scene lacks a distribution, or a row is wrong.
     """

@@ -85,12 +85,8 @@ def calibration_dataset(
 ) -> xr.Dataset:
     """A calibration as a file.
 
-    scene: as calibrated.
     unit: K_s/H of the scene before [m2/N].
-    stages: before and after.
-    life: `LogModel` of the scene.
     scatter, error: of the log life of the scene.
-    tests, seen, probabilities: of each test.
     """
     found = _of_stages(unit, stages, life, scatter)
     found |= {"interpolation_error": error} | _of_tests(tests, seen, probabilities, stages[0])

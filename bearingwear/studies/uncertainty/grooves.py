@@ -71,10 +71,7 @@ def found_lives(
     workers: int = 1,
     tell: Tell | None = None,
 ) -> FoundLives:
-    """Lives of a scene at values (n, names), with the grooves that `life` would follow.
-
-    workers: processes that share the lives.
-    """
+    """Lives of a scene at values (n, names), with the grooves that `life` would follow."""
     ahead = {"quantiles": (1.0, _QUANTILES_COST * len(places))}
     ahead[_QUICK] = LEAST_SOUGHT + fewest(len(places), *HERTZIAN), 1.0
     if grooves_followed(scene, "steady")[0] is not None:

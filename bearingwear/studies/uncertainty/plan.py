@@ -78,7 +78,6 @@ def uncertain_scene(
 ) -> Scene:
     """A scene whose lives can be sampled: `life_scene`, with distributions.
 
-    path, settings: as of `life_scene`.
     tell: given what distributions are taken where the scene has none.
     """
     scene, source = life_scene(path, settings, films=True), os.fspath(path)

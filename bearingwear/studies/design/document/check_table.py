@@ -67,8 +67,6 @@ class CheckedPreload:
 def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     """Step: steady and dynamic numbers of some preloads, and whether they agree, as Markdown.
 
-    cases: case files: each preload steady and dynamic.
-    CaseFileError: files that are no such cases, of another scene, or without the case of the
     other fidelity.
     """
     chosen = load(recommendation)

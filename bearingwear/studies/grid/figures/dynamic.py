@@ -54,7 +54,6 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
     """QV and wear rates against wear: steady as lines, solved dynamically as marks.
 
     study: steady cases of a scene; every case of `dynamic` is among them.
-    dynamic: cases of the same scene solved dynamically, gathered in the same way.
     """
     frictions = dynamic["friction"].values.tolist()
     parts = {name: look for name, look in _CAGE.items() if name in dynamic}
@@ -118,7 +117,6 @@ def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
 def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
     """Wear rates of ball 1 and of the cage, averaged from the start (Fig. 6).
 
-    case: a case solved dynamically.
     reference: a table of `REFERENCE_COLUMNS` with values of others to draw over the averages.
     """
     solved = int(case["status"]) == OK
@@ -197,10 +195,7 @@ def _turn(case: xr.Dataset) -> float:
 
 
 def reference_values(path: str | Path) -> dict[str, np.ndarray]:
-    """Values of others by part, rows of time [s] and wear rate [m3/s]; lines with # are comments.
-
-    CaseFileError: the file and what is wrong with it.
-    """
+    """Values of others by part: rows of time [s] and wear rate [m3/s]; # starts a comment."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeError) as error:
