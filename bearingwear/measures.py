@@ -274,7 +274,7 @@ MEASURES = (
     Measure(key="cage_film_worn_share", words="film worn off the cage",
         variables=("pocket_film_worn_share", "land_film_worn_share"), kinds=("pocket", "land"),
         advice="use a thicker film, or less clearance at the land",
-        end=("Worn share of the thickness of cage.film, in a pocket or at the land, at which life "
+        end=("Worn fraction of the cage.film thickness, in a pocket or at the land, at which life "
             "ends (requires a dynamic life or `bearingwear cage`)", "(0, 1]"), mark="X"),
     Measure(key="lowest_frequency_Hz", words="lowest natural frequency of the rotor",
         label="rotor frequency", unit="Hz", variables=("lowest_frequency",), falls=True,

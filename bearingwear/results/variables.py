@@ -54,7 +54,7 @@ COORDINATES = (
         Variable("strip", ("strip",), "1", "index of the strip on the contact ellipse", "i4"),
         Variable("counts", ("counts",), "", "wear included in the loss", "i1", flags=COUNTS),
         Variable("steady_state", ("steady_state",), "1", "index of the steady state", "i4"),
-        Variable("step", ("step",), "1", "index of the step along the life", "i4"),
+        Variable("step", ("step",), "1", "index of the step of the life", "i4"),
         # CF's standard_name "time" is for dates: it asks for units with a date to count from
         Variable("time", ("time",), "s", "simulated time"),
         Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),

@@ -149,7 +149,7 @@ class Model:
     # fmt: off
     contact: str = setting("Contact model: paper evaluates slip on the centre line of the ellipse "
         "and neglects traction in the normal force balance; hertz evaluates slip over the whole "
-        "ellipse and includes traction; worn also computes the groove profiles along a life; auto "
+        "ellipse and includes traction; worn also computes the groove profiles over a life; auto "
         "selects hertz, or worn for lives with deep wear", choices=CONTACTS, default="auto")
     slip_over: str | None = setting("Region over which slip is evaluated (overrides model.contact)",
         choices=SLIP_OVER, default=None)

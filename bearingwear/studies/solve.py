@@ -65,7 +65,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
     if fidelity != "steady":
         raise SceneError(
             "",
-            f"got a scene whose life requires the model {fidelity}, expected one with a steady "
+            f"got a scene whose life requires the {fidelity} model, expected one with a steady "
             f"state (for a single life, use bearingwear life {os.fspath(path)} --fidelity dynamic)",
             source=os.fspath(path),
         )

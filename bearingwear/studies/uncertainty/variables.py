@@ -44,8 +44,7 @@ ANALYSED = table(
         "share of the interpolated lives with worn grooves whose error may be larger"),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
     Variable("batch_life_quantile", (BATCH, PROBABILITY, BASIS), "h",
-        "quantile of the life of the bearings of a batch, for quantiles of the uncertainty of the "
-        "batch",
+        "quantile of the lives in a batch, for each quantile of the batch uncertainty",
         comment="probability 0.1 gives L10; the middle of batch_probability gives the scatter "
         "within a batch, its ends the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
