@@ -84,7 +84,9 @@ def command_parser() -> argparse.ArgumentParser:
     _add_limits(recommend)
     _add_formats(recommend)
     _add_launch(launch)
-    _add_margin(command("margin", "compute the torque margin of a drive, cold to hot, new to worn"))
+    _add_margin(
+        command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
+    )
     _add_export(command("export", "write stiffness against speed as CSV, or as TOML for ROSS"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(

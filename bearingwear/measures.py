@@ -215,11 +215,11 @@ MEASURES = (
             "(0, 50000]"), mark="o"),
     Measure(key="pocket_clearance_mm", words="pocket clearance", unit="mm",
         variables=("pocket_clearance",), advice="start with less clearance, or raise the limit",
-        end=("Diametral clearance between a pocket and the most worn ball at which life ends "
+        end=("Diametral clearance, between a pocket and the most worn ball, at which life ends "
             "(requires a cage and a dynamic life)", "(0, 50]"), mark="p"),
     Measure(key="guide_clearance_mm", words="guide clearance", unit="mm",
         variables=("guide_clearance",), advice="start with less clearance, or raise the limit",
-        end=("Diametral clearance between cage and guiding land at which life ends (requires a "
+        end=("Diametral clearance, between cage and guiding land, at which life ends (requires a "
             "race-guided cage and a dynamic life)", "(0, 50]"), mark="h"),
     Measure(key="rotor_shift_um", words="rotor shift", unit="um",
         variables=("rotor_axial_shift",),

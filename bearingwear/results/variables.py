@@ -191,7 +191,7 @@ STATE = ALWAYS | table(
         label="friction used (gyroscopic)", shown="%"),
     Variable("friction_coefficient", _BOTH, "1", "friction coefficient of the contact",
         averaged=True, label="friction coefficient"),
-    Variable("cage_frequency", (), "Hz", "frequency of the balls' orbit, mean over the balls",
+    Variable("cage_frequency", (), "Hz", "orbital frequency of the balls, mean over the balls",
         averaged=True, label="cage frequency"),
     Variable("ball_pass_frequency", _RACE, "Hz",
         "frequency at which balls pass a point on the race", averaged=True,

@@ -46,10 +46,10 @@ class FilmFriction:
     """Friction of a solid film, S_0/p_m + alpha_S under the mean pressure p_m of a contact."""
 
     # fmt: off
-    shear_strength_MPa: float = setting("Shear strength S_0 of the film without pressure", "MPa",
+    shear_strength_MPa: float = setting("Shear strength S_0 of the film at zero pressure", "MPa",
         "[0, 10000]")
-    pressure_coefficient: float = setting("Increase alpha_S of its shear strength with pressure",
-        "1", "[0, 2]", default=0.0)
+    pressure_coefficient: float = setting("Pressure coefficient alpha_S of the shear "
+        "strength", "1", "[0, 2]", default=0.0)
     thickness_um: float | None = setting("Thickness of the film on each race when new "
         "(materials.NAME.film specifies that of the balls; if omitted, the film never wears "
         "through)", "um", _THICKNESS,
@@ -63,8 +63,8 @@ class FilmFriction:
     bare_ball_race: float | None = setting(
         "Coulomb coefficient where the film is worn through (if omitted, the value of the film)",
         "1", "[0, 2]", default=None)
-    pressure_exponent: float | None = setting("Exponent of the dependence of the film wear rate on "
-        "mean contact pressure over reference_pressure_GPa (none if omitted)", "1", "[0, 10]",
+    pressure_exponent: float | None = setting("Exponent n of film wear, which is proportional "
+        "to (mean contact pressure/reference_pressure_GPa)^n (none if omitted)", "1", "[0, 10]",
         default=None)
     reference_pressure_GPa: float | None = setting(
         "Mean pressure at which the wear_coefficient of the film applies", "GPa", "(0, 20]",

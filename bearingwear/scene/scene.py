@@ -101,7 +101,7 @@ class Scene:
         default=None)
     launch: Launch | None = setting(
         "Accelerations of the stationary rotor at launch (none if omitted)", default=None)
-    drive: Drive | None = setting("Drive of the shaft, for its torque margin (none if omitted)",
+    drive: Drive | None = setting("Shaft drive, for its torque margin (none if omitted)",
         default=None)
     temperature: Temperature | None = setting(
         "Temperatures of the parts (if omitted, the mounting temperature)", default=None)

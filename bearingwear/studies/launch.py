@@ -48,7 +48,7 @@ def snakefile() -> Path:
     for folder in places:
         if (folder / "Snakefile").is_file():
             return folder / "Snakefile"
-    raise NoStudy(f"study: the workflow is in none of {', '.join(map(str, places))}")
+    raise NoStudy(f"study: found no workflow in {', '.join(map(str, places))}")
 
 
 def launch(

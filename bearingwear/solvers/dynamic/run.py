@@ -198,8 +198,8 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded QV drifts {last.slopes[0]:+.1e} per turn"
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes the place of the next one, "
-        f"within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
+        f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes its neighbour's place, "
+        f"to within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
     )
 
 

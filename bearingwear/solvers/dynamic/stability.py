@@ -90,8 +90,8 @@ class GrowthRates:
             else "do not grow"
         )
         return (
-            f"disturbances decay e-fold in {_turns(self.other)}; disturbances of the even ball "
-            f"spacing {spacing}"
+            f"disturbances decay by a factor of e in {_turns(self.other)}; disturbances of the "
+            f"even ball spacing {spacing}"
         )
 
 
@@ -107,7 +107,7 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
         return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (
-            "without a cage, disturbances of the even ball spacing grow e-fold in "
+            "without a cage, disturbances of the even ball spacing grow by a factor of e in "
             f"{_turns(spacing)}"
         )
         return {"said": said, "advice": "add a cage to the scene"}

@@ -97,7 +97,7 @@ POINT = table(
     Variable("loss_at_end", (), "m", "total wear depth at the end of life"),
     *_at_ends(),
     *_extremes(),
-    Variable("impractical", (), "", "first warning, new or worn, of an impractical design",
+    Variable("impractical", (), "", "first warning that flags an impractical design, new or worn",
         dtype="i1", flags=("none", *IMPRACTICAL)),
     Variable("groove", (), "", "groove model of the life and of the states along it", dtype="i1",
         flags=GROOVE_SHAPES, comment="worn if the life of the scene uses worn grooves"),

@@ -366,7 +366,7 @@ HELD = table(
     Variable("life_by_ball_track", ("preload_method", "ball_track"), "h",
         "wear life at the recommended preload, for each assumed ball track",
         scale=HOURS_PER_SECOND),
-    Variable("verdict", (), "", "whether one method is preferred to the other", dtype="i1",
+    Variable("verdict", (), "", "whether one method is preferred over the other", dtype="i1",
         flags=VERDICTS,
         comment="neither is preferred if a change of 5 % in one assumption or the other ball track "
         "reverses the order, or if the lives differ by less than their numerical errors"),

@@ -63,7 +63,7 @@ def calibration_sheet(file: Any) -> Document:
     summary = (
         "Within a batch, two thirds of the lives scatter by a factor of "
         f"{digits(float(np.exp(scatter)))}.",
-        f"The interpolation of lives in friction has an error of up to {100 * error:.1g} %.",
+        f"The error of lives interpolated between friction values is at most {100 * error:.1g} %.",
         "The probability is that of a test that deviates from the model by at least this much, "
         "given the other tests.",
     )

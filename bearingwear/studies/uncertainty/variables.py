@@ -75,7 +75,6 @@ ANALYSED = table(
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half-width of its confidence interval"),
     Variable("life_sample", (INPUTS, "member", BASIS), "h",
-        "independent sampled lives, sorted", comment="evenly spaced values of a very large "
-        "number of lives"),
+        "independent sampled lives, sorted", comment="evenly spaced values of a very large sample"),
 )  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

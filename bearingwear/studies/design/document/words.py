@@ -15,7 +15,7 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "no_preload_within_limits": "no preload satisfies all limits",
     "end_of_life": "a change of the end-of-life criterion",
     "impractical": "a warning: impractical design",
-    "cliff": "a sudden drop of the life",
+    "cliff": "a sudden drop in life",
 }
 """What keeps a preload from one with a longer life."""
 
