@@ -52,6 +52,7 @@ class Measure:
     end: tuple[str, ...] = ()
     limit: tuple[str, ...] = ()
     note: str = ""  # on the meaning of a limit
+    means: str = ""  # in half a sentence, what its name does not say to a reader of a report
     # added to values and limits [as in its key] where their ratio counts, so that a limit may
     # be nothing
     base: float = 0.0
@@ -178,7 +179,7 @@ class Measure:
 
     def reached(self, value: float, limit: float, name: str) -> str:
         """A value [SI] of one of its variables and its limit, in words."""
-        return f"{self.words_of(name)} {self.text(value)}, limit {self.limit_text(limit)}"
+        return f"{self.words_of(name)} {self.text(value)}, criterion {self.limit_text(limit)}"
 
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
@@ -204,26 +205,27 @@ MEASURES = (
         advice="use a lower speed, more preload, or ceramic balls",
         end=("Gyroscopic slip share of any contact at or above which life ends", "(0, 1]"),
         limit=("Maximum gyroscopic slip share of any contact", "(0, 1]"),
+        means="sliding of the balls across their rolling direction, as a share of all their sliding",
         option="--slip", mark="s", letter="G", brief=True),
     Measure(key="skid_ratio", words="skid ratio", variables=("skid_ratio",), signed=True,
         advice="use more preload, a lower speed, or less lubricant drag",
         end=("Lag of the orbit rate behind pure rolling at or above which life ends", "(0, 1]"),
         mark="P"),
     Measure(key="ball_diameter_loss_um", words="total wear depth", unit="um",
-        variables=("ball_diameter_loss",), advice="start with less wear, or raise the limit",
+        variables=("ball_diameter_loss",), advice="start with less wear, or raise the criterion",
         end=("Total wear depth at which life ends (less than a tenth of the ball diameter)",
             "(0, 50000]"), mark="o"),
     Measure(key="pocket_clearance_mm", words="pocket clearance", unit="mm",
-        variables=("pocket_clearance",), advice="start with less clearance, or raise the limit",
+        variables=("pocket_clearance",), advice="start with less clearance, or raise the criterion",
         end=("Diametral clearance, between a pocket and the most worn ball, at which life ends "
             "(requires a cage and a dynamic life)", "(0, 50]"), mark="p"),
     Measure(key="guide_clearance_mm", words="guide clearance", unit="mm",
-        variables=("guide_clearance",), advice="start with less clearance, or raise the limit",
+        variables=("guide_clearance",), advice="start with less clearance, or raise the criterion",
         end=("Diametral clearance, between cage and guiding land, at which life ends (requires a "
             "race-guided cage and a dynamic life)", "(0, 50]"), mark="h"),
     Measure(key="rotor_shift_um", words="rotor shift", unit="um",
         variables=("rotor_axial_shift",),
-        advice="use two bearings with equal wear, or raise the limit",
+        advice="use two bearings with equal wear, or raise the criterion",
         end=("Axial shift of the rotor from its mounted position, in either direction, "
             "at which life ends", "(0, 50000]"),
         limit=("Maximum axial shift of the rotor from its mounted position", "(0, inf)"),
@@ -269,7 +271,7 @@ MEASURES = (
         option="--power", letter="F", brief=True),
     Measure(key="groove_depth_um", words="groove wear depth", unit="um",
         variables=("greatest_depth",),
-        advice="use less preload or a lower speed, or raise the limit",
+        advice="use less preload or a lower speed, or raise the criterion",
         end=("Maximum wear depth of a groove at which life ends", "(0, 50000]"), mark=">"),
     Measure(key="cage_film_worn_share", words="film worn off the cage",
         variables=("pocket_film_worn_share", "land_film_worn_share"), kinds=("pocket", "land"),
@@ -279,7 +281,7 @@ MEASURES = (
     Measure(key="lowest_frequency_Hz", words="lowest natural frequency of the rotor",
         label="rotor frequency", unit="Hz", variables=("lowest_frequency",), falls=True,
         advice="use more preload, or a rigid pair",
-        limit=("Lower limit on the lowest natural frequency of the rotor", "(0, inf)"),
+        limit=("Minimum of the lowest natural frequency of the rotor", "(0, inf)"),
         note="the scene must specify mass and span", needs=("rotor_mass_kg", "span_mm"),
         option="--frequency", letter="H"),
     Measure(key="launch_g", words="acceleration at launch",

@@ -470,7 +470,7 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
         assert main([*without_friction, *limits]) == 3
         told, error = capsys.readouterr()
         assert error == f"{SCENE}: no life could be solved at any preload\n"
-    assert "No constant force preload satisfies all limits: no life could be solved" in told
+    assert "No constant force preload satisfies all requirements: no life could be solved" in told
 
 
 @pytest.mark.parametrize(

@@ -206,7 +206,7 @@ def test_what_ended_a_life_is_said(name):
     ended = end_attribute(ended_by(name), values)
     kinds = measure.kinds
     assert ended["ended_by"] in [
-        f"{kind} {measure.words} {said}, limit {said}".strip() for kind in kinds
+        f"{kind} {measure.words} {said}, criterion {said}".strip() for kind in kinds
     ]
 
 

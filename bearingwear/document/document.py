@@ -19,9 +19,10 @@ from bearingwear.results.variables import CASE, LIFE
 
 VARIABLES = CASE | LIFE
 
-PLACES = ("", "strip", "lead", "more", "open", "charted")
-"""Where a block stands on a page: folded away, above everything, beside the headline, there where
-no charts say it, below all of these, or folded below the charts that draw it."""
+PLACES = ("", "verdict", "strip", "lead", "more", "open", "charted")
+"""Where a block stands on a page: folded away, under the headline, above everything else, beside the
+first chart, there where no charts say it, below all of these, or folded below the charts that draw
+it."""
 
 
 class Row(NamedTuple):
@@ -173,10 +174,10 @@ def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
 
 
 def row_notes(row: Row) -> str:
-    """Notes of a row: its limit, those of each column, and its own."""
-    limit = "" if row.limit is None else f"limit {digits(row.limit, row.unit)}"
+    """Notes of a row: its end-of-life criterion, those of each column, and its own."""
+    limit = "" if row.limit is None else f"criterion {digits(row.limit, row.unit)}"
     each = ", ".join("–" if one is None else digits(one, row.unit) for one in row.limits)
-    return ", ".join(filter(None, (limit, each and f"limits {each}", row.note)))
+    return ", ".join(filter(None, (limit, each and f"criteria {each}", row.note)))
 
 
 def load_document(path: Path) -> Document:

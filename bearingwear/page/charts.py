@@ -20,7 +20,7 @@ MARGINS = (56.0, 14.0, 10.0, 40.0)
 """Left, right, top, bottom of the field of lines [px]."""
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LANE = 9.0
-"""Height of the bar below the lines that is shaded where a method passes a limit."""
+"""Height of the bar below the lines that is shaded where a method violates a requirement."""
 _STAR = "M0-9 2.1-2.9 8.6-2.8 3.4 1.1 5.3 7.3 0 3.6-5.3 7.3-3.4 1.1-8.6-2.8-2.1-2.9Z"
 _DIAMOND = "M0-6L5 0 0 6-5 0Z"
 _Place = Callable[[float, float], tuple[float, float]]
@@ -96,9 +96,11 @@ def chart_html(
 def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
-        "Star: longest life of the method within all limits.": any(c.star for c in chart.lines),
+        "Star: longest life of the method that satisfies all requirements.": any(
+            c.star for c in chart.lines
+        ),
         "Vertical line: life range of 90 % of the bearings.": any(c.band for c in chart.lines),
-        "Dashed line, shading and bar on the axis: the method violates a limit.": any(
+        "Dashed line, shading and bar on the axis: the method violates a requirement.": any(
             c.beyond for c in chart.lines
         ),
         "Diamond: from here, another criterion ends the life.": any(
@@ -200,7 +202,7 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
 
 
 def _line(line: ChartLine, k: int, place: _Place, height: float, log: bool) -> Iterable[str]:
-    """The line, bold within all limits; its lane, its points, and the recommended one.
+    """The line, bold where it satisfies all requirements; its lane, its points, and the recommended one.
 
     Nothing stands at zero on a logarithmic axis.
     """

@@ -183,7 +183,7 @@ class Chart {
       const end = point && line.ends[line.points.findIndex(([at]) => at === point[0])];
       if (end && x !== null) said.textContent += `, ended by ${end}`;
       said.parentElement.classList.toggle("beyond", note !== "");
-      said.parentElement.title = note && `limits violated: ${note}`;
+      said.parentElement.title = note && `requirements violated: ${note}`;
     });
   }
 

@@ -6,6 +6,7 @@ import base64
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -42,11 +43,16 @@ GLOSSARY = {
     "constant force (spring pair), fixed position (rigid pair)": "Preload by a spring, whose force "
     "remains constant as parts wear, or by a spacer, whose force decreases with wear.",
     "residual preload": "The axial force that remains at speed and after wear.",
-    "slip, gyroscopic share": "The share of ball slip perpendicular to the rolling direction.",
+    "gyroscopic slip share": "Sliding of the balls across their rolling direction, driven by the "
+    "gyroscopic moment, as a share of all their sliding.",
+    "requirement": "What the machine or the bearing must satisfy from new to the end of life, such "
+    "as a stiffness. It restricts the choice of a preload.",
+    "end-of-life criterion": "A value of the scene at which the bearing counts as worn out, such "
+    "as a wear depth. The first that is met ends the life.",
     "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",
     "total wear depth": "The loss of ball diameter plus, if the wear of the races is counted, the "
     "wear depth of both grooves. It reduces the interference between balls and grooves.",
-    "wear life": "Hours until wear reaches the first limit; not a fatigue life.",
+    "wear life": "Hours until the first end-of-life criterion is met; not a fatigue life.",
 }
 """Words that a reader of the page may not know."""
 
@@ -138,6 +144,7 @@ def page(
         .render(
             headline=answered[0].title if answered else "A study of friction and wear",
             answers=answered,
+            named_once=partial(_without_name, inputs),
             inputs=inputs,
             sketch=_sketch(inputs, answered),
             sections=list(scenes.values()),
@@ -194,6 +201,15 @@ def _environment() -> jinja2.Environment:
         ),
     )
     return environment
+
+
+def _without_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
+    """A heading without the name of the scene, where the page is about no other."""
+    if len(scenes) != 1:
+        return text
+    name = scenes[0]["name"]
+    text = text.removeprefix(f"{name}: ").removeprefix(f"{name}, ")
+    return text[:1].upper() + text[1:]
 
 
 def _csp_hash(text: str) -> str:

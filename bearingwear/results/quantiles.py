@@ -75,7 +75,7 @@ class Spread(NamedTuple):
             " %", "\N{NO-BREAK SPACE}%"
         )
         if self.bearings.low == 0.0:
-            text += " (0: a limit is exceeded when new)"
+            text += " (0: an end-of-life criterion is met when new)"
         share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"
         return text + (share if self.solved < 1.0 else "")
 

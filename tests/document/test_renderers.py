@@ -36,7 +36,7 @@ DOCUMENT = Document(
 def test_text_has_a_line_for_each_quantity_and_for_each_point():
     text = as_text(DOCUMENT)
     assert text.startswith("a_b: take <5> N\nsecond line\n\n  what to take")
-    assert re.search(r"^  life +h +3\.1 +1 to 2\.5  limit 2, passed$", text, re.M)
+    assert re.search(r"^  life +h +3\.1 +1 to 2\.5  criterion 2, passed$", text, re.M)
     assert re.search(r"^  power +mW +12\.35 +–$", text, re.M)
     assert re.search(r"^ +preload \(N\) +life \(h\) +power \(mW\)\n +1 +3\.1 +12\.35\n", text, re.M)
     assert "  why\n    It lasts | longest & best.\n" in text
@@ -48,7 +48,7 @@ def test_markdown_has_no_markup_of_others():
     text = as_markdown(DOCUMENT)
     assert text.startswith("# a_b: take &lt;5&gt; N\n\nsecond line\n\n## what to take\n\n")
     assert "|  | spring | fixed \\* |  |\n" in text
-    assert "| life (h) | 3.1 | 1 to 2.5 | limit 2, passed |\n" in text
+    assert "| life (h) | 3.1 | 1 to 2.5 | criterion 2, passed |\n" in text
     assert "It lasts \\| longest &amp; best." in text
     assert "| preload (N) | life (h) | power (mW) |\n| --- | --- | --- |\n| 1 | 3.1 |" in text
 

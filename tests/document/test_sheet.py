@@ -33,8 +33,8 @@ def test_a_case_says_what_was_solved(capsys):
     assert "model steady (pure thrust load), status ok: solved and verified" in text
     for line in (
         r"maximum pressure +MPa +980 +943",
-        r"gyroscopic slip share +% +8\.49 +2\.29  limit 50",
-        r"residual preload +N +7  limit 2\.8",
+        r"gyroscopic slip share +% +8\.49 +2\.29  criterion 50",
+        r"residual preload +N +7  criterion 2\.8",
         r"dynamic axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
@@ -61,8 +61,8 @@ def test_friction_power_is_torque_times_speed(capsys):
 def test_a_life_says_what_ends_it(capsys):
     text = printed(capsys, "life", SCENE, *FIXED)
     assert re.search(r"^  ended by +residual preload$", text, re.M)
-    assert re.search(r"^  residual preload +% +105 +40  limit 40, ends the life$", text, re.M)
-    assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  limit 50$", text, re.M)
+    assert re.search(r"^  residual preload +% +105 +40  criterion 40, ends the life$", text, re.M)
+    assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  criterion 50$", text, re.M)
     assert re.search(r"^  total wear depth +um/1000 h +\d+ +\d+$", text, re.M)
 
 

@@ -35,7 +35,7 @@ def test_limits_that_differ_stand_beside_the_row():
     assert both.columns == ("bearing 1", "bearing 2")
     assert both.rows == (Row("preload", "N", (160.0, 100.0), limits=(48.0, 24.0)),)
     sheet = Document(blocks=(both,))
-    assert as_text(sheet).endswith("160          100  limits 48, 24")
+    assert as_text(sheet).endswith("160          100  criteria 48, 24")
     (quantity,) = json.loads(as_json(sheet))["quantities"]
     assert quantity["limit"] == {"bearing 1": 48.0, "bearing 2": 24.0}
     assert as_csv(sheet).splitlines()[-2:] == [

@@ -342,7 +342,7 @@ def test_python_warns(spindle):
         found = bearingwear.solve(scene)
     assert len(caught) == 1 and caught[0].filename == __file__
     assert json.loads(found.attrs["warnings"])[0]["id"] == "pressure_above_practice"
-    with pytest.warns(UserWarning, match="limit exceeded when new"):
+    with pytest.warns(UserWarning, match="end-of-life criterion met when new"):
         bearingwear.life(variant(spindle, STEEP))
 
 

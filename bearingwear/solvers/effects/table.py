@@ -113,7 +113,7 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 
 EFFECTS = (
-    Effect("over_limit_when_new", _when_new, "limit exceeded {new}: {said}", "{advice}"),
+    Effect("over_limit_when_new", _when_new, "end-of-life criterion met {new}: {said}", "{advice}"),
     Effect("limit_passed", _limit_passed, "a life would end at once: {said}", "{advice}"),
     Effect(
         "criterion_not_watched",
@@ -201,7 +201,7 @@ EFFECTS = (
         practice.grown_preload,
         "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
         "(rule of thumb: at most three times)",
-        "if that matters here, use a spring or cool the inner rings",
+        "the results include this; a spring or cooler inner rings would avoid it",
     ),
     Effect(
         "temperature_beyond_practice",
@@ -246,7 +246,7 @@ EFFECTS = (
         "temperature_left_out",
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
-        "the preload ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
+        "the preload set at rest ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "add a temperature or thermal block to the scene",
         modelled=growth.temperature,
     ),

@@ -47,7 +47,7 @@ ACTIVE = (
 ) = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(
-    "active_limit", (), "", "limit that prevents a longer life", dtype="i1", flags=ACTIVE
+    "active_limit", (), "", "requirement that prevents a longer life", dtype="i1", flags=ACTIVE
 )
 
 
@@ -160,7 +160,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     }
     before, but = "", "at best "
     if not failed:
-        before = "each limit can be satisfied individually, but not all of them together: "
+        before = "each requirement can be satisfied individually, but not all of them together: "
         but = "but "
         best = usable[margin[:, usable].min(axis=0).argmax()]
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}

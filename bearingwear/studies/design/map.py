@@ -281,7 +281,7 @@ def _impractical(scene: Scene, states: Sequence[State]) -> int:
 
 def _warnings_along(scene: Scene, life: Life) -> list[dict[str, Any]]:
     """Warnings of a life with worn grooves, as `life` has them."""
-    values = life_values(scene.one_of_alike, life) | {"groove_depth": ()}
+    values = life_values(scene.one_of_alike, life) | {"groove_depth": ((), ())}  # of both
     if scene.one_of_alike is not scene:
         values = joined([values, values])
     return warnings_of(scene, choice_for_life(scene), values)

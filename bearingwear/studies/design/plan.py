@@ -52,10 +52,10 @@ class DesignLimits(_LIMITS):
             one = LIMITED[key]
             for name in one.needs:
                 if scene.arrangement is None or getattr(scene.arrangement, name) is None:
-                    problem = f"got nothing; a limit on the {one.words} requires it"
+                    problem = f"got nothing; a requirement on the {one.words} needs it"
                     raise SceneError(f"arrangement.{name}", problem, source=source)
             if one.block and getattr(scene, one.block) is None:
-                problem = f"got nothing; a limit on the {one.words} requires it"
+                problem = f"got nothing; a requirement on the {one.words} needs it"
                 raise SceneError(one.block, problem, source=source)
 
     @property
@@ -84,6 +84,13 @@ class MapAxes:
         return methods, self.friction, self.shaft_speed_rpm, self.preload_N
 
 
+def most_preload() -> float:
+    """The largest preload that a scene may have [N]."""
+    preload = key_of_scene("operation.preload_N")
+    assert preload is not None
+    return preload.key.ends[1]
+
+
 def axes_around(
     scene: Scene,
     frictions: Sequence[float],
@@ -98,15 +105,14 @@ def axes_around(
     if own <= 0.0:
         problem = f"got {own:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
-    preload = key_of_scene("operation.preload_N")
-    assert preload is not None
-    _, most = preload.key.ends
     around = {float(f"{factor * own:.3g}") for factor in factors if factor != 1.0}
     return MapAxes(
         preload_method=PRELOAD_METHODS,
         friction=RisingAxis(frictions),
         shaft_speed_rpm=RisingAxis([scene.operation.shaft_speed_rpm]),
-        preload_N=RisingAxis(sorted({own, *(value for value in around if value <= most)})),
+        preload_N=RisingAxis(
+            sorted({own, *(value for value in around if value <= most_preload())})
+        ),
     )
 
 

@@ -265,6 +265,16 @@ class PreloadLine:
             del self.tried[preload]
         self._guesses.clear()
 
+    def lengthen(self, ahead: Sequence[float], new: Mapping[str, np.ndarray] | None) -> None:
+        """Preloads [N] and new bearings of a wider map."""
+        self.ahead, self.new = ahead, new
+        self._guesses.clear()
+
+    def leave_out(self, preload: float) -> Tried:
+        """Forget the life at a preload [N]; returns it."""
+        self._guesses.clear()
+        return self.tried.pop(preload)
+
     @property
     def in_order(self) -> list[Tried]:
         return [self.tried[preload] for preload in sorted(self.tried)]

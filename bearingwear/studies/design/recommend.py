@@ -55,7 +55,7 @@ from bearingwear.studies.design.map import (
     scenes_of_map,
     worst_cases,
 )
-from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.plan import DesignLimits, MapAxes, most_preload
 from bearingwear.studies.design.preload_line import PreloadLine, denser
 from bearingwear.studies.design.room import (
     Assumption,
@@ -68,7 +68,7 @@ from bearingwear.studies.design.room import (
     longer,
     verdict_on,
 )
-from bearingwear.studies.design.search import Found, Request, answered, search
+from bearingwear.studies.design.search import Asking, Found, Request, answered, search
 from bearingwear.studies.pool import (
     BrokenSilence,
     Tell,
@@ -96,6 +96,12 @@ CLIFF = table(
         "cliff_preload"),
     Variable("clear_life", (), "h", "wear life at clear_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip
+BEYOND = table(
+    Variable("beyond_preload", (), "N",
+        "preload far beyond the end of the range at which the recommended one is"),
+    Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
+    Variable("beyond_running_preload", (), "N", "running preload when new at beyond_preload"),
+)  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
 
@@ -122,6 +128,11 @@ NO_ERRORS = np.full(2, np.nan)
 NEW_APART = 0.1  # in log preload, new bearings between the preloads of a map
 _WAYS = (False, True)  # down and up
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
+STEP_BEYOND, STEPS_BEYOND = 8.0, 3
+"""Beyond an end of the map at which the life is longest: a step, and how many of them at most."""
+
+LITTLE_LONGER = 1.1
+"""A life that is longer by less than this after a step is not worth one."""
 
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
@@ -239,13 +250,13 @@ class Search:
         lines: lives over `preload_method` and `preload`.
         """
         if self.limits.given:
-            self.tell("limits of new bearings against preload")
+            self.tell("requirements at preloads of new bearings")
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:
             self.tell("the best preloads between those of the map")
             solve = partial(self._solve, _SEARCH)
-            found = answered([search(one, self.limits) for one in known], solve)
+            found = answered([self._searched(one) for one in known], solve)
         self.left.drop(_SEARCH)
         rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
         none = {}
@@ -258,6 +269,26 @@ class Search:
             self.tell("robustness of the choice")
         held_so, beside = self._held(known, rows)
         return [row | more for row, more in zip(rows, beside, strict=True)], none, held_so
+
+    def _searched(self, line: PreloadLine) -> Asking:
+        """`search`, beyond an end of the map while that makes the longest life longer."""
+        found: Found | None = yield from search(line, self.limits)
+        for _ in range(STEPS_BEYOND):
+            if found is None or held_back_by(line, found, self.limits) != END_OF_RANGE:
+                break
+            end, best = found.best.preload, found.best.life
+            step = STEP_BEYOND if end == max(line.tried) else 1.0 / STEP_BEYOND
+            *between, far = (float(f"{end * step ** (k / 3):.3g}") for k in (1, 2, 3))
+            if far > most_preload():
+                break
+            yield [(line, far, True)]
+            one = line.tried[far]
+            if one.is_allowed(self.limits) and best <= one.life < LITTLE_LONGER * best:
+                return replace(found, beyond=line.leave_out(far))
+            ahead = sorted([*line.ahead, *between, far])
+            line.lengthen(ahead, self._new(line.method, ahead[0], ahead[-1]))
+            found = yield from search(line, self.limits)
+        return found
 
     def _at(self, method: str, preload: float) -> Scene:
         return held_by(self.scene, method, preload)
@@ -415,6 +446,10 @@ def _row(line: PreloadLine, found: Found, limits: DesignLimits) -> dict[str, Any
     for name, one in (("cliff", found.cliff), ("clear", found.clear)):
         if one is not None and one is not found.best:
             row |= {f"{name}_preload": one.preload, f"{name}_life": one.life}
+    if one := found.beyond:
+        running = one.values["residual_preload_at_start"]
+        row |= {"beyond_preload": one.preload, "beyond_life": one.life}
+        row |= {"beyond_running_preload": running}
     return row
 
 
@@ -445,9 +480,10 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
 def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
     more = table(
         RECOMMENDED_PRELOAD,
-        replace(ACTIVE_LIMIT, long_name="limit that prevents a longer life"),
+        replace(ACTIVE_LIMIT, long_name="requirement that prevents a longer life"),
         LIFE_ERROR,
         *CLIFF.values(),
+        *BEYOND.values(),
     )
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]

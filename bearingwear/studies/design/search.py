@@ -47,6 +47,8 @@ class Found:
     # the preload within the limits that keeps so far away from it; the best itself where that costs
     # next to nothing
     clear: Tried | None = None
+    # where the best is at an end of the range: one far beyond it, whose life is hardly longer
+    beyond: Tried | None = None
 
 
 def lives_needed(line: PreloadLine, limits: DesignLimits) -> Asking:

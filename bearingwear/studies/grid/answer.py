@@ -128,14 +128,14 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         points.append(("Other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]
     return Document(
-        (_headline(f"{name} at {preload:g} N", here, contests),),
+        (f"{name}: at the given {preload:g} N, {_headline(here, contests)}",),
         {"scene": name, "bearing": bearing_line(scene)},
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            lives_block(f"Lives of {name} at a preload of {preload:g} N", here, scene),
+            lives_block(f"{name}: lives at the given {preload:g} N", here, scene),
         ),
         ("wear_life",),
-        subject=f"Lives at {preload:g} N",
+        subject=f"As given: {preload:g} N",
         rank=RANK,
     )
 
@@ -147,7 +147,7 @@ class _Contest(NamedTuple):
     """Both methods at one friction coefficient of a scene."""
 
     friction: float
-    longest: str | None  # None: equal; empty: both are beyond a limit when new
+    longest: str | None  # None: equal; empty: both lives are zero
     other: str
     ratio: float  # longer life over the shorter
 
@@ -170,21 +170,21 @@ def _contests(lives: Iterable[MethodLife]) -> list[_Contest]:
     return found
 
 
-def _headline(name: str, lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
+def _headline(lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
     if not any(math.isfinite(life.counted) for life in lives):
-        return f"{name}: no end of life was found"
+        return "no end of life was found"
     winners = {contest.longest for contest in contests}
     if not winners:
         known = dict.fromkeys(in_words(life.method) for life in lives)
-        return f"{name}: life with {' and '.join(known)}"
+        return f"life with {' and '.join(known)}"
     if winners == {""}:
-        return f"{name}: neither preload method can be used"
+        return "neither preload method can be used"
     winners.discard("")
     if winners == {None}:
-        return f"{name}: both preload methods give the same life"
+        return "both preload methods give the same life"
     if len(winners) == 1:
-        return f"{name}: {in_words(str(*winners))} gives the longer life"
-    return f"{name}: the better preload method depends on friction"
+        return f"{in_words(str(*winners))} gives the longer life"
+    return "the better preload method depends on friction"
 
 
 def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
@@ -194,9 +194,9 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     if len(worn) > 1:
         grooves += " where wear is deep"
     return (
-        f"The comparison is for the preload of the scene, {scene['operation']['preload_N']:g} N, "
-        f"{grooves} and without limits other than the end of life. At the preloads recommended "
-        "for each method, the order may differ."
+        f"This section describes the bearing as given, with {scene['operation']['preload_N']:g} N "
+        f"by either method, {grooves} and without requirements. It is no recommendation: at the "
+        "preload recommended for each method, the order may differ."
     )
 
 
@@ -221,7 +221,7 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
         if not winner:
             frictions = dict(of_frictions)[str(winner)]
             equal = f"No difference beyond the numerical error at {frictions}."
-            none = f"Neither can be used at {frictions}, because both exceed a limit when new."
+            none = f"Neither can be used at {frictions}, because an end-of-life criterion is met when new."
             said.append(equal if winner is None else none)
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
@@ -232,21 +232,21 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
 
 def _margin(ratio: float) -> str:
     if ratio == math.inf:
-        return "only this method satisfies the limits when new"
+        return "only this method meets no end-of-life criterion when new"
     if ratio < 1.1:
         return f"by {percent_in_text(ratio - 1.0)}"
     return f"{ratio:.2g} times as long"
 
 
 def _at_once(lives: Sequence[MethodLife]) -> str:
-    """Of which lives one in twenty is beyond a limit when new; nothing where there is none."""
+    """Of which lives one in twenty is zero; nothing where there is none."""
     found = [
         (in_words(life.method), life.friction)
         for life in lives
         if life.spread and life.spread.bearings.low == 0.0
     ]
     where = ", ".join(f"{method} at {frictions}" for method, frictions in _grouped(found))
-    text = f"at least one bearing in twenty exceeds a limit when new: {where}"
+    text = f"at least one bearing in twenty meets an end-of-life criterion when new: {where}"
     return _sentence(text) if found else ""
 
 

@@ -68,7 +68,7 @@ def test_a_film_lasts_by_the_plain_ratio():
     first = int(land < pockets)
     assert end_of(found) == "cage_film_worn_share"
     assert found.attrs["cage_ended_by"] == (
-        f"{('pocket', 'land')[first]} film worn off the cage 100 %, limit 100 %"
+        f"{('pocket', 'land')[first]} film worn off the cage 100 %, criterion 100 %"
     )
     assert float(found["film_gone"][first]) == pytest.approx(float(found["cage_life"]))
     assert float(found["cage_hours"]) == pytest.approx(float(found["cage_life"]) / 30000 / 60)

@@ -118,7 +118,7 @@ def test_limits_that_no_preload_keeps_to_are_named():
     line, stiffness = made_up(DOWN, UP), "axial stiffness of one bearing at least"
     for stiff, power, why in (
         (5.0, 0.35, f"{stiffness} 5 N/µm, at best 4 at 4 N"),
-        (3.5, 0.33, "each limit can be satisfied individually, but not all of them together: "
+        (3.5, 0.33, "each requirement can be satisfied individually, but not all of them together: "
                     f"{stiffness} 3.5 N/µm, but 3 at 3 N"),
     ):  # fmt: skip
         limits = DesignLimits(axial_stiffness_N_um=stiff, friction_power_W=power)
@@ -220,7 +220,7 @@ def test_figures_and_tables_are_drawn(folder):
     assert step("studies.design.document.sheets.tables", *tables, **files) == 0
     text = (folder / "design.md").read_text()
     assert (
-        "violates a limit: axial stiffness" in text
+        "violates a requirement: axial stiffness" in text
         and "10 lives at combinations of preload" in text
     )
     assert len((folder / "map.csv").read_text().splitlines()) == 11

@@ -13,9 +13,10 @@ from bearingwear.studies.design.choice import ACTIVE
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.preload_line import PreloadLine, denser, round_number
-from bearingwear.studies.design.recommend import held_back_by, mapped
+from bearingwear.studies.design.recommend import Search, held_back_by, mapped
 from bearingwear.studies.design.room import limit_end
 from bearingwear.studies.design.search import BESIDE, FALL, answered, search
+from bearingwear.studies.pool import TimeLeft
 
 MAP = [round(100.0 * 2.0 ** (k / 2), 1) for k in range(9)]
 STIFF = DesignLimits(axial_stiffness_N_um=20.0)
@@ -154,6 +155,26 @@ def test_what_nobody_would_build_is_not_recommended():
     found = made.found()
     assert 251.3 < found.best.preload < 1.01 * 251.3
     assert ACTIVE[held_back_by(made.line, found, STIFF)] == "impractical"
+
+
+@pytest.mark.parametrize(
+    "life, stiffness, preload, held_by_what, beyond",
+    [
+        (falling, lambda p: 20e6 * (p / 60.0) ** 1.4, 60.0, "axial_stiffness_N_um", None),
+        (lambda p: 1000.0 / (2000.0 + p), lambda p: 1e9, 100.0, "end_of_range", 12.5),
+        (falling, lambda p: 1e9, 0.195, "end_of_range", None),
+    ],
+)
+def test_a_search_goes_beyond_the_map_while_that_lengthens_the_life(
+    life, stiffness, preload, held_by_what, beyond, monkeypatch
+):
+    monkeypatch.setattr(Search, "_new", lambda *_: None)
+    made = MadeUp(life, stiffness)
+    recommend = Search(None, STIFF, 1, map, print, TimeLeft({}))
+    found = answered([recommend._searched(made.line)], made.solve)[0]
+    assert found.best.preload == pytest.approx(preload, rel=0.01)
+    assert ACTIVE[held_back_by(made.line, found, STIFF)] == held_by_what
+    assert (found.beyond and found.beyond.preload) == beyond
 
 
 def test_no_preload_within_the_limits():

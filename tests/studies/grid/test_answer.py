@@ -52,7 +52,7 @@ HEADLINES = [
     ([life(C, 0.1, 2.0), life(F, 0.1, 1.0)], LONG.format("constant force"), "2 times as long"),
     ([life(C, 0.1, 1.0), life(F, 0.1, 1.05)], LONG.format("fixed position"), "by 5 % at"),
     ([life(C, 0.1, 1.0), life(F, 0.1, 1.019)], EQUAL, "No difference beyond the numerical error"),
-    ([life(C, 0.1, 0.0), life(F, 0.1, 0.0)], NONE, "both exceed a limit when new"),
+    ([life(C, 0.1, 0.0), life(F, 0.1, 0.0)], NONE, "an end-of-life criterion is met when new"),
     ([life(C, 0.1, 0.0), life(F, 0.1, 2.0)], LONG.format("fixed position"), "only this method"),
     ([life(C, 0.1, 1.0, math.nan), life(F, 0.1, 1.019, math.nan)],
      LONG.format("fixed position"), "by 1.9 % at"),
@@ -68,7 +68,7 @@ HEADLINES = [
 @pytest.mark.parametrize(("lives", "headline", "sentence"), HEADLINES)
 def test_the_answer_in_words(lives, headline, sentence):
     found = answer(lives, SCENE)
-    assert found.title == f"a at 7 N: {headline}"
+    assert found.title == f"a: at the given 7 N, {headline}"
     said = [plain(text) for _, texts in points(found) for text in texts]
     assert any(sentence in text for text in said), said
     cells = [cell for line in table_of(found).table[1] for cell in line]

@@ -1,4 +1,4 @@
-"""Charts of the design study: life, and what may be limited, over the preload."""
+"""Charts of the design study: life, and what requirements apply to, over the preload."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
 from bearingwear.studies.design.document.sheets import brief_rows
-from bearingwear.studies.design.document.words import end_words, limit_text
+from bearingwear.studies.design.document.words import end_words, required_words
 
 X_LABEL = "initial preload (N)"
 _DECADES = 30.0
@@ -55,7 +55,7 @@ def design_charts(
     """Step: the question of the study, and its charts, as JSON; files as of `design_answer`."""
     files = design_files(design, recommendation, uncertainty)
     sampled = files.uncertainty if spread is None else load_quantiles(spread)
-    given = [limit_text(name, value) for name, value in limits_of(files.design).given.items()]
+    given = required_words(limits_of(files.design).given)
     kept = f", with {' and '.join(given)} from new to the end of life" if given else ""
     question = f"Which preload and which preload method give the longest life{kept}?"
     bands = {} if sampled is None else _bands(files.recommendation, sampled)

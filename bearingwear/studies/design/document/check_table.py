@@ -127,8 +127,8 @@ def _beyond(one: Compared, limit: float | None) -> str:
     """Whether both differ by more than their errors; of the slip share, which side of its limit."""
     if one.name == SHARE_LABEL and limit is not None:
         allowed = (one.steady <= limit) + (one.dynamic <= limit)
-        words = ("both beyond", "one within, one beyond", "both within")
-        return f"{words[allowed]} the limit {limit:g}"
+        words = ("both violate", "one violates", "both satisfy")
+        return f"{words[allowed]} the required {limit:g}"
     return ("yes" if one.beyond else "no") if np.isfinite(one.errors) else "–"
 
 

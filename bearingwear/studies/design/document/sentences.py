@@ -41,21 +41,30 @@ TAKE = {
 """How a preload is applied, in the words of the headline, by method or pair."""
 
 _HELD = {
-    "none": "No limit is active: this preload gives the longest life.",
-    "end_of_range": "No limit is active, but this preload is at the end of the range tried, and "
-    "the life may be longer beyond it.",
+    "none": "No requirement limits this preload: it gives the longest life.",
     "not_solved": "The next preload of the map could not be solved; it may give a longer life.",
-    "end_of_life": "No limit is active, but at other preloads another criterion ends the life "
-    "earlier.",
+    "end_of_life": "No requirement limits this preload, but at others another criterion ends the "
+    "life earlier.",
     "impractical": "Preloads with a longer life make the design impractical.",
     "cliff": "The life drops sharply near this preload.",
 }
-"""Why no other preload has a longer life, where no limit decides."""
+"""Why no other preload has a longer life, where no requirement decides."""
 
 NO_CLOCK = (
     "Use lives for comparison only, not as hours: the wear coefficient is known to an order of "
     "magnitude at best."
 )
+
+SHORT_LIFE = 500.0
+"""Life [h] below which a bearing evidently has no lubricant film."""
+
+NO_OIL = (
+    "So short a life means contacts without a lubricant film; an oil film, which is not modelled, "
+    "would lengthen it. Compare designs by it only."
+)
+
+_RUNS_APART = 1.5
+"""Running preload over the initial one, or the reverse, that is worth a word."""
 
 NEAREST = 3
 """Reversals of the choice that a sentence names; the table has all of them."""
@@ -86,14 +95,14 @@ def method_names(found: xr.Dataset) -> list[str]:
     return [method_words(scene_of(found), name) for name, _ in methods(found)]
 
 
-def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
-    """Which preload to take; a map says at which end of it that is."""
+def headline(found: xr.Dataset) -> str:
+    """Which preload to take."""
     scene, lives = scene_of(found), by_life(found)
     name = scene["name"]
     if not limits_of(found).given:
         return f"{name}: {without_limits(found.attrs[NONE_BECAUSE])[0]}"
     if not lives:
-        return f"{name}: no preload satisfies all limits"
+        return f"{name}: no preload satisfies all requirements"
     taken = [
         TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
         for method, one, _ in lives
@@ -103,8 +112,7 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
     one, end = lives[0][1], ""
     preload, below = float(one["preload"]), float(one["cliff_preload"])
     if ACTIVE[int(one["active_limit"])] == "end_of_range":
-        middle = scene["operation"]["preload_N"] if design is None else design["preload"].mean()
-        end = f", the {'lowest' if preload < float(middle) else 'highest'} preload tried"
+        end, _ = _at_the_end(found, one)
     if math.isfinite(below):
         near = percent_in_text(abs(below / preload - 1.0))
         life = Rough(one["cliff_life"]).text
@@ -115,8 +123,31 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
     return f"{name}: use {taken[0]}{end}"
 
 
-def what_it_gives(found: xr.Dataset) -> str:
-    """The life, beside that of the other method."""
+def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
+    """Of a preload at an end of the range: the end of a headline, and what follows from it."""
+    preload = float(one["preload"])
+    lower = preload < scene_of(found)["operation"]["preload_N"]
+    less, lowest = ("less", "lowest") if lower else ("more", "highest")
+    beyond = float(one.get("beyond_preload", math.nan))
+    if not math.isfinite(beyond):
+        return f" or {less}", (
+            f"No requirement limits this preload, and {less} would lengthen the life further. Use "
+            f"the {lowest} that can be set reliably, or state another requirement."
+        )
+    life, running = float(one["life"][counted(found)]), float(one["residual_preload_at_start"])
+    gain, then = float(one["beyond_life"]) / life - 1.0, float(one["beyond_running_preload"])
+    said = (
+        f"No requirement limits this preload, but {less} hardly lengthens the life: {beyond:.7g} N "
+        f"gives {percent_in_text(gain)} more"
+    )
+    if abs(math.log(running / preload)) > math.log(_RUNS_APART):
+        said += f", because the preload at speed is still {digits(then)} N ({digits(running)} N "
+        said += f"with {preload_text(one)} N)"
+    return f"; {less} hardly lengthens the life", f"{said}."
+
+
+def what_it_gives(found: xr.Dataset) -> list[str]:
+    """The life, beside that of the other method, and what a short one means."""
     lives, pair = by_life(found), is_pair(scene_of(found))
     life = lives[0][2]
     said = f"Life {Rough(life).text} h (wear of {COUNTED_WORDS[counted(found)]})"
@@ -128,11 +159,13 @@ def what_it_gives(found: xr.Dataset) -> str:
         words = f"{'a ' * pair}{method_words(scene_of(found), other)}"
         said += f", {times} the {Rough(less).text} h with {words} at {preload_text(twin)} N"
     ended = end_words(lives[0][1])
-    return f"{said}. {ended[:1].upper()}{ended[1:]} ends the life." if ended else f"{said}."
+    scene = scene_of(found)
+    first = f"{said}. {sentence(f'{ended} ends the life')}" if ended else f"{said}."
+    return [first, NO_OIL] if life < SHORT_LIFE and not scene.get("calibrated") else [first]
 
 
 def what_limits_it(found: xr.Dataset) -> list[str]:
-    """Limits that prevent a longer life by either method, and distances to a sudden drop of it."""
+    """Requirements that prevent a longer life by either method, and distances to a sudden drop of it."""
     said: list[str] = []
     scene, given = scene_of(found), limits_of(found).given
     for method, one, _ in by_life(found):
@@ -142,9 +175,9 @@ def what_limits_it(found: xr.Dataset) -> list[str]:
             if said:  # of the other method
                 other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
                 longer = f"With {other}, any preload with a longer life than {preload_text(one)} N"
-            said.append(f"{longer} violates a limit: {limit_text(name, given[name])}.")
+            said.append(f"{longer} violates a requirement: {limit_text(name, given[name])}.")
         elif not said:
-            said.append(_HELD[name])
+            said.append(_HELD.get(name) or _at_the_end(found, one)[1])
     return [*said, *map(sentence, _cliffs(found))]
 
 
@@ -192,22 +225,22 @@ def what_would_change_it(found: xr.Dataset) -> str:
     """Which assumption reverses the choice of the method."""
     lives = by_life(found)
     if len(lives) < 2:
-        return "No preload of the other method satisfies the limits."
+        return "No preload of the other method satisfies the requirements."
     near = []
     for row in room_rows(found):
         low, now, high = row.values
         known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
-            limit = "limit on " * row.name.startswith(LIMIT_KEY)
-            label = "the " + limit + row.label.replace("end: ", "end-of-life limit on ")
+            required = "required " * row.name.startswith(LIMIT_KEY)
+            label = "the " + required + row.label.replace("end: ", "end-of-life criterion on ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
             near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
     if not near:
         return (
-            "Within the range tried, no change of a limit, an end-of-life criterion or friction "
-            "makes the other method better."
+            "Within the range tried, no change of a requirement, an end-of-life criterion or "
+            "friction makes the other method better."
         )
     other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
@@ -222,7 +255,7 @@ def _as_subject(found: xr.Dataset, method: str) -> str:
 
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
-    """Under which assumptions the recommended method is not the better one, or passes a limit."""
+    """Under which assumptions the recommended method is not the better one, or violates a requirement."""
     basis = counted(found)
     turned, beyond, unknown, same = [], [], [], []
     for words, case in assumptions_of(beside):
@@ -240,11 +273,13 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
     name = _as_subject(found, PRELOAD_METHODS[flag])
     said = (
         ("The other method gives the longer life with {}.", turned),
-        (f"{name} violates a limit with {{}}.", beyond),
+        (f"{name} violates a requirement with {{}}.", beyond),
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(each)) for text, each in said if each]
-    hold = [f"{name} remains the better method and satisfies its limits with {'; '.join(same)}."]
+    hold = [
+        f"{name} remains the better method and satisfies the requirements with {'; '.join(same)}."
+    ]
     return [*exceptions, *(hold if same else [])]
 
 
@@ -295,6 +330,6 @@ def what_is_not_possible(found: xr.Dataset) -> list[str]:
     if not limits_of(found).given:
         return list(filter(None, without_limits(because)[1:]))
     return [
-        f"No {method_words(scene_of(found), method)} preload satisfies all limits: {why}."
+        f"No {method_words(scene_of(found), method)} preload satisfies all requirements: {why}."
         for method, why in json.loads(because).items()
     ]

@@ -64,6 +64,7 @@ from bearingwear.studies.design.document.words import (
     RECOMMENDED_WORDS,
     held_words,
     limit_text,
+    required_words,
 )
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
@@ -81,8 +82,8 @@ AT_END = "residual_preload_at_end"
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_WORDS = (
     "Between these values, the same method gives the longer life. A dash means no reversal up to "
-    f"{FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the other values. If a limit "
-    "changes, the preloads are re-optimised."
+    f"{FARTHEST:g} times a requirement and {CRITERIA_FARTHEST:g} times the other values. If a "
+    "requirement changes, the preloads are re-optimised."
 )
 
 
@@ -136,7 +137,7 @@ def recommended_sheet(
     limits.check(scene, source)
     axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
     design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
-    # a map with limits has few lives: those that the search needed
+    # a map with requirements has few lives: those that the search needed
     made = preload_document(found, None if limits.given else design)
     reasons = {NO_LIFE_SOLVED, *json.loads(found.attrs.get(NONE_BECAUSE, "{}")).values()}
     return made, len(reasons) > 1 or bool((found["status"] == OK).any())
@@ -181,7 +182,7 @@ def preload_document(
     blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
     blocks += [] if design is None else [_statuses(design)]
     return Document(
-        (headline(found, design), where),
+        (headline(found), where),
         facts,
         tuple(blocks),
         ("design", "map", "uncertainty"),
@@ -203,23 +204,24 @@ def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spr
 def _points(
     found: xr.Dataset, beside: xr.Dataset | None, spread: Mapping[str, Spread | None]
 ) -> list[Block]:
-    """What it gives, what limits it, what would change it, uncertainty; limits and warnings."""
+    """What it gives, what limits it, what would change it, uncertainty; requirements, warnings."""
     best, given = best_method(found), limits_of(found).given
     said: list[tuple[str, list[str], str]] = []
     if best is not None:
         others = [] if beside is None else what_others_change(beside, found, best)
         said = [
-            ("Expected life", [what_it_gives(found)], "lead"),
+            ("Expected life", what_it_gives(found), "verdict"),
             ("What limits it", what_limits_it(found), "lead"),
             ("What would change the choice", [what_would_change_it(found), *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
-    missing = "Why no preload is recommended" if given else "Effect of a limit"
-    limits = "; ".join(limit_text(name, value) for name, value in given.items())
+    missing = "Why no preload is recommended" if given else "Effect of a requirement"
+    required = "; ".join(required_words(given))
     warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in warnings_in(found.attrs)]
+    if given:
+        said.insert(0, ("Requirements, from new to the end of life", [sentence(required)], "more"))
     said += [
         (missing, what_is_not_possible(found), "lead"),
-        ("Limits, from new to the end of life", [sentence(limits)] if given else [], "more"),
         ("Warnings (worst values)", warned, "strip"),
     ]
     return [Block(title, lines=tuple(lines), place=place) for title, lines, place in said if lines]
@@ -308,14 +310,14 @@ def _new_and_worn(found: xr.Dataset) -> Block:
 
 
 def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
-    """Life, the worst of each measure of short tables, and the limits passed, at some points."""
+    """Life, the worst of each measure of short tables, and the requirements violated, at some points."""
     life = Row("life", "h", tuple(float(one["life"][basis]) for one in points), "life")
     rows = [
         quantity_row(one.short, one.si_unit, map(one.worst, points), one.key, one.shown_as)
         for one in SHORT_TABLE
     ]
     end = quantity_row(RECOMMENDED_WORDS[AT_END][0], "N", [one[AT_END] for one in points], AT_END)
-    return [life, *rows, end, Row("limits violated", "", tuple(map(passed, points)))]
+    return [life, *rows, end, Row("requirements violated", "", tuple(map(passed, points)))]
 
 
 def _over_preload(design: xr.Dataset, basis: int) -> Block:
@@ -332,7 +334,7 @@ def _over_preload(design: xr.Dataset, basis: int) -> Block:
         *brief_rows([one for _, _, one in points], basis),
     ]
     return Block(
-        "Life and limits against preload",
+        "Life and requirements against preload",
         rows=tuple(rows),
         axes=2,
         place="charted",

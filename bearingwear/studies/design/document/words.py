@@ -1,7 +1,7 @@
-"""Limits of the design study and what holds a preload, in words."""
+"""Requirements of the design study and what determines a preload, in words."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from bearingwear.kernels.status import OK
@@ -9,10 +9,10 @@ from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.units import in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
-    "none": "no limit: longest life",
-    "end_of_range": "end of the map",
+    "none": "no requirement: longest life",
+    "end_of_range": "no requirement (end of the range)",
     "not_solved": "an unsolved neighbouring point",
-    "no_preload_within_limits": "no preload satisfies all limits",
+    "no_preload_within_limits": "no preload satisfies all requirements",
     "end_of_life": "a change of the end-of-life criterion",
     "impractical": "a warning: impractical design",
     "cliff": "a sudden drop in life",
@@ -37,10 +37,16 @@ def end_words(one: Any) -> str:
 
 
 def limit_text(name: str, value: float) -> str:
-    """Requirement of a limit in words."""
+    """A requirement in words."""
     one = LIMITED[name]
     side = "at least" if one.falls else "at most"
     return f"{one.words} {side} {one.shown_limit(value):g} {in_print(one.unit)}"
+
+
+def required_words(given: Mapping[str, float]) -> list[str]:
+    """Requirements in words, each with what its name does not say."""
+    means = {name: f" ({LIMITED[name].means})" if LIMITED[name].means else "" for name in given}
+    return [f"{limit_text(name, value)}{means[name]}" for name, value in given.items()]
 
 
 _AT_END = {"residual_preload_at_end": ("residual preload at end of life", "")}
@@ -54,24 +60,24 @@ RECOMMENDED_WORDS = {
 
 
 NONE_BECAUSE = "none_because"
-"""Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
+"""Attribute of a recommendation: for each method without a preload, which requirements none satisfies."""
 
-NO_LIMIT = "no limit was given"
+NO_LIMIT = "no requirement was given"
 """Why, where there is nothing to choose by."""
 
 AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
-"""What there is to say without a limit, in a headline."""
+"""What there is to say without a requirement, in a headline."""
 
 WHAT_LIMITS = (
-    "Without a limit, the lowest preload always causes the least wear. State what the machine "
-    "requires, such as a stiffness, and what the bearing can withstand, such as a pressure. Only "
-    "preloads that satisfy these limits are then considered."
+    "Without a requirement, the lowest preload always causes the least wear. State what the "
+    "machine requires, such as a stiffness, and what the bearing can withstand, such as a "
+    "pressure. Only preloads that satisfy these requirements are then considered."
 )
-"""What a limit does, where none was given."""
+"""What a requirement does, where none was given."""
 
 
 def without_limits(attribute: str) -> tuple[str, str]:
-    """A headline where no limit was given, and what a limit would do; of `NONE_BECAUSE`."""
+    """A headline where no requirement was given, and what one would do; of `NONE_BECAUSE`."""
     none = json.loads(attribute)
     if NO_LIMIT in none.values():
         return AS_LITTLE, WHAT_LIMITS
@@ -79,7 +85,7 @@ def without_limits(attribute: str) -> tuple[str, str]:
 
 
 LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
-"""Before the name of an assumption that is a limit of the design, or an end of the life."""
+"""Before the name of an assumption that is a requirement, or an end of the life."""
 
 FRICTION_KEY, WEAR_KEY = "friction.ball_race", "materials.wear_coefficient"
 """Other assumptions."""

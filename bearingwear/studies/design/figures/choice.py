@@ -50,7 +50,7 @@ LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 PALE = {"alpha": 0.6, "linewidth": 0.9}
-"""Of lives beyond a limit."""
+"""Of lives that violate a requirement."""
 _LIMIT_LINE: dict[str, Any] = {"color": "black", "linewidth": 1.0, "linestyle": (0, (6, 2))}
 STIFFNESS_UNIT = display("N m-1")
 
@@ -117,7 +117,7 @@ def design_figure(
         *(_letter_keys(design) if area else ()),
         *failed_keys(failed),
     ]
-    frame(figure, headline(recommendation, design), handles, columns=3)
+    frame(figure, headline(recommendation), handles, columns=3)
     return figure
 
 
@@ -138,7 +138,7 @@ def as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
 
 
 def _over_preload(panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray) -> None:
-    """Lives of a method by both ways of counting, pale where a limit is passed."""
+    """Lives of a method by both ways of counting, pale where a requirement is violated."""
     for way, dash in LOSS_DASHES.items():
         lives = one["life"].isel(loss_basis=COUNTS.index(way)).where(lambda h: h > 0.0)
         look = {"color": COLOURS[name], "linestyle": dash}
@@ -167,7 +167,7 @@ def _hertzian(panel: Any, name: str, one: xr.Dataset) -> None:
 def _over_stiffness(
     panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray, on_front: np.ndarray
 ) -> None:
-    """Lives of a method, pale where a limit is passed, with dots on the Pareto front."""
+    """Lives of a method, pale where a requirement is violated, with dots on the Pareto front."""
     lives = one["life"].where(lambda h: h > 0.0)
     stiffness = STIFFNESS_UNIT.of(stiffness_of(one).worst(one))
     look = {"color": COLOURS[name]}
@@ -247,13 +247,13 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
 
 def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
     """Legend of the lives."""
-    limit = key("stiffness limit", **_LIMIT_LINE)
+    limit = key("required stiffness", **_LIMIT_LINE)
     return [
         *(
             key(f"counting {in_words(way)}", color="0.3", linestyle=d)
             for way, d in LOSS_DASHES.items()
         ),
-        key("a limit is exceeded", color="0.3", **PALE),
+        key("a requirement is violated", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(
             f"recommended{' (bar: 90 % of bearings)' if has_spread else ''}",

@@ -30,7 +30,7 @@ class Mapped(NamedTuple):
 
 MAPPED = {
     "life": Mapped("wear life", "h", "viridis"),
-    "time_to_slip_limit": Mapped("time to the limit\nof gyroscopic slip", "h", "viridis"),
+    "time_to_slip_limit": Mapped("time to the required\ngyroscopic slip", "h", "viridis"),
     "residual_preload_at_end": Mapped("residual preload\nat end of life", "N", "cividis"),
     "friction_power": Mapped("maximum friction\npower", "W", "magma"),
     "axial_stiffness": Mapped("minimum dynamic\nstiffness,\none bearing", "N m-1", "cividis"),
@@ -61,11 +61,11 @@ def map_overview(design: xr.Dataset) -> Figure:
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
-    blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: limit exceeded when new")]
-    grey = [Patch(color="0.87", label="slip limit not reached during the life")]
+    blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: end of life when new")]
+    grey = [Patch(color="0.87", label="required slip share kept for the life")]
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min: life and limits against preload and friction; wear "
+        f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; wear "
         f"of {in_words(COUNTS[basis])}",
         [
             *(blank if zero else []),
