@@ -20,9 +20,8 @@ from bearingwear.results.variables import CASE, LIFE
 VARIABLES = CASE | LIFE
 
 PLACES = ("", "verdict", "strip", "lead", "more", "open", "charted")
-"""Where a block stands on a page: folded away, under the headline, above everything else, beside the
-first chart, there where no charts say it, below all of these, or folded below the charts that draw
-it."""
+"""Where a block stands on a page: folded away, under the headline, above all else, beside the first
+chart, there where no charts say it, below all of these, or folded below charts that draw it."""
 
 
 class Row(NamedTuple):

@@ -202,7 +202,7 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
 
 
 def _line(line: ChartLine, k: int, place: _Place, height: float, log: bool) -> Iterable[str]:
-    """The line, bold where it satisfies all requirements; its lane, its points, and the recommended one.
+    """The line, bold where it satisfies all requirements; its lane, points, and recommendation.
 
     Nothing stands at zero on a logarithmic axis.
     """

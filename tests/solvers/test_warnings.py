@@ -156,7 +156,7 @@ def test_a_warning_names_the_pair(spindle):
     rigid = {"operation.preload_method": "fixed_position", "arrangement.kind": "rigid_pair"}
     scene = variant(spindle, rigid)
     said = {one["id"]: one["sentence"] for one in warnings_of(scene, choice(scene))}
-    assert "the preload (rigid pair) by" in said["temperature_left_out"]
+    assert "the preload set at rest (rigid pair) by" in said["temperature_left_out"]
 
 
 @pytest.mark.parametrize(

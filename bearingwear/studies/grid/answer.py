@@ -221,7 +221,9 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
         if not winner:
             frictions = dict(of_frictions)[str(winner)]
             equal = f"No difference beyond the numerical error at {frictions}."
-            none = f"Neither can be used at {frictions}, because an end-of-life criterion is met when new."
+            none = (
+                f"Neither can be used at {frictions}: both meet an end-of-life criterion when new."
+            )
             said.append(equal if winner is None else none)
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)

@@ -165,7 +165,7 @@ def what_it_gives(found: xr.Dataset) -> list[str]:
 
 
 def what_limits_it(found: xr.Dataset) -> list[str]:
-    """Requirements that prevent a longer life by either method, and distances to a sudden drop of it."""
+    """Requirements that prevent a longer life by either method, and distances to a sudden drop."""
     said: list[str] = []
     scene, given = scene_of(found), limits_of(found).given
     for method, one, _ in by_life(found):
@@ -255,7 +255,7 @@ def _as_subject(found: xr.Dataset, method: str) -> str:
 
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
-    """Under which assumptions the recommended method is not the better one, or violates a requirement."""
+    """Assumptions with which the recommended method is not better, or violates a requirement."""
     basis = counted(found)
     turned, beyond, unknown, same = [], [], [], []
     for words, case in assumptions_of(beside):

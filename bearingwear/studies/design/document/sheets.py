@@ -310,7 +310,7 @@ def _new_and_worn(found: xr.Dataset) -> Block:
 
 
 def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
-    """Life, the worst of each measure of short tables, and the requirements violated, at some points."""
+    """Life, the worst of each measure of short tables, and violated requirements, at points."""
     life = Row("life", "h", tuple(float(one["life"][basis]) for one in points), "life")
     rows = [
         quantity_row(one.short, one.si_unit, map(one.worst, points), one.key, one.shown_as)

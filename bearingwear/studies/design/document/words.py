@@ -10,7 +10,7 @@ from bearingwear.results.units import in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "no requirement: longest life",
-    "end_of_range": "no requirement (end of the range)",
+    "end_of_range": "no requirement",
     "not_solved": "an unsolved neighbouring point",
     "no_preload_within_limits": "no preload satisfies all requirements",
     "end_of_life": "a change of the end-of-life criterion",
@@ -60,7 +60,7 @@ RECOMMENDED_WORDS = {
 
 
 NONE_BECAUSE = "none_because"
-"""Attribute of a recommendation: for each method without a preload, which requirements none satisfies."""
+"""Attribute of a recommendation: for each method without a preload, why it has none."""
 
 NO_LIMIT = "no requirement was given"
 """Why, where there is nothing to choose by."""

@@ -65,8 +65,8 @@ def map_overview(design: xr.Dataset) -> Figure:
     grey = [Patch(color="0.87", label="required slip share kept for the life")]
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; wear "
-        f"of {in_words(COUNTS[basis])}",
+        f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; "
+        f"wear of {in_words(COUNTS[basis])}",
         [
             *(blank if zero else []),
             *(grey if never else []),
