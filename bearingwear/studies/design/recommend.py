@@ -96,7 +96,7 @@ CLIFF = table(
         "cliff_preload"),
     Variable("clear_life", (), "h", "wear life at clear_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip
-BEYOND = table(
+BEYOND_RANGE = table(
     Variable("beyond_preload", (), "N",
         "preload far beyond the end of the range at which the recommended one is"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
@@ -483,7 +483,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
         replace(ACTIVE_LIMIT, long_name="requirement that prevents a longer life"),
         LIFE_ERROR,
         *CLIFF.values(),
-        *BEYOND.values(),
+        *BEYOND_RANGE.values(),
     )
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
