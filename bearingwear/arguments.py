@@ -79,9 +79,7 @@ def command_parser() -> argparse.ArgumentParser:
         command("calibrate", "fit friction and wear to test results; write the calibrated scene")
     )
     _add_cage(command("cage", "compute cage motion and cage wear from an ensemble of runs"))
-    recommend = command(
-        "recommend", "recommend a preload for each method that satisfies the requirements"
-    )
+    recommend = command("recommend", "recommend a preload for given requirements")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
