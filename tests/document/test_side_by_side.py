@@ -53,4 +53,4 @@ def test_a_spring_pair_has_each_quantity_once():
     scene = load_scene(scene_file("gyro_s1"), [f"{key}={value}" for key, value in plain.items()])
     text = as_text(sheet_of_result(solve(scene)))
     assert len(re.findall("maximum pressure", text)) == 1
-    assert re.search(r"bearing 1 +bearing 2\n  residual preload +N +9 +7  limit", text)
+    assert re.search(r"bearing 1 +bearing 2\n  residual preload +N +9 +7  criterion", text)
