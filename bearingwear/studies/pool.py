@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
+from itertools import chain
 from typing import Any
 
 Tell = Callable[[str], None]
@@ -84,8 +85,11 @@ def processes(
 def _mapped(
     pool: ProcessPoolExecutor, lines: BrokenSilence, function: Callable[..., Any], *jobs: Any
 ) -> Iterator[Any]:
-    futures = [pool.submit(function, *job) for job in zip(*jobs, strict=True)]
-    return map(lines.result, futures)
+    calls = list(zip(*jobs, strict=True))
+    # the first one before processes are forked: they have the kernels and modules that it loads
+    here = [function(*calls.pop(0))] if calls and not pool._processes else []
+    futures = [pool.submit(function, *call) for call in calls]
+    return chain(here, map(lines.result, futures))
 
 
 def in_processes(

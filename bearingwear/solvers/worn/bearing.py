@@ -385,7 +385,8 @@ class WornBearing:
 
 def loaded_ends(pressure: np.ndarray) -> np.ndarray:
     """Columns of the first and the last cell with pressure along a contact; none without any."""
-    return np.flatnonzero(pressure.any(axis=0))[[0, -1]] if pressure.any() else np.empty(0, int)
+    columns = np.flatnonzero(pressure.any(axis=0))
+    return columns[[0, -1]] if columns.size else columns
 
 
 def _solutions(A: np.ndarray, b: np.ndarray) -> np.ndarray:

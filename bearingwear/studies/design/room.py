@@ -12,7 +12,6 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.groove_life import grooves_followed
@@ -21,6 +20,7 @@ from bearingwear.measures import ENDS
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.solvers.roots import brent_root
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
 from bearingwear.studies.design.plan import DesignLimits
@@ -39,7 +39,7 @@ FOUND_TO = 4e-3
 _LIMITS, _CRITERIA, _FRICTIONS = 40, 6, 3  # steps to the farthest value
 _GUIDED_GAIN = 1.05  # of a life that the map may miss
 _GUIDED = 5  # of the steps of a limit, where quick lives show what the coarse map misses
-_NEAREST = 1e-2  # width in log preload, within which there is an exact life
+_NEAREST = 2e-2  # width in log preload, within which there is an exact life
 _MOST = 40
 _ALIKE = 0.05  # lives that differ by less of the longer one: between them is none to solve
 _NO_CHANCE = 50.0  # logarithm of a ratio of lives of which one is nothing
@@ -162,7 +162,7 @@ def _root(
             known[x] = advantage(x)
         return known[x] if known[x] > 0.0 else min(known[x], -1e-9) if known[x] <= 0.0 else -1.0
 
-    root = float(brentq(value, held, lost, xtol=to))
+    root = brent_root(value, held, lost, xtol=to)
     beyond = [x for x in known if not known[x] > 0.0 and (x - held) * (lost - held) > 0.0]
     nearest = min(beyond, key=lambda x: abs(x - held))
     return root if known[nearest] <= 0.0 else math.nan
