@@ -22,7 +22,7 @@ from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.grid.plan import Plan
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import Batches
 from bearingwear.studies.uncertainty.plan import uncertain_scene
@@ -71,7 +71,7 @@ def scenes_of_study() -> Iterator[tuple[str, Scene, int]]:
 
 def rows_of_study(scene: Scene) -> np.ndarray:
     """Values of the lives that `make study` samples: independent ones, and those of batches."""
-    plan = Sampling()
+    plan = Sampling(samples=SAMPLES)
     return np.vstack([independent_rows(scene, plan), Batches(scene, plan).rows])
 
 
@@ -124,9 +124,32 @@ def cost(most: int, beginning: str) -> None:
             )
 
 
+def seeds(beginning: str, count: int = 20) -> None:
+    """Errors and intervals of quantiles over seeds, against those of a large sample."""
+    ends = ("", "_low", "_high")
+    columns = "error 5 % | 50 % | 95 % | half width 5 % | 50 % | 95 % | covered 5 % | 50 % | 95 %"
+    print(f"| lives | {columns} |\n| --- |" + " ---: |" * 9)
+    for name, scene, _ in (one for one in scenes() if one[0].startswith(beginning)):
+        method, found = [scene.operation.preload_method], []
+        for plan in (
+            Sampling(samples=2**13, seed=count + 1),
+            *(Sampling(samples=SAMPLES, seed=1 + k) for k in range(count)),
+        ):
+            at = {"probability": [0.05, 0.5, 0.95]}
+            one = own_quantiles(scene, method, plan).squeeze().sel(at)
+            one = one.isel(uncertain_inputs=0, loss_basis=1)
+            found.append([one[f"life_quantile{end}"].values for end in ends])
+        true, (middle, low, high) = found[0][0], np.swapaxes(found[1:], 0, 1)
+        error = np.sqrt(np.mean(np.log(middle / true) ** 2, axis=0))
+        # an end that the sample does not have is no end
+        covered = np.sum(~(low > true) & ~(high < true), axis=0)
+        cells = [f"{100.0 * v:.2g} %" for v in (*error, *np.median(0.5 * (high - low) / middle, 0))]
+        print(f"| {name} | {' | '.join(cells)} | {' | '.join(map(str, covered))} |", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("errors", "study", "cost"))
+    parser.add_argument("what", choices=("errors", "study", "cost", "seeds"))
     parser.add_argument("--most", type=int, default=1_000_000, help="lives at the most")
     parser.add_argument("--of", default="", help="beginning of the names of scenes")
     given = parser.parse_args()
@@ -134,6 +157,8 @@ def main() -> None:
         errors(scenes(), given.of, lambda one: independent_rows(one, Sampling(samples=2**15)))
     elif given.what == "study":
         errors(scenes_of_study(), given.of, rows_of_study)
+    elif given.what == "seeds":
+        seeds(given.of)
     else:
         cost(given.most, given.of)
 

@@ -20,15 +20,18 @@ def usable_cores() -> int:
     return os.cpu_count() or 1
 
 
-SAMPLES = 256
-"""Base samples of a single life, where none are given."""
+SAMPLES = 64
+"""Base samples of quantiles, where none are given."""
+
+INDEX_SAMPLES = 256
+"""Base samples of indices, where none are given."""
 
 
 @keyed
 class Sampling:
     """Size and seed of a sample."""
 
-    samples: int = setting("Base samples, a power of two", within="[1, inf)", default=SAMPLES)
+    samples: int = setting("Base samples, a power of two", within="[1, inf)", default=INDEX_SAMPLES)
     chunks: int = setting("Jobs that share them", within="[1, inf)", default=1)
     seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
 

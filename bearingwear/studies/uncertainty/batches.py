@@ -6,10 +6,12 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 from scipy.stats import qmc
 
 from bearingwear.results.quantiles import CONFIDENCE, INTERVAL
@@ -18,7 +20,7 @@ from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.sampling import Sampling
-from bearingwear.studies.uncertainty.sample import wear_factor
+from bearingwear.studies.uncertainty.sample import POOLED, independent, pooled_wear_factors
 from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
 
 PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
@@ -27,18 +29,15 @@ PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
 BATCH_PROBABILITIES = (INTERVAL[0], 0.5, INTERVAL[1])
 """Of quantiles over what is not known of the batch."""
 
-WEAR_DRAWS = 256
-"""Values of wear coefficient and hardness that each batch is taken with."""
-
-RESAMPLED = 128
-"""How often batches and bearings are drawn anew from those sampled."""
+_DEVIATIONS = float(ndtri(0.5 + 0.5 * CONFIDENCE))
 
 
-class BatchQuantiles(NamedTuple):
+class Quantiles(NamedTuple):
     """(batch_probability, probability, 2) each [h]; NaN where no life was solved."""
 
     quantile: np.ndarray
-    error: np.ndarray  # half of its confidence interval
+    low: np.ndarray  # ends of its confidence interval; NaN where the sample has none
+    high: np.ndarray
 
 
 def names_of(scene: Scene, of_batch: bool) -> list[str]:
@@ -62,82 +61,113 @@ def sizes(samples: int) -> tuple[int, int]:
 class Batches:
     """The same bearings in each of several batches: a sample in two stages.
 
-    rows (batches * bearings, values): where lives are asked for; what is not known of wear scales
-        them and is as in the scene.
+    rows (batches * bearings, values): where lives are asked for, with K_s and H of the scene.
     """
 
     def __init__(self, scene: Scene, plan: Sampling):
         names = list(scene.uncertainty or {})
-        fixed = [name for name in names_of(scene, True) if name in WORN]
-        unknown = [name for name in names_of(scene, True) if name not in WORN]
-        scatter = names_of(scene, False)
         batches, bearings = sizes(plan.samples)
-        of_batches = _probabilities(len(unknown), batches, plan.seed)
-        of_wear = _probabilities(len(fixed), WEAR_DRAWS, plan.seed + 2)
-        outer = values_at(scene, unknown, of_batches)
-        inner = values_at(scene, scatter, _probabilities(len(scatter), bearings, plan.seed + 1))
-        self.shape, self.seed = (len(outer), len(inner)), plan.seed
-        values = {name: np.full(self.shape, scene.nominal(name)) for name in fixed}
-        values |= {name: np.tile(outer[:, [k]], len(inner)) for k, name in enumerate(unknown)}
-        values |= {name: np.tile(inner[:, k], (len(outer), 1)) for k, name in enumerate(scatter)}
+        outer, self.unknown = _sampled(scene, True, batches, plan)
+        inner, self.scatter = _sampled(scene, False, bearings, plan, len(self.unknown))
+        self.shape = len(self.unknown), len(self.scatter)
+        values = {name: np.full(self.shape, scene.nominal(name)) for name in names}
+        values |= {name: np.tile(one[:, None], self.shape[1]) for name, one in outer.items()}
+        values |= {name: np.tile(one, (self.shape[0], 1)) for name, one in inner.items()}
         self.rows = np.stack([values[name].ravel() for name in names], axis=-1)
-        factor = []
-        for one in of_batches:
-            rows = np.column_stack([np.tile(one, (len(of_wear), 1)), of_wear])
-            worn = values_at(scene, [*unknown, *fixed], rows)[:, len(unknown) :]
-            factor.append(wear_factor(scene, fixed, worn))
-        self.factor = np.array(factor)
 
     def quantiles(self, life: np.ndarray, known: Stated) -> dict[str, np.ndarray]:
         """Of lives (n, 2) [s] at the rows, with their error, widened by that of these lives."""
         hours = (life * HOURS_PER_SECOND).reshape(*self.shape, -1)
-        found = quantiles_with_error(hours, self.factor, self.seed, known)
+        found = quantiles_with_error(hours, self.scatter, self.unknown, known)
         return {
             "batch_life_quantile": found.quantile,
-            "batch_life_quantile_error": found.error,
+            "batch_life_quantile_error": np.fmax(
+                found.high - found.quantile, found.quantile - found.low
+            ),
         }
 
 
-def quantiles_with_error(
-    hours: np.ndarray, factor: np.ndarray, seed: int, known: Stated = EXACT
-) -> BatchQuantiles:
-    """Quantiles of lives (batches, bearings, 2) [h] that have the same bearings in every batch.
+def _sampled(
+    scene: Scene, of_batch: bool, count: int, plan: Sampling, times: int = 1
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Values (n,) of a class by name, and the factors (n, draws) of its K_s and H on lives.
 
-    The error is that of a bootstrap, which draws batches and bearings anew, each with replacement.
-    It takes them for independent; a Sobol sequence is spread more evenly, so it is rather large.
-
-    hours: NaN where a life was not solved.
-    factor (draws,) or (batches, draws): of the lives of a batch, which has each of them.
-    known: of the lives; the error includes theirs.
+    times: that many samples are pooled.
     """
-    some = np.isfinite(hours).any(axis=(1, 2))
-    solved = hours[some]
-    factor = np.broadcast_to(factor, (len(hours), np.shape(factor)[-1]))[some]
-    if not len(solved):
-        nothing = np.full((len(BATCH_PROBABILITIES), len(PROBABILITIES), 2), np.nan)
-        return BatchQuantiles(nothing, nothing)
-    random, (batches, bearings) = np.random.default_rng(seed), solved.shape[:2]
-    copies = []
-    for _ in range(RESAMPLED):
-        batch = random.integers(batches, size=(batches, 1))
-        bearing = random.integers(bearings, size=bearings)
-        copies.append(_of_lives(solved[batch, bearing], factor[batch[:, 0]]))
-    ends = np.nanquantile(copies, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0)
-    quantile = _of_lives(solved, factor)
-    worse = [_of_lives(solved, factor, shift) for shift in (-known.share, known.share)]
-    error = known.error * quantile + 0.5 * (ends[1] - ends[0] + worse[1] - worse[0])
-    return BatchQuantiles(quantile, error)
+    names = list(scene.uncertainty or {})
+    rest = [name for name in names_of(scene, of_batch) if name not in WORN]
+    if rest and not set(names_of(scene, not of_batch)) <= set(WORN):
+        unit = qmc.Sobol(len(rest), seed=plan.seed + of_batch).random(count)
+    elif rest:  # lives of independent bearings are all that is needed
+        unit = independent(scene, plan)[:, [names.index(name) for name in rest]]
+    else:
+        unit = np.empty((1, 0))
+    worn = [name for name in names_of(scene, of_batch) if name in WORN]
+    values = dict(zip(rest, values_at(scene, rest, unit).T, strict=True))
+    return values, pooled_wear_factors(scene, worn, rest, unit, POOLED // times)
 
 
-def _of_lives(hours: np.ndarray, factor: np.ndarray, shift: float = 0.0) -> np.ndarray:
-    """Quantiles over bearings (the second axis), and of these over batches and their factors."""
-    probabilities = np.clip(np.array(PROBABILITIES) + shift, 0.0, 1.0)
-    quantile = np.nanquantile if np.isnan(hours).any() else np.quantile
-    of_each = quantile(hours, probabilities, axis=1)  # (probability, batch, 2)
-    every = (of_each[:, :, None] * factor[..., None]).reshape(len(PROBABILITIES), -1, 2)
-    return quantile(every, BATCH_PROBABILITIES, axis=1)
+def quantiles_with_error(
+    hours: np.ndarray,
+    scatter: np.ndarray,
+    unknown: np.ndarray,
+    known: Stated = EXACT,
+    of_batches: Sequence[float] = BATCH_PROBABILITIES,
+) -> Quantiles:
+    """Quantiles over bearings, and of these over batches, of lives (batches, bearings, 2) [h].
+
+    The intervals are those of Woodruff (1952): the error of the share of lives below a quantile,
+    times the slope of the quantile. They take batches and bearings for independent; a Sobol
+    sequence is spread more evenly, so they are rather wide. The share of lives whose error is not
+    known may lie at either end of them.
+
+    hours: with the same bearings in every batch; NaN where a life was not solved.
+    scatter (bearings, draws), unknown (batches, draws): factors on lives, equally probable.
+    known: of the lives.
+    of_batches: probabilities over batches.
+    """
+    solved = np.isfinite(hours).all(axis=2)
+    some, of_some = solved.any(axis=1), solved.any(axis=0)
+    found = np.full((3, len(of_batches), len(PROBABILITIES), hours.shape[-1]), np.nan)
+    if solved.any():
+        hours, scatter, unknown = hours[some][:, of_some], scatter[of_some], unknown[some]
+        for k, p in enumerate(PROBABILITIES):
+            for c in range(hours.shape[-1]):
+                each = hours[:, :, None, c] * scatter
+                found[..., k, c] = _with_ends(each, unknown, p, np.array(of_batches), known)
+    return Quantiles(*found)
 
 
-def _probabilities(values: int, count: int, seed: int) -> np.ndarray:
-    """A scrambled Sobol sequence (count, values); a single empty row without any values."""
-    return qmc.Sobol(values, seed=seed).random(count) if values else np.empty((1, 0))
+def _with_ends(
+    each: np.ndarray, unknown: np.ndarray, p: float, q: np.ndarray, known: Stated
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Quantiles q over batches of quantiles p of lives (batches, bearings, draws), with ends."""
+
+    def at(p: float, q: np.ndarray) -> np.ndarray:
+        return _quantile((_quantile(pooled, p)[:, None] * unknown).ravel(), q)
+
+    pooled = each.reshape(len(each), -1)
+    of_each = _quantile(pooled, p)[:, None]
+    below = np.where(np.isnan(each), np.nan, each <= of_each[..., None])
+    by_bearing = _half_width(np.nanmean(below, axis=(0, 2))) + known.share
+    middle, ends = at(p, q), []
+    by_batch = np.array([_half_width((of_each * unknown <= t).mean(axis=1)) for t in middle])
+    for sign in (-1.0, 1.0):
+        P, Q = p + sign * by_bearing, q + sign * by_batch
+        apart = np.hypot(at(P, q) - middle, at(p, Q) - middle)
+        inside = (0.0 < P < 1.0) & (Q > 0.0) & (Q < 1.0)
+        end = (middle + sign * apart) * (1.0 + sign * known.error)
+        ends.append(np.where(inside, end, np.nan))
+    return middle, ends[0], ends[1]
+
+
+def _half_width(shares: np.ndarray) -> float:
+    """Of the confidence interval of the mean of shares (n,); zero where nothing varies."""
+    n = len(shares)
+    return _DEVIATIONS * float(np.std(shares, ddof=1)) / math.sqrt(n) if n > 1 else 0.0
+
+
+def _quantile(values: np.ndarray, p: float | np.ndarray) -> np.ndarray:
+    """Along the last axis; the least or the largest value beyond the sample."""
+    quantile = np.nanquantile if np.isnan(values).any() else np.quantile
+    return quantile(values, np.clip(p, 0.0, 1.0), axis=-1, method="hazen")

@@ -6,7 +6,6 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -29,13 +28,14 @@ from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell
-from bearingwear.studies.sampling import SAMPLES, Sampling
+from bearingwear.studies.sampling import INDEX_SAMPLES, SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,
     PROBABILITIES,
     Batches,
     names_of,
     of_class,
+    quantiles_with_error,
 )
 from bearingwear.studies.uncertainty.plan import (
     AS_RECOMMENDED,
@@ -47,6 +47,7 @@ from bearingwear.studies.uncertainty.sample import (
     PART_KIND,
     STATED,
     independent_rows,
+    independent_wear_factors,
     lives,
     problem,
     sample,
@@ -67,8 +68,8 @@ from bearingwear.studies.uncertainty.variables import (
     UNCERTAINTY_AXES,
 )
 
-MOST_MEMBERS = 8192
-"""Sampled lives that a file contains."""
+MEMBERS = 512
+"""Lives by which a file gives their distribution."""
 
 
 class Analysed(NamedTuple):
@@ -216,6 +217,7 @@ def _quantiles_at(
         found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
         independent, known = slice(1, len(rows) + 1), worse(found.cost)
         life, solved = found.life[independent], found.status[independent] == OK
+        hours = life * HOURS_PER_SECOND / found.wear_factor[independent, None]
         row = {
             "preload": preload,
             "evaluations": solved.size,
@@ -223,7 +225,7 @@ def _quantiles_at(
             "nominal_life": found.life[0] * HOURS_PER_SECOND,
             **found.cost,
             **batches.quantiles(found.life[len(rows) + 1 :], known),
-            **_quantiles_of(life * HOURS_PER_SECOND, found.wear_factor[independent], known),
+            **_quantiles_of(preloaded, plan, hours, known),
         }
         table.append(Analysed(row, life, known))
     _add_longest(table)
@@ -278,9 +280,9 @@ def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Samp
         found[name] = max(float(part.attrs[name]) for part in parts)
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
-    halves = [np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)]
-    known = worse(found)
-    found |= _quantiles_of(halves[0], halves[1], known)
+    halves, factors = ((x[:, [0, -1]]).reshape(-1, *x.shape[2:]) for x in (life, factor))
+    known, at_preload = worse(found), with_preload(scene, method, found["preload"])
+    found |= _quantiles_of(at_preload, plan, halves / factors[:, None], known)
     shape = 2, len(scene.uncertainty or {}), 2
     for name, variable in ANALYSED.items():
         if variable.dims == INDEX:
@@ -291,12 +293,11 @@ def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Samp
             if y.size and np.ptp(y) > 0.0:
                 for name, values in indices(scene, y, plan.seed).items():
                     found[name][k, :, c] = values
-    at_preload = with_preload(scene, method, found["preload"])
     batches = Batches(at_preload, plan)
     of_batches = lives(at_preload, batches.rows)
     found |= batches.quantiles(of_batches.life, worse(of_batches.cost))
     found["class_index"] = class_indices(at_preload, plan)
-    return Analysed(found | _one_at_a_time(at_preload), halves[0], known)
+    return Analysed(found | _one_at_a_time(at_preload), halves, known)
 
 
 def _add_longest(methods: Sequence[Analysed]) -> None:
@@ -364,43 +365,24 @@ def _middle(scene: Scene) -> list[float]:
     return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
-def _quantiles_of(life: np.ndarray, factor: np.ndarray, known: Stated) -> dict[str, np.ndarray]:
-    """Those of independent lives (n, 2) [h], and of lives without the effect of K_s and H (n,)."""
-    lives = np.stack([life, life / factor[:, None]])
-    found = np.array([[quantiles(one[:, c], known) for c in range(2)] for one in lives])
-    names = ("life_quantile", "life_quantile_low", "life_quantile_high")
-    ends = {name: found[:, :, k].swapaxes(1, 2) for k, name in enumerate(names)}
-    step = math.ceil(len(life) / MOST_MEMBERS)
-    return ends | {"life_sample": np.sort(lives, axis=1)[:, step // 2 :: step]}
+def _quantiles_of(
+    scene: Scene, plan: Sampling, hours: np.ndarray, known: Stated
+) -> dict[str, np.ndarray]:
+    """Of the lives (2 samples, 2) of `independent_rows` with K_s and H of the scene.
 
-
-def quantiles(
-    life: np.ndarray, lives_known: Stated = EXACT
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`PROBABILITIES` quantiles of lives (n,) and the ends of their confidence intervals.
-
-    The intervals are those of order statistics, whatever the distribution. They take the members of
-    the sample for independent; a Sobol sequence is spread more evenly, so they are rather wide. The
-    share of lives whose error is not known may lie at either end of them. An end is NaN where the
-    sample has none.
+    With all uncertain values, and without those of K_s and H.
     """
-    error, share = lives_known
-    known = life[np.isfinite(life)]
-    found = np.full((3, len(PROBABILITIES)), np.nan)
-    if known.size:
-        for k, p in enumerate(PROBABILITIES):
-            found[0, k] = np.quantile(known, p)
-            if p > share:
-                test = stats.quantile_test(known, p=p - share)
-                found[1, k] = test.confidence_interval(CONFIDENCE).low * (1.0 - error)
-            if p < 1.0 - share:
-                test = stats.quantile_test(known, p=p + share)
-                found[2, k] = test.confidence_interval(CONFIDENCE).high * (1.0 + error)
-    return found[0], found[1], found[2]
+    found, members = [], []
+    for factors in (independent_wear_factors(scene, plan), np.ones((len(hours), 1))):
+        # one batch, of independent bearings
+        found.append(quantiles_with_error(hours[None], factors, np.ones((1, 1)), known, (0.5,)))
+        every = (hours[:, None] * factors[..., None]).reshape(-1, 2)
+        even = (np.arange(MEMBERS) + 0.5) / MEMBERS
+        members.append(np.nanquantile(every, even, axis=0, method="hazen"))
+    names = ("life_quantile", "life_quantile_low", "life_quantile_high")
+    ends = {name: np.array([one[k][0] for one in found]) for k, name in enumerate(names)}
+    return ends | {"life_sample": np.array(members)}
 
-
-CLASS_SAMPLES = 256
-"""Most base samples of the indices within a class."""
 
 RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
 
@@ -426,7 +408,7 @@ def class_indices(scene: Scene, plan: Sampling) -> np.ndarray:
         if not own:
             continue
         one = of_class(scene, of_batch)
-        fewer = replace(plan, samples=min(plan.samples, CLASS_SAMPLES), chunks=1)
+        fewer = replace(plan, samples=min(plan.samples, INDEX_SAMPLES), chunks=1)
         rows = sample(one, fewer)
         of_rows = lives(one, rows.reshape(-1, len(own)))
         life = of_rows.life.reshape(*rows.shape[:2], 2)

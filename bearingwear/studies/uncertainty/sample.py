@@ -22,6 +22,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
+from bearingwear.scene.uncertain import friction_correlation
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell
@@ -48,11 +49,22 @@ def problem(scene: Scene) -> dict[str, Any]:
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
 
+def independent(scene: Scene, plan: Sampling) -> np.ndarray:
+    """Probabilities (2 samples, values) of A and B of `sample`."""
+    count = len(scene.uncertainty or {})
+    return qmc.Sobol(2 * count, seed=plan.seed).random(plan.samples).reshape(-1, count)
+
+
 def independent_rows(scene: Scene, plan: Sampling) -> np.ndarray:
     """Values (2 samples, values) of A and B of `sample`."""
+    return values_at(scene, list(scene.uncertainty or {}), independent(scene, plan))
+
+
+def independent_wear_factors(scene: Scene, plan: Sampling) -> np.ndarray:
+    """`pooled_wear_factors` (2 samples, draws) of `independent_rows`."""
     names = list(scene.uncertainty or {})
-    unit = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
-    return values_at(scene, names, unit.reshape(-1, len(names)))
+    worn = [name for name in names if name in WORN]
+    return pooled_wear_factors(scene, worn, names, independent(scene, plan))
 
 
 def sample(scene: Scene, plan: Sampling) -> np.ndarray:
@@ -116,6 +128,46 @@ def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.nd
         ratio = values[:, k] / scene.nominal(name)
         factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
     return factor
+
+
+POOLED = 2**15
+"""Lives of a pooled distribution, at least: those solved, each with many values of the wear factor.
+"""
+
+_FINE = 2**13  # values of the wear factor that its distribution is known from
+
+
+def pooled_wear_factors(
+    scene: Scene,
+    names: Sequence[str],
+    others: Sequence[str],
+    probabilities: np.ndarray,
+    pooled: int = POOLED,
+) -> np.ndarray:
+    """Factors (n, draws) on lives by uncertain values of K_s and H, at even probabilities.
+
+    names: those values; without any there is one draw, and the factor is 1.
+    others, probabilities (n, others): what else was sampled; K_s may go with friction.
+    pooled: least number of factors, except that no row has fewer than eight.
+    """
+    count = len(probabilities)
+    if not names:
+        return np.ones((count, 1))
+    friction, rho = friction_correlation(scene.uncertainty or {})
+    given = [name for name in others if rho and name == friction]
+    unit = qmc.Sobol(len(names), seed=0).random(_FINE)
+    rows = probabilities[:, [others.index(name) for name in given]]
+    sorted_factors = []
+    for row in rows if given else rows[:1]:
+        every = np.column_stack([np.tile(row, (_FINE, 1)), unit])
+        values = values_at(scene, [*given, *names], every)[:, len(given) :]
+        sorted_factors.append(np.sort(wear_factor(scene, names, values)))
+    draws = max(pooled // count, 8)
+    # each row between the others: rows alike give the distribution as finely as all their draws
+    even = (np.arange(draws) + (np.arange(count)[:, None] + 0.5) / count) / draws
+    parts = zip(np.array_split(even, len(sorted_factors)), sorted_factors, strict=True)
+    middles = (np.arange(_FINE) + 0.5) / _FINE
+    return np.concatenate([np.interp(part, middles, one) for part, one in parts])
 
 
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
