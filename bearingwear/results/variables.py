@@ -243,11 +243,11 @@ STATE = ALWAYS | table(
     Variable("power_balance_error", (), "1",
         "residual of the power balance, relative to shaft power"),
     Variable("equilibrium_rounding", (), "1",
-        "effect of rounding errors of positions on equilibrium_residual"),
+        "effect of rounding errors in positions on equilibrium_residual"),
     Variable("friction_rounding", (), "1",
-        "effect of rounding errors of speeds on friction_residual"),
+        "effect of rounding errors in speeds on friction_residual"),
     Variable("power_rounding", (), "1",
-        "effect of rounding errors of speeds on power_balance_error"),
+        "effect of rounding errors in speeds on power_balance_error"),
 )  # fmt: skip
 
 DYNAMIC = table(

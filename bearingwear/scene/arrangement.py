@@ -54,7 +54,7 @@ class Arrangement:
         default="back_to_back")
     external_axial_N: float = setting("Axial force on the rotor of a pair towards +X, which loads "
         "the first bearing and unloads the second", "N", "[-1e7, 1e7]", default=0.0)
-    spring_stiffness_N_um: float = setting("Stiffness of the preload spring of a spring pair",
+    spring_stiffness_N_um: float = setting("Stiffness of the preload spring in a spring pair",
                                            "N/um",
         "[0, 1e6]", default=0.0)
     rotor_mass_kg: float | None = setting(

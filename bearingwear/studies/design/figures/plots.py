@@ -55,7 +55,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "
-        f"stiffness of one bearing and slip against preload; counting {in_words(COUNTS[basis])}",
+        f"stiffness of one bearing and slip against preload; wear of {in_words(COUNTS[basis])}",
         [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(failed)],
         columns=3,
     )
@@ -92,7 +92,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
     ]
     counting = in_words(COUNTS[basis])
     name = scene_of(uncertainty)["name"]
-    frame(figure, f"{name}: {'; '.join(said)}; counting {counting}", handles, columns=2)
+    frame(figure, f"{name}: {'; '.join(said)}; wear of {counting}", handles, columns=2)
     return figure
 
 
