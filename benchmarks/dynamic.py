@@ -88,9 +88,9 @@ def ours(scene, start):
     system = DynamicSystem.of(scene, start)
     assert system.update() == OK
     run = TimeRun(scene, system, None)
-    with Interrupt() as interrupt:
+    with Interrupt():
         cpu, wall = clock.process_time(), clock.perf_counter()
-        status = run.window(run.grid.window, interrupt)
+        status = run.window(run.grid.window)
         cpu, wall = clock.process_time() - cpu, clock.perf_counter() - wall
     assert status == OK
     values = window_values(scene, run)

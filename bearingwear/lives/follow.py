@@ -13,6 +13,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.solvers.condition import States
+from bearingwear.solvers.interrupt import check_interrupt
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 
@@ -221,6 +222,7 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
     met: int | None = None
     before = margins(life.last)
     for _ in range(method.most_steps):
+        check_interrupt()
         if bound - life.last.x <= method.shortest:
             break
         step = method.step(life, bound)

@@ -26,6 +26,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.solvers.dynamic import run as dynamic_run
 from bearingwear.solvers.dynamic import windows as time_run
 from bearingwear.solvers.effects.choice import choice, choice_for_life
+from bearingwear.solvers.interrupt import Interrupt, check_interrupt
 
 S1 = scene_file("gyro_s1")
 BALLS, TURN = 9, 0.002
@@ -375,6 +376,16 @@ def test_averaged_turns():
 
 
 # the solver itself
+
+
+def test_interrupt_in_nested_blocks():
+    """Those of `solve` and of a dynamic run, from Python."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with pytest.raises(KeyboardInterrupt), Interrupt(), Interrupt():
+        signal.raise_signal(signal.SIGINT)
+        check_interrupt()
+        pytest.fail("ran on")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 IMPATIENT = """

@@ -121,9 +121,9 @@ def rerun(
             return None
         grid = RunGrid.of_orbit(scene, again, system.turn)
     short = grid.short(scene, system.time, system.turn)
-    with Interrupt() as interrupt:
+    with Interrupt():
         shorter = TimeRun(scene, system, None, tolerance, short)
-        if shorter.window(short.total, interrupt) != code.OK:
+        if shorter.window(short.total) != code.OK:
             return None
     return measured(window_values(scene, shorter), scene.bearing.ball_count)
 

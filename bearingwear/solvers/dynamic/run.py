@@ -88,14 +88,14 @@ class LastWindow:
     to_land: float = math.inf  # turns until the cage meets its land, see `Trend.turns_to_land`
 
 
-def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interrupt) -> LastWindow:
+def run_until_settled(scene: Scene, run: TimeRun, slow: float) -> LastWindow:
     """Simulate window by window until the averages have settled or the turns are used up.
 
     The slow time scale is in shaft turns, 0 if not known.
     """
     for length in run.grid.windows:
         turns = length / run.grid.points * run.grid.turns
-        status = run.window(length, interrupt)
+        status = run.window(length)
         if status != code.OK:
             return LastWindow(status=status, turns=turns)
         slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
@@ -136,11 +136,11 @@ def run_of(
             attrs["residual"] = "not solved: no periodic motion was found"
             return values | {"status": code.NOT_CONVERGED}, attrs
     begun = system.packed(), system.time
-    with Interrupt() as interrupt:
+    with Interrupt():
         run = TimeRun(scene, system, progress, tolerance, grid, longest)
         if restart is not None or motion is not None:
             system.unpack(*begun)  # what compiles first has moved it
-        last = run_until_settled(scene, run, slow, interrupt)
+        last = run_until_settled(scene, run, slow)
         if last.status != code.OK:
             stopped = {"status": system.diagnose(last.status), "final_time": system.time}
             attrs["residual"] = f"not solved; the run stopped at {system.time:.6g} s"

@@ -18,7 +18,7 @@ from bearingwear.solvers.bearing.films import Archard
 from bearingwear.solvers.bearing.outputs import strip_centres
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
-from bearingwear.solvers.interrupt import Interrupt
+from bearingwear.solvers.interrupt import check_interrupt
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
@@ -306,7 +306,7 @@ class TimeRun:
             offset -= history.displacement[stretch, 1:]
         return 1.0 - float(np.hypot(*offset.T).mean()) / cage.gap
 
-    def window(self, length: int, interrupt: Interrupt) -> int:
+    def window(self, length: int) -> int:
         """Simulate a window and record it; returns a status."""
         integrals = self.system.y[self.system.layout.qv :]
         sums, points = self.recorder.sums, self.grid.points
@@ -320,7 +320,7 @@ class TimeRun:
                 self.before_last_turn = self.system.packed(), self.system.time
             before, summed = integrals.copy(), sums.bearing.copy()
             status = self.advance(count)
-            interrupt.check()
+            check_interrupt()
             if status != code.OK:
                 return status
             if count == points:

@@ -112,12 +112,12 @@ def _run(scene: Scene, start: CageStart, least_turns: int, tolerance: float) -> 
     status = system.diagnose(system.update())
     if status != OK:
         return _stopped(status)
-    with Interrupt() as interrupt:
+    with Interrupt():
         run = TimeRun(scene, system, None, tolerance)
         system.unpack(*begun)  # what compiles first has moved it
         found: list[_Stretch] = []
         for length in run.grid.windows:
-            status = run.window(length, interrupt)
+            status = run.window(length)
             if status != OK:
                 return _stopped(system.diagnose(status))
             found.append(_stretch(run, length))
