@@ -15,6 +15,7 @@ from bearingwear.results.entries import common_attributes, require_known, stored
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.solvers.interrupt import Interrupt
 
 LOSS_BASIS = Variable(
     "loss_basis", ("loss_basis",), "", "wear included in the loss", "i1", flags=COUNTS
@@ -200,7 +201,8 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
             encoding[str(name)] = {"dtype": kind, "_FillValue": kind.type(np.iinfo(kind).min + 1)}
         elif variable.dtype.kind == "f":
             encoding[str(name)] = {"_FillValue": np.nan}
-    with whole_file(path) as part:
+    # an interrupted xarray may wait forever for its own lock
+    with whole_file(path) as part, Interrupt():
         dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)
 
 

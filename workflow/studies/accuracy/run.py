@@ -212,10 +212,10 @@ def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
     values: dict = {"status": system.update()}
     if values["status"] != code.OK:
         return values
-    with Interrupt() as interrupt:
+    with Interrupt():
         run = TimeRun(scene, system, None)
         for length in run.grid.windows:
-            values["status"] = run.window(length, interrupt)
+            values["status"] = run.window(length)
             if values["status"] != code.OK:
                 return values
     values |= window_values(scene, run) | run.counts(run.grid.window / run.grid.points)
