@@ -14,11 +14,9 @@ from bearingwear.lives.grooves import Grooves, follow_grooves
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.solvers.solve import solve
-from workflow.studies.accuracy.grooves import ended_scene, lived_through
-from workflow.studies.accuracy.machine import on_a_rotor
 from workflow.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
 from workflow.studies.accuracy.run import dynamic_values, first_motion, point_values, three_balls
-from workflow.studies.accuracy.warmth import grown_scene
+from workflow.studies.accuracy.scenes import ended_scene, grown_scene, lived_through, on_a_rotor
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 

@@ -8,13 +8,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure, series_look
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import Rough, span
 from bearingwear.results.words import in_words, percent_in_text
 from bearingwear.studies.dataset import loaded, pareto
-from workflow.studies.accuracy.gather import names, points_where
+from workflow.studies.accuracy.gather import names, of_known, points_where
 from workflow.studies.accuracy.groove_figure import grooves_figure
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
@@ -228,14 +227,12 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
             same = points_where(line, label=label)
             row = same.isel(point=[0]).copy()
             for name in (_CPU, *(n for n in same if str(n).startswith("error_"))):
-                values = np.abs(same[name].values)
-                finite = values[np.isfinite(values)]
-                row[name] = ("point", [np.median(finite) if finite.size else np.nan])
+                row[name] = ("point", [of_known(np.median, np.abs(same[name].values))])
             rows.append(row)
     return xr.concat(rows, "point")
 
 
-SIMPLER = (
+SIMPLER = (  # sweep, label, text
     ("fidelity_steady", "race control", "race control for the steady state"),
     ("across", "1", "slip on the centre line of the ellipse"),
     ("normal_balance", "with traction", "traction in the normal balance"),
@@ -249,6 +246,7 @@ BOOKED = (
     ("coriolis_energy_share", "Coriolis force neglected"),
     ("azimuth_energy_share", "circumferential force neglected"),
 )
+"""Shares of the heat at the reference, and what they stand for."""
 _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
@@ -256,25 +254,20 @@ def models_figure(trade: xr.Dataset) -> Figure:
     """Differences of model rather than of numerics."""
     figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
     scenes = names(points_where(trade, kind="reference"), "scene")
-    rows = [text for *_, text in SIMPLER] + [text for _, text in BOOKED]
+    rows = [text for *_, text in (*SIMPLER, *BOOKED)]
     marks = {
         scene: {**series_look(k), "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
         for k, scene in enumerate(scenes)
     }
     for axes, quantity in zip(panels[0], ("total_qv", "contact_qv", "wear_rate"), strict=True):
-        for row, (sweep, label, _) in enumerate(SIMPLER):
+        drawn = [(sweep, label, f"error_{quantity}") for sweep, label, _ in SIMPLER]
+        if quantity == "total_qv":
+            drawn += [("long", "reference", share) for share, _ in BOOKED]
+        for row, (sweep, label, name) in enumerate(drawn):
             for k, scene in enumerate(scenes):
                 point = points_where(trade, sweep=sweep, label=label, scene=scene)
-                if point.sizes["point"] and int(point["status"].values[0]) == OK:
-                    value = np.abs(point[f"error_{quantity}"].values[0])
+                if point.sizes["point"] and np.isfinite(value := abs(point[name].values[0])):
                     axes.plot(max(value, 1e-6), row + 0.09 * (k - 2.5), **marks[scene])
-        if quantity == "total_qv":
-            for row, (name, _) in enumerate(BOOKED, len(SIMPLER)):
-                for k, scene in enumerate(scenes):
-                    point = points_where(trade, sweep="long", label="reference", scene=scene)
-                    if point.sizes["point"] and np.isfinite(point[name].values[0]):
-                        value = abs(point[name].values[0])
-                        axes.plot(max(value, 1e-6), row + 0.09 * (k - 2.5), **marks[scene])
         axes.set_xscale("log")
         axes.set_title(QUANTITY[quantity].replace("error", "difference"))
         axes.set_xlabel("relative to the more complete model")
@@ -340,6 +333,4 @@ def _most(ratios: np.ndarray) -> str:
 
 
 def _worst(points: xr.Dataset, quantity: str) -> float:
-    values = np.abs(points[f"error_{quantity}"].values)
-    finite = values[np.isfinite(values)]
-    return float(finite.max()) if finite.size else float("nan")
+    return of_known(np.max, np.abs(points[f"error_{quantity}"].values))

@@ -103,3 +103,9 @@ def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
 def names(trade: xr.Dataset, variable: str) -> list[str]:
     """Values of a text variable in the order of the file."""
     return list(dict.fromkeys(trade[variable].values))
+
+
+def of_known(reduce: Any, values: np.ndarray) -> float:
+    """Median or most of the values that are known; NaN of none."""
+    known = values[np.isfinite(values)]
+    return float(reduce(known)) if known.size else np.nan

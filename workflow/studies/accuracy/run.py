@@ -30,11 +30,9 @@ from bearingwear.solvers.race_control import race_control_motion
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
 from bearingwear.studies.dataset import filled
-from workflow.studies.accuracy.grooves import ended_scene, lived_through
-from workflow.studies.accuracy.machine import on_a_rotor
 from workflow.studies.accuracy.plan import SweepPoint
 from workflow.studies.accuracy.quantities import SWEEP
-from workflow.studies.accuracy.warmth import grown_scene
+from workflow.studies.accuracy.scenes import ended_scene, grown_scene, lived_through, on_a_rotor
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
 

@@ -3,7 +3,6 @@
 import csv
 import io
 import math
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,7 +10,7 @@ import xarray as xr
 from bearingwear.document.table import cell_text
 from bearingwear.results.units import display, span
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable
-from workflow.studies.accuracy.gather import names, points_where
+from workflow.studies.accuracy.gather import names, of_known, points_where
 from workflow.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow
 
 _PERCENT = display("1", shown="%")
@@ -57,18 +56,12 @@ def cells(trade: xr.Dataset, row: TableRow) -> list:
     points = points_where(trade, sweep=row.sweep, label=row.label)
     solved = points.isel(point=points["status"].values == 0)
     errors = [
-        _over(np.median if name == _MEDIAN else np.max, np.abs(solved[f"error_{error}"].values))
+        of_known(np.median if name == _MEDIAN else np.max, np.abs(solved[f"error_{error}"].values))
         for name, error in ERRORS.items()
     ]
     ratio = solved["reference_time"].values / solved["wall_time"].values
-    faster = _over(np.median, ratio)
+    faster = of_known(np.median, ratio)
     return [solved.sizes["point"], *(100.0 * error for error in errors), faster]
-
-
-def _over(reduce: Any, values: np.ndarray) -> float:
-    """Median or most of the values that are known."""
-    known = values[np.isfinite(values)]
-    return float(reduce(known)) if known.size else math.nan
 
 
 def section(plan: AccuracyPlan, row: TableRow) -> str:
@@ -145,7 +138,7 @@ def booked(trade: xr.Dataset) -> str:
     points = points_where(trade, sweep="long", label="reference")
     texts = []
     for name, text in (("coriolis", "Coriolis"), ("azimuth", "circumferential")):
-        most = _over(np.max, np.abs(points[f"{name}_energy_share"].values))
+        most = of_known(np.max, np.abs(points[f"{name}_energy_share"].values))
         texts.append(f"{_PERCENT.text(most)} % ({text})")
     return " and ".join(texts)
 
@@ -187,7 +180,7 @@ def estimates(trade: xr.Dataset) -> CheckedTable:
             both = np.isfinite(error) & np.isfinite(estimate)
             error, estimate, least = error[both], estimate[both], least[both]
             share = 100.0 * np.mean(estimate >= least) if both.any() else math.nan
-            over = _over(np.median, estimate / np.maximum(error, 1e-9))
+            over = of_known(np.median, estimate / np.maximum(error, 1e-9))
             rows.append([text, solve, int(both.sum()), float(share), over])
     title, axes = "Estimated and true errors", ("estimate of", "solve")
     return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)

@@ -52,7 +52,7 @@ STAND_INS = (
     "in_tandem",
     "worn_ratio",
 )
-"""Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
+"""Values drawn that are no keys of a scene; `draw.drawn_scene` says what they stand for."""
 
 
 def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:

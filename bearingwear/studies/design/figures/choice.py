@@ -21,10 +21,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import (
-    ALL_INPUTS,
-    RECOMMENDED,
-)
+from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import display
 from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS
@@ -245,14 +242,19 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
         bar.set_label("preload (N)")
 
 
+def counting_keys() -> list[Any]:
+    """Legend of what counts as wear."""
+    return [
+        key(f"counting {in_words(way)}", color="0.3", linestyle=dash)
+        for way, dash in LOSS_DASHES.items()
+    ]
+
+
 def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
     """Legend of the lives."""
     limit = key("required stiffness", **_LIMIT_LINE)
     return [
-        *(
-            key(f"counting {in_words(way)}", color="0.3", linestyle=d)
-            for way, d in LOSS_DASHES.items()
-        ),
+        *counting_keys(),
         key("a requirement is violated", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(

@@ -14,7 +14,6 @@ from bearingwear.plotting.drawing import (
     failed_keys,
     frame,
     from_zero,
-    key,
     lines,
     method_keys,
     new_figure,
@@ -28,9 +27,12 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
-from bearingwear.studies.design.figures.choice import LOSS_DASHES
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
-from bearingwear.studies.design.figures.uncertainty_figure import draw_cumulated, uncertainty_figure
+from bearingwear.studies.design.figures.uncertainty_figure import (
+    cumulated_keys,
+    draw_cumulated,
+    uncertainty_figure,
+)
 
 
 def map_plot(design: xr.Dataset) -> Figure:
@@ -81,18 +83,10 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         if spread:
             panel.axvspan(*spread.bearings, color=COLOURS[name], alpha=0.12, linewidth=0.0)
         said.append(f"{words}, {spread_text(spread)}")
-    handles = [
-        *(key(f"counting {in_words(w)}", color="0.3", linestyle=d) for w, d in LOSS_DASHES.items()),
-        key(
-            "5, 10, 50, 90, 95 % quantiles with sampling errors",
-            color="0.3",
-            linestyle="none",
-            marker="o",
-        ),
-    ]
     counting = in_words(COUNTS[basis])
     name = scene_of(uncertainty)["name"]
-    frame(figure, f"{name}: {'; '.join(said)}; wear of {counting}", handles, columns=2)
+    text = f"{name}: {'; '.join(said)}; wear of {counting}"
+    frame(figure, text, cumulated_keys(), columns=2)
     return figure
 
 

@@ -24,10 +24,10 @@ from bearingwear.results.quantiles import (
     spread_at,
     spread_text,
 )
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.figures.choice import LOSS_DASHES
+from bearingwear.studies.design.figures.choice import LOSS_DASHES, counting_keys
 
 QUANTITY_WORDS = {
     "ball_diameter_mm": "ball diameter",
@@ -66,16 +66,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         row[2].set_ylim(row[1].get_ylim())
     handles = [
         *method_keys([name for name, _ in rows], scene),
-        *(
-            key(f"counting {in_words(way)}", color="0.3", linestyle=d)
-            for way, d in LOSS_DASHES.items()
-        ),
-        key(
-            "5, 10, 50, 90, 95 % quantiles with sampling errors",
-            color="0.3",
-            linestyle="none",
-            marker="o",
-        ),
+        *cumulated_keys(),
         key("all uncertain", color="0.3", linewidth=6),
         key("wear coefficient and hardness as stated", color="0.7", linewidth=6),
     ]
@@ -105,6 +96,12 @@ def draw_cumulated(panel: Any, one: xr.Dataset, colour: str) -> None:
         )
     panel.set_xscale("log")
     panel.set_ylim(0.0, 1.0)
+
+
+def cumulated_keys() -> list[Any]:
+    """Legend of `draw_cumulated`."""
+    text = "5, 10, 50, 90, 95 % quantiles with sampling errors"
+    return [*counting_keys(), key(text, color="0.3", linestyle="none", marker="o")]
 
 
 def _ratios(one: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
