@@ -5,6 +5,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import yaml
 
 from bearingwear.cli import main
@@ -29,6 +30,16 @@ def benchmark(name: str):
     return module
 
 
+def by_differences(function, c, steps) -> np.ndarray:
+    """Central differences of a function of several numbers, a row for each of them."""
+    out = []
+    for i, step in enumerate(steps):
+        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
+        low, high = map(function, moved)
+        out.append((high - low) / (2.0 * step))
+    return np.array(out)
+
+
 def with_value(file: Path, path: str, value: object, folder: Path) -> Path:
     """A copy of a YAML file in a folder, with one value replaced."""
     data = yaml.safe_load(file.read_text(encoding="utf-8"))
@@ -40,6 +51,13 @@ def with_value(file: Path, path: str, value: object, folder: Path) -> Path:
     changed = folder / "plan.yaml"
     changed.write_text(yaml.safe_dump(data), encoding="utf-8")
     return changed
+
+
+def only_line(capsys) -> str:
+    """The line that a command has printed to standard error, and nothing else."""
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1, (out, err)
+    return err
 
 
 def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -> list[str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import step
+from support import only_line, step
 
 import bearingwear
 from bearingwear.arguments import command_parser
@@ -72,8 +72,7 @@ def test_failed_solve(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(solve_model, "solve", fails(status))
     assert solve(tmp_path / "a.nc") == 3
     err = capsys.readouterr().err
-    name = code.STATUS_NAMES[status]
-    assert err.count("\n") == 1 and err.startswith(f"{SCENE}: {name}: ")
+    assert err.count("\n") == 1 and err.startswith(f"{SCENE}: {code.STATUS_NAMES[status]}: ")
     case = load(tmp_path / "a.nc")
     assert int(case["status"]) == status and np.isnan(case["total_qv"])
     assert solve(tmp_path / "b.nc", "--record-failures") == 0
@@ -184,8 +183,7 @@ def test_show_refuses_a_scene_it_cannot_read(scene, tmp_path, capsys):
     """Result files, too, may come from strangers."""
     rewrite_scene(tmp_path / "a.nc", lambda text: scene)
     assert main(["show", str(tmp_path / "a.nc")]) == 2
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1 and "damaged file" in err
+    assert "damaged file" in only_line(capsys)
 
 
 def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
@@ -244,8 +242,7 @@ def test_print_on_a_full_disk(unbuffered):
 )
 def test_wrong_arguments(argv, capsys):
     assert main(argv) == 2
-    out, err = capsys.readouterr()
-    assert not out and err.count("\n") == 1
+    err = only_line(capsys)
     assert err.startswith("bearingwear") and "--help" in err
 
 
@@ -290,8 +287,7 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
 )
 def test_a_step_that_is_not_there(run, said, tmp_path, capsys):
     assert step(run, tmp_path / "a.nc") == 2
-    out, err = capsys.readouterr()
-    assert not out and err.startswith(said) and err.count("\n") == 1
+    assert only_line(capsys).startswith(said)
     assert os.listdir(tmp_path) == []
 
 
@@ -299,8 +295,7 @@ def test_a_step_that_cannot_solve_says_so_and_goes_on(tmp_path, capsys):
     """A study goes on without what could not be solved; its verdict fails."""
     settings = {"changes": {"friction.ball_race": 0}}
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
-    out, err = capsys.readouterr()
-    assert not out and err.startswith(f"{SCENE}: undetermined: ") and err.count("\n") == 1
+    assert only_line(capsys).startswith(f"{SCENE}: undetermined: ")
     assert int(load(tmp_path / "a.nc")["status"]) == code.UNDETERMINED
 
 
@@ -309,8 +304,7 @@ def test_a_step_that_cannot_solve_says_so_and_goes_on(tmp_path, capsys):
 )
 def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
     assert main(["step", "studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]) == 2
-    out, err = capsys.readouterr()
-    assert not out and err.count("\n") == 1
+    only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
@@ -326,16 +320,14 @@ def test_output_is_no_folder(tmp_path, capsys):
 def test_output_is_the_name_of_a_file(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert solve(name) == 2
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1 and f"got {name!r}, expected a file name" in err
+    assert f"got {name!r}, expected a file name" in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 250, "\udcff.nc"])
 def test_output_that_cannot_be_named(name, tmp_path, capsys):
     assert solve(tmp_path / name) == 2
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1 and "cannot be written" in err
+    assert "cannot be written" in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 

@@ -167,7 +167,6 @@ _KNOWN_COORDINATES: dict[Any, xr.Coordinates] = {}
 
 
 def _indexed(entries: Mapping[str, Entry], by_name: bool) -> xr.Coordinates:
-    """Coordinates with their indexes."""
     import xarray as xr
 
     if sum(entry.data.size for entry in entries.values()) > LONG_COORDINATES:

@@ -186,7 +186,6 @@ class EndOfLife(_CRITERIA):
 
     @functools.cached_property
     def criteria(self) -> dict[str, float]:
-        """The criteria that apply."""
         values = {name: getattr(self, name) for name in ENDS}
         return {name: value for name, value in values.items() if value is not None}
 

@@ -73,7 +73,6 @@ class State:
         return self.values.get(name, math.nan)
 
     def with_values(self, values: Mapping[str, Any]) -> "State":
-        """State with other or further values."""
         return State(self.status, {**self.values, **values}, self.answer)
 
 

@@ -56,8 +56,6 @@ class Steps:
 
 @keyed
 class Values:
-    """A list of values."""
-
     values: tuple[float, ...] = setting("Values", least=1, within="(0, inf)")
 
     def __post_init__(self) -> None:

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from scipy.special import ellipe
+from support import by_differences
 
 from bearingwear.kernels.contact.friction import potential
 from bearingwear.kernels.contact.points import (
@@ -81,13 +82,8 @@ def sums(c, points):
 
 
 def differences(c, points, result):
-    """Central differences of one result of `sums` by the four slip coefficients."""
-    out = []
-    for i, step in enumerate(STEPS):
-        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
-        low, high = (sums(m, points)[result] for m in moved)
-        out.append((high - low) / (2.0 * step))
-    return np.array(out)
+    """Slopes of one result of `sums` by the four slip coefficients."""
+    return by_differences(lambda moved: sums(moved, points)[result], c, STEPS)
 
 
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])

@@ -9,7 +9,7 @@ from kernels.test_ellipse import CONTACT, R, placed
 from kernels.test_ellipse_friction import SCALE, SLIPS, STEPS, V_R, friction
 from numpy.testing import assert_allclose
 from scipy.special import ellipe
-from support import scene_file
+from support import by_differences, scene_file
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.friction import Law, friction_coefficients
@@ -90,11 +90,11 @@ def test_slopes_are_those_of_a_convex_potential(c):
     )
     ellipse_slopes(FILM, c, MU_EVEN, V_R, points, gradient, hessian)
     scale = SCALE[:, None] * SCALE
-    found = np.empty((4, 5))
-    for i, step in enumerate(STEPS):
-        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
-        low, high = (np.array(ellipse_sums(FILM, m, MU_EVEN, V_R, points)[:5]) for m in moved)
-        found[i] = (high - low) / (2.0 * step)
+
+    def forces(moved):
+        return np.array(ellipse_sums(FILM, moved, MU_EVEN, V_R, points)[:5])
+
+    found = by_differences(forces, c, STEPS)
     size = np.abs(hessian / scale).max()
     assert_allclose(found / scale[:4], hessian[:4] / scale[:4], atol=1e-6 * size)
     assert np.linalg.eigvalsh((hessian / scale)[:4, :4]).min() > 0.0

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import by_differences
 
 from bearingwear.kernels.contact.friction import force_per_slip, force_slope, potential
 from bearingwear.kernels.contact.profile import height, profile
@@ -65,13 +66,8 @@ def sums(c):
 
 
 def differences(c, result):
-    """Central differences by the four slip coefficients of one result of `sums`."""
-    out = []
-    for i, step in enumerate(STEPS):
-        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
-        low, high = (sums(m)[result] for m in moved)
-        out.append((high - low) / (2.0 * step))
-    return np.array(out)
+    """Slopes by the four slip coefficients of one result of `sums`."""
+    return by_differences(lambda moved: sums(moved)[result], c, STEPS)
 
 
 @pytest.mark.parametrize("c", SLIPS)

@@ -3,7 +3,7 @@
 import csv
 
 import pytest
-from support import benchmark
+from support import benchmark, only_line
 
 import bearingwear
 from bearingwear.cli import main
@@ -135,5 +135,4 @@ def test_bearings_of_one_name_differ_by_their_angle():
 def test_bad_input_takes_one_line(argv, said, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["new", *argv]) == 2
-    error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1 and not list(tmp_path.iterdir())
+    assert said in only_line(capsys) and not list(tmp_path.iterdir())

@@ -150,6 +150,17 @@ def test_time_scales_agree_with_integration(scene):
     assert_allclose(left, math.exp(-1.0), rtol=1e-2)
 
 
+def decaying(few, D, case, within):
+    """Rates with many points, which have converged and are all below zero."""
+    rates = []
+    for points in (512, 1024):
+        many = replace(few, rule=ellipse_rule("split", points))
+        rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
+    assert np.all(rates[1] < 0.0)
+    assert_allclose(*rates, rtol=within)
+    return rates[1]
+
+
 @pytest.mark.parametrize(("mu", "v_r"), [(1e-6, 1e-8), (1e-6, 1e-6), (4.8e-6, 4e-6)])
 def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     """With 32 points a motion seems to last minutes or hours; its rates converge to faster ones."""
@@ -167,13 +178,8 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     few = ThrustProblem.of(given)
     case = few.solve(D)
     slowest = few.time_scales(D, case).real.max()
-    rates = []
-    for points in (512, 1024):
-        many = replace(few, rule=ellipse_rule("split", points))
-        rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
-    assert np.all(rates[1] < 0.0)
-    assert_allclose(*rates, rtol=0.1)
-    assert 5e-3 * rates[1].max() < slowest < 0.0
+    rates = decaying(few, D, case, within=0.1)
+    assert 5e-3 * rates.max() < slowest < 0.0
     assert few.stable(D, case) and solve(given).values["status"] == code.OK
 
 
@@ -197,12 +203,7 @@ def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, 
     few = ThrustProblem.of(given)
     case = few.solve(D)
     assert case.status == code.OK and few.time_scales(D, case).real.max() > 0.0
-    rates = []
-    for points in (512, 1024):
-        many = replace(few, rule=ellipse_rule("split", points))
-        rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
-    assert np.all(rates[1] < 0.0)
-    assert_allclose(*rates, rtol=1e-3)
+    decaying(few, D, case, within=1e-3)
     assert few.stable(D, case) and solve(given).values["stable"] == 1
 
 

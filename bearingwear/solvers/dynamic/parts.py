@@ -125,7 +125,6 @@ def land_damping(restitution: float) -> float:
 
 @lru_cache
 def pocket_damping(restitution: float) -> float:
-    """Damping of `pocket_restitution` for a coefficient of restitution."""
     return _damping(pocket_restitution, restitution, LARGEST_POCKET)
 
 

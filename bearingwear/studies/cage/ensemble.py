@@ -148,7 +148,6 @@ class _Job(NamedTuple):
 
 
 def _done(job: _Job) -> RunRow:
-    """A run, and what it drew."""
     draw: CageDraw = cage_drawn(job.scene, job.spread, job.plan, job.run)
     row: RunRow = {"status": BEYOND_GROOVE}
     if draw.scene is not None:

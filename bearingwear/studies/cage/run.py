@@ -137,8 +137,6 @@ def _stopped(status: int) -> dict[str, Any]:
 
 
 class _Stretch(NamedTuple):
-    """A stretch of a run."""
-
     path: CagePath
     work: float  # in pockets and at the land in a turn [J]
     torques: np.ndarray  # sums over its turns of 1, torque and its square

@@ -219,10 +219,7 @@ class DesignFiles:
 def design_files(
     design: Path, recommendation: Path, uncertainty: Path | None = None
 ) -> DesignFiles:
-    """Read the files of one scene.
-
-    map.
-    """
+    """Read the files of one scene; CaseFileError for one of another scene, kind or methods."""
     kinds = {design: "design map", recommendation: "recommendation"}
     if uncertainty is not None:
         kinds[uncertainty] = "uncertainty"

@@ -66,8 +66,6 @@ class DesignLimits(_LIMITS):
 
 @keyed
 class MapAxes:
-    """Axes of a map of lives."""
-
     preload_method: tuple[str, ...] = setting("Preload method", choices=PRELOAD_METHODS, least=1)
     friction: RisingAxis = setting("Ball-race friction coefficients", "1")
     shaft_speed_rpm: RisingAxis = setting("Shaft speeds", "rpm")
@@ -155,12 +153,10 @@ class DesignPlan:
 
     @property
     def maps(self) -> dict[str, MapAxes]:
-        """Axes of the map of each scene that has one."""
         return {name: one.map for name, one in self.scenes.items() if one.map}
 
     @property
     def small_maps(self) -> dict[str, MapAxes]:
-        """Axes of the small map of each scene that has one."""
         return {name: one.small_map for name, one in self.scenes.items() if one.small_map}
 
     @property

@@ -49,8 +49,6 @@ _LARGEST_SHARE = 0.999
 
 @dataclass(frozen=True, kw_only=True)
 class Assumption:
-    """Range of an assumption."""
-
     name: str  # its key
     # its value, and the ends between which the same method lasts longer; NaN for none found
     now: float

@@ -31,15 +31,11 @@ class Plan:
 
     @classmethod
     def from_config(cls, config: Mapping) -> "Plan":
-        """The plan of a config.yaml.
-
-        studied.
-        """
+        """The plan of a config.yaml."""
         return cls(record(Config, config, "config"))
 
     @functools.cached_property
     def grids(self) -> dict[str, Grid]:
-        """Grid of each scene."""
         return grids(self.config.studies)
 
     @functools.cached_property
@@ -121,7 +117,6 @@ class Plan:
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:
-        """Changes of the scene for a dynamic case."""
         (block,) = [block for block in self.config.dynamic if scene in block.scenes]
         return case.changes | {f"model.{key}": value for key, value in block.model.items()}
 

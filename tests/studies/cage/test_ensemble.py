@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import ROOT
+from support import ROOT, only_line
 
 import bearingwear
 from bearingwear.cli import main
@@ -198,5 +198,4 @@ def test_what_is_refused_takes_one_line(tmp_path, capsys):
         (["--life"], "cage.film: got neither a film nor a limit"),
     ):
         assert main(["cage", str(S1), *options, *out]) == 2
-        text = capsys.readouterr().err
-        assert told in text and text.count("\n") == 1, text
+        assert told in only_line(capsys)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file, step
+from support import ROOT, only_line, scene_file, step
 
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.scene import PRELOAD_METHODS
@@ -274,8 +274,8 @@ def test_a_broken_reference_is_refused(folder, text, said, tmp_path, capsys):
     file.write_text(text)
     given = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}
     assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
-    error = capsys.readouterr().err
-    assert error.startswith(f"{file}: ") and said in error and error.count("\n") == 1
+    error = only_line(capsys)
+    assert error.startswith(f"{file}: ") and said in error
     file.unlink()
     assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
     assert capsys.readouterr().err.startswith(f"{file}: cannot be read")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from support import scene_file, step, step_arguments
+from support import only_line, scene_file, step, step_arguments
 
 from bearingwear.cli import main
 from bearingwear.kernels.status import OK
@@ -157,8 +157,7 @@ def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
     paths, culprit = damage(cases)
     output = tmp_path / "study.nc"
     assert step(GATHER, output, paths=paths) == 2
-    said = capsys.readouterr().err
-    assert str(culprit) in said and said.count("\n") == 1
+    assert str(culprit) in only_line(capsys)
     assert not output.exists()
 
 
@@ -484,8 +483,7 @@ def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
     case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
     outputs = [tmp_path / "figure.svg", tmp_path / name]
     assert step("studies.grid.figures.draw.draw_slip", *outputs, cases=[case]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"{outputs[1]}: got the suffix ") and told.count("\n") == 1
+    assert only_line(capsys).startswith(f"{outputs[1]}: got the suffix ")
     assert os.listdir(tmp_path) == []
 
 

@@ -243,7 +243,6 @@ class AccuracyPlan:
                 )
 
     def varied(self, name: str, point: SweepPoint) -> Scene:
-        """A scene as a point changes it."""
         return load_scene(self.scene_file(name), point.overrides(self.scene_settings(name)))
 
     def scene_file(self, name: str) -> str:

@@ -26,7 +26,6 @@ BALL_MARKERS = "v^osDPX*"
 
 
 def fitting(candidates: xr.Dataset) -> xr.Dataset:
-    """The candidates that fit."""
     return candidates.isel(candidate=candidates["fit_result"].values == FITS)
 
 

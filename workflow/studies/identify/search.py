@@ -72,7 +72,6 @@ QV_LOSSES_UM = tuple(round(0.1 * k, 1) for k in range(8))  # as the paper draws 
 
 
 def running(scene: Scene, method: str, mu: float, drag: float = 0.0) -> Scene:
-    """The scene with a method, a friction and a drag."""
     return replace(
         scene,
         operation=replace(scene.operation, preload_method=method),

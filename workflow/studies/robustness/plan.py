@@ -80,7 +80,6 @@ class Draw:
             raise ValueError("got nothing to draw from, expected log, even or of")
 
     def value(self, chance: random.Random) -> Any:
-        """One value."""
         is_range = self.log is not None or self.even is not None
         if self.of and (not is_range or chance.random() < (self.share or 0.0)):
             return chance.choice(self.of)

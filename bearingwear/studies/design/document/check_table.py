@@ -65,10 +65,7 @@ class CheckedPreload:
 
 
 def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
-    """Step: steady and dynamic numbers of some preloads, and whether they agree, as Markdown.
-
-    other fidelity.
-    """
+    """Step: steady and dynamic numbers of some preloads, and whether they agree, as Markdown."""
     chosen = load(recommendation)
     of_preload = _cases(chosen, cases)
     points = [_point(preload, fidelities) for preload, fidelities in sorted(of_preload.items())]
