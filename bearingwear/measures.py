@@ -205,7 +205,7 @@ MEASURES = (
         advice="use a lower speed, more preload, or ceramic balls",
         end=("Gyroscopic slip share of any contact at or above which life ends", "(0, 1]"),
         limit=("Maximum gyroscopic slip share of any contact", "(0, 1]"),
-        means="sliding of a ball across its rolling direction, over all of its sliding",
+        means="share of a ball's sliding that is perpendicular to its rolling direction",
         option="--slip", mark="s", letter="G", brief=True),
     Measure(key="skid_ratio", words="skid ratio", variables=("skid_ratio",), signed=True,
         advice="use more preload, a lower speed, or less lubricant drag",

@@ -43,8 +43,8 @@ GLOSSARY = {
     "constant force (spring pair), fixed position (rigid pair)": "Preload by a spring, whose force "
     "remains constant as parts wear, or by a spacer, whose force decreases with wear.",
     "residual preload": "The axial force that remains at speed and after wear.",
-    "gyroscopic slip share": "Sliding of a ball across its rolling direction, driven by the "
-    "gyroscopic moment, over all of its sliding.",
+    "gyroscopic slip share": "The share of a ball's sliding that is perpendicular to its "
+    "rolling direction and driven by the gyroscopic moment.",
     "requirement": "What the machine or the bearing must satisfy from new to the end of life, such "
     "as a stiffness. It restricts the choice of a preload.",
     "end-of-life criterion": "A value of the scene at which the bearing counts as worn out, such "

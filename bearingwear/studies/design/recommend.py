@@ -98,9 +98,9 @@ CLIFF = table(
 )  # fmt: skip
 BEYOND_RANGE = table(
     Variable("beyond_preload", (), "N",
-        "preload far beyond the end of the range at which the recommended one is"),
+        "preload far beyond that end of the range at which the recommended one lies"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
-    Variable("beyond_running_preload", (), "N", "running preload when new at beyond_preload"),
+    Variable("beyond_running_preload", (), "N", "running preload at beyond_preload, when new"),
 )  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
@@ -250,7 +250,7 @@ class Search:
         lines: lives over `preload_method` and `preload`.
         """
         if self.limits.given:
-            self.tell("requirements at preloads of new bearings")
+            self.tell("requirements against preload, for new bearings")
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:

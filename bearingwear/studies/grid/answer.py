@@ -195,8 +195,8 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         grooves += " where wear is deep"
     return (
         f"This section describes the bearing as given, with {scene['operation']['preload_N']:g} N "
-        f"by either method, {grooves} and without requirements. It is no recommendation: at the "
-        "preload recommended for each method, the order may differ."
+        f"for either method, {grooves} and without requirements. It is not a recommendation: at "
+        "the preload recommended for each method, the order may differ."
     )
 
 

@@ -62,7 +62,7 @@ def map_overview(design: xr.Dataset) -> Figure:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
     blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: end of life when new")]
-    grey = [Patch(color="0.87", label="required slip share kept for the life")]
+    grey = [Patch(color="0.87", label="required slip share not exceeded during the life")]
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; "
