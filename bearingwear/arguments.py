@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
@@ -29,10 +30,20 @@ STUDY_NAMES = ", ".join(("a scene, MINE.yaml", "a file below results/", "all", *
 """What `study` accepts, for messages."""
 
 
+_EXPECTED = {
+    r"int value: (.+)": "a whole number",
+    r"float value: (.+)": "a number",
+    r"choice: (.+?) \(choose from (.+)\)": r"\2",
+}
+"""Messages of argparse, and what is expected instead."""
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors take one line."""
 
     def error(self, message: str) -> NoReturn:
+        for said, expected in _EXPECTED.items():
+            message = re.sub(f"invalid {said}", f"got \\1, expected {expected}", message)
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 

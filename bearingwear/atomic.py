@@ -103,6 +103,8 @@ def check_output(path: Path, scene: str) -> None:
 
 def check_folder(path: Path) -> None:
     """Refuse more than one new folder: it is likelier a slip of the pen."""
+    if path.parent.exists() and not path.parent.is_dir():
+        raise OutputError(f"{path.parent}: got a file, expected a folder")
     if not path.parent.parent.exists():
         raise OutputError(f"{path}: got more than one new folder, expected at most one")
 

@@ -53,6 +53,8 @@ def new(args: argparse.Namespace) -> int:
     known = {key: value for key, value in values.items() if value is not None}
     names = "bore outside clearance ball_material preload_method preload_class maker pair film"
     others = {name: getattr(args, name) for name in names.split()}
+    check_folder(Path(path))
+    _tell_of_new_folder(Path(path))
     lines = write_scene(path, given=known, designation=designation, **others)
     print(f"{path}: written; assumed values and values from a catalogue, marked in the file:")
     for line in lines:
@@ -307,6 +309,7 @@ def study(args: argparse.Namespace) -> int:
 
         file = Path(args.name)
         folder = args.output or Path(file.stem)
+        check_folder(folder / file.name)
         if DRY_RUN & set(args.more):
             with looked_at(folder) as other:
                 write_study(file, folder, _limits(args), other)

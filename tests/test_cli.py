@@ -411,6 +411,10 @@ def test_a_new_folder_is_told(tmp_path, capsys):
     tree = where / "folder" / "case.nc"
     assert main(["solve", str(SCENE), "-o", str(tree)]) == 2 and not where.exists()
     assert capsys.readouterr().err.startswith(f"{tree}: got more than one new folder, expected")
+    for command in (["new", "7008C"], ["study", str(SCENE), "-o"]):
+        command.insert(1 if command[0] == "new" else 3, str(where / "folder" / "a.yaml"))
+        assert main(command) == 2 and not where.exists()
+        assert "got more than one new folder, expected" in capsys.readouterr().err
     assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
     assert capsys.readouterr().err == f"{where}: new folder\n"
     assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0

@@ -132,7 +132,8 @@ class Grooves:
         for side, state, rate in zip(self.sides, now.states, rates, strict=True):
             deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
-            lengths.append(self.depth / (deepest / gap).max())
+            fastest = (deepest / gap).max()  # 0 at rest
+            lengths.append(self.depth / fastest if fastest else math.inf)
             if (films := side.bearing.films) is not None:
                 through = films.time_through(point_of(state).wear.deepest, rate.deepest)
                 lengths.append(FILM_STEP * self.depth / STEP * through)

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, NoReturn, TextIO
 
-from bearingwear.atomic import write_text
+from bearingwear.atomic import reason, write_text
 from bearingwear.console import UsageError
 from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.provenance import PACKAGE
@@ -162,8 +162,12 @@ def only_run(folder: Path) -> Iterator[int]:
     NoStudy: where one of them runs the study already.
     """
     path = folder / ".snakemake" / "bearingwear.lock"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a") as held:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        held = path.open("a")
+    except OSError as error:
+        raise NoStudy(f"{folder}: cannot be used ({reason(error)})") from None
+    with held:
         last = time.monotonic() + _LOCK_WAIT
         while True:
             try:

@@ -122,8 +122,11 @@ def test_without_friction_there_is_no_life(scene):
     assert "life" not in result.values
 
 
-def test_standstill_never_wears(scene):
-    result = life(scene("gyro_s1", {"operation.shaft_speed_rpm": 0}))
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("contact", ["hertz", "worn"])
+def test_standstill_never_wears(contact, scene):
+    keys = {"operation.shaft_speed_rpm": 0, "model.contact": contact}
+    result = life(scene("gyro_s1", keys))
     assert result.status == "criterion_not_reached"
     assert "life" not in result.values
 

@@ -134,6 +134,7 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
         ((), "folder: got a folder with other files, expected a new folder"),
         (("--stiffness", "-3"), "argument --stiffness: got '-3', expected a number > 0"),
         (("--stifness", "3"), "study: got '--stifness'; did you mean --stiffness"),
+        (("-o", "mine.yaml"), "mine.yaml: got a file, expected a folder"),
         (("--cores", "many"), "study: Error parsing number of cores"),
     ):
         status, told = study(*arguments)

@@ -160,7 +160,8 @@ def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) 
 
 def _meant(unknown: str, given: Mapping[str, Any], block: Part, file: Part) -> str:
     """The key that an unknown one may mean: of its block, or of another one."""
-    if near := difflib.get_close_matches(unknown, block.below, n=2):
+    near = difflib.get_close_matches(unknown, block.below, n=2)
+    if near := near or [name for name in block.below if len(unknown) > 2 and unknown in name]:
         return f"did you mean {' or '.join(near)}"
     places = [
         path
