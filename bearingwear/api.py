@@ -18,13 +18,13 @@ from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
-from bearingwear.scene.checking.strict_yaml import data_of, yaml_of
+from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import FILMS, RUBBING
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS
-from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
+from bearingwear.scene.read import Source, as_scene, for_life, load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.studies import registry
 from bearingwear.studies.export import to_ross
@@ -367,7 +367,7 @@ def new(
     SceneError
         A ValueError with a message of one line.
     """
-    from bearingwear.scene.new.scene_file import OPTIONS, scene_text
+    from bearingwear.scene.new.scene_file import OPTIONS, checked_scene, scene_text
 
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
@@ -387,12 +387,10 @@ def new(
     others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
     others |= {"bore": bore, "outside": outside}
     try:
-        written, assumed = scene_text(name, given=given, **others)
+        text, assumed = scene_text(name, given=given, **others)
+        return checked_scene(text, f"Values not given: {'; '.join(assumed)}.")
     except SceneError as error:
         raise error.in_source(_argument(error.source)) from None
-    made = scene_from_dict(data_of(written, name), name)
-    more = f"Values not given: {'; '.join(assumed)}."
-    return made.with_({"description": f"{made.description} {more}"})
 
 
 def _argument(option: str) -> str:

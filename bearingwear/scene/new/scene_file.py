@@ -35,6 +35,8 @@ from bearingwear.scene.scene import key_of_scene, most_balls
 if TYPE_CHECKING:
     from jinja2 import Template
 
+    from bearingwear.scene.scene import Scene
+
 BALL_MATERIALS = ("bearing_steel", "silicon_nitride")
 
 OPTIONS = (
@@ -88,7 +90,7 @@ def scene_text(
     pair, film: what rubs, of `coefficients.RUBBING`: wear, friction and their spread come from its
         sources.
 
-    Returns `text`: a scene that passes `bearingwear check`.
+    Returns `text`: to be checked by `checked_scene`.
     SceneError: one line that names the option, what was given and what is allowed.
     """
     angle = given.get("bearing.contact_angle_deg")
@@ -106,7 +108,6 @@ def scene_text(
         del numbers[_BALL_RACE]
     _check_room(numbers)
     text = _filled(name, size, numbers, ball_material, preload_method, method, rubs)
-    _check(text)
     return text, _assumed(size, numbers, ball_material, preload_method, method)
 
 
@@ -187,6 +188,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
         problem = f"got this name, expected NAME.yaml, where NAME consists of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
     text, assumed = scene_text("", **known)
+    checked_scene(text)
     if "\0" not in str(path) and os.path.lexists(path):
         raise OutputError(f"{path}: already exists and is not replaced; choose another name")
     write_text(path, text)
@@ -287,12 +289,17 @@ def _line(key: str, origin: Origin) -> str:
     return f"{key.rpartition('.')[2]}: {value}  {origin.note}"
 
 
-def _check(text: str) -> None:
+def checked_scene(text: str, note: str = "") -> Scene:
+    """The scene of a text from `scene_text`, with a note after its description.
+
+    SceneError: one line that names the option.
+    """
     from bearingwear.scene.checking.strict_yaml import data_of
     from bearingwear.scene.read import scene_from_dict
 
+    data = data_of(text, "scene")
     try:
-        scene_from_dict(data_of(text, "scene"), "scene")
+        return scene_from_dict(data | {"description": f"{data['description']} {note}"})
     except SceneError as error:
         # bore and outside diameter decide what no option names
         option = next(filter(None, map(_option, (error.key, *error.involved))), "--bore, --outside")
