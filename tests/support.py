@@ -1,5 +1,7 @@
 """Where things are, and how a step of a study is run, for tests of every kind."""
 
+import ast
+import functools
 import importlib.util
 import json
 import sys
@@ -16,6 +18,12 @@ ROOT = Path(__file__).resolve().parents[1]
 def scene_file(name: str) -> Path:
     """Path of a scene of the study."""
     return ROOT / "config" / "scenes" / f"{name}.yaml"
+
+
+@functools.cache
+def syntax_nodes(file: Path) -> list[ast.AST]:
+    """Nodes of a source, the module first: several tests look through all of ours."""
+    return list(ast.walk(ast.parse(file.read_bytes())))
 
 
 def benchmark(name: str):

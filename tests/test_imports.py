@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from support import syntax_nodes
 
 import bearingwear
 
@@ -96,7 +97,7 @@ def part_of(module: Path) -> str:
 
 def imported(module: Path):
     """Dotted names a module imports, anywhere in it."""
-    for node in ast.walk(ast.parse((ROOT / module).read_text(encoding="utf-8"))):
+    for node in syntax_nodes(ROOT / module):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from support import syntax_nodes
+
 import bearingwear
 from bearingwear import studies
 
@@ -51,7 +53,7 @@ def defined_twice(*folders: Path) -> dict[str, list[str]]:
         place = path.relative_to(top)
         if place.as_posix() in REPEATING or "__pycache__" in place.parts:
             continue
-        for name in set(public_names(ast.parse(path.read_text(encoding="utf-8")).body)):
+        for name in set(public_names(syntax_nodes(path)[0].body)):
             if not (name in PROTOCOL and place.name == "study.py"):
                 files.setdefault(name, []).append(place.as_posix())
     return {name: places for name, places in sorted(files.items()) if len(places) > 1}
@@ -89,11 +91,10 @@ def lines_of(function: ast.FunctionDef) -> int:
 def test_functions_are_short():
     long = []
     for path in sorted(path for folder in OURS for path in folder.rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
         place = path.relative_to(PACKAGE.parent).as_posix()
         long += [
             f"{place}: {node.name}"
-            for node in ast.walk(ast.parse(text))
+            for node in syntax_nodes(path)
             if isinstance(node, ast.FunctionDef) and lines_of(node) > LINES_OF_A_FUNCTION
         ]
     assert long == []

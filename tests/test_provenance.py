@@ -4,7 +4,7 @@ import ast
 
 import pytest
 import yaml
-from support import ROOT
+from support import ROOT, syntax_nodes
 
 from bearingwear import provenance, studies
 from bearingwear.provenance import PACKAGE, SOLVER, result_hash, sources, sources_hash
@@ -71,15 +71,15 @@ def test_imports_are_found_as_python_finds_them():
 
 def parsed_imports(path):
     """Modules of ours that a file imports, by its syntax tree."""
-    tree = ast.parse(path.read_bytes())
+    nodes = syntax_nodes(path)
     unread = {
         inner
-        for node in ast.walk(tree)
+        for node in nodes
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
         for inner in ast.walk(node)
     }
     names = set()
-    for node in set(ast.walk(tree)) - unread:
+    for node in set(nodes) - unread:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
