@@ -128,11 +128,6 @@ def test_the_report_of_the_jobs(solved):
     assert "gyro_s1_drag</strong>: " in report  # the first page
 
 
-def test_an_edited_page_draws_nothing_anew(solved):
-    solved.edit("bearingwear/page/page.html", "The page has no date", "This page has no date")
-    assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
-
-
 def test_a_design_study_comes_into_the_page(solved):
     folder = solved.root / "results/gyro_s1/design"
     folder.mkdir(parents=True)
@@ -200,15 +195,6 @@ def test_what_changes_no_result_makes_nothing_anew(solved):
     assert run.status == 0 and "Nothing to be done" in run.text, run.text
 
 
-def test_what_is_deleted_is_made_again(solved):
-    for path in ("gyro_s1/tables/cases.csv", "gyro_s1_drag/figures/fig10_wear.png"):
-        (solved.root / "results" / path).unlink()
-    solved.case(WORN).unlink()
-    planned = solved.run("-n").jobs
-    assert {"grid_drawn_gyro_s1", "grid_drawn_gyro_s1_drag"} <= set(planned)
-    assert planned["grid_solve"] == 1
-
-
 def test_an_edited_solver_source_solves_anew(solved):
     before = number(solved.case(WORN), "ball_wear_rate")
     solved.edit(
@@ -224,7 +210,7 @@ def test_an_edited_solver_source_solves_anew(solved):
 
 
 def test_an_edited_figure_draws_its_study_anew_and_nothing_else(solved):
-    solved.change_source("bearingwear/studies/grid/figures/quasistatic.py")
+    solved.change_source("bearingwear/studies/grid/figures/quasistatic.py", date=0.0)
     planned = set(solved.run("-n").jobs)
     assert planned == {*DRAWN, "page", "verdict"}
 
@@ -273,6 +259,7 @@ def test_what_of_a_scene_no_case_is_made_of(solved):
     assert "grid_solve" not in solved.run("-n").jobs
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.09", "ball_race: 0.08")
     solved.edit("config/scenes/gyro_s1.yaml", "Instrument bearing", "Edited bearing")
+    solved.edit("bearingwear/page/page.html", "The page has no date", "This page has no date")
     assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
 
 
@@ -287,9 +274,10 @@ def test_an_edited_scene_counts_where_snakemake_knows_nothing(solved):
 
 
 def test_one_scene_edited(solved):
-    solved.edit(
-        "config/scenes/gyro_s1_drag.yaml", "drag_density_kg_m3: 250", "drag_density_kg_m3: 240"
-    )
+    """Whatever its date."""
+    path = "config/scenes/gyro_s1_drag.yaml"
+    solved.edit(path, "drag_density_kg_m3: 250", "drag_density_kg_m3: 240")
+    os.utime(solved.root / path, (0, 0))
     planned = solved.run("-n")
     assert planned.jobs["grid_solve"] == 1 and planned.jobs["grid_gather"] == 1
     assert planned.jobs.keys() & DRAWN == {"grid_drawn_gyro_s1_drag", "grid_across_drawn"}

@@ -247,3 +247,17 @@ def about(rule, text):
 
 def label_of(job):
     return lambda wildcards: one(job, wildcards).label
+
+
+def tell_result():
+    """The last lines of a run that made the page: the result, and the path of the page."""
+    if PAGE in MADE and os.path.exists(PAGE):
+        paths = [path for study in STUDIES.values() for path in study.page_answers()]
+        paths = [p for p in paths if p.endswith("answer.json") and os.path.exists(p)]
+        found = [load_document(Path(path)) for path in paths]
+        for one in found:  # a recommendation, if there is one
+            if one.rank == min(answer.rank for answer in found):
+                print(one.title, file=sys.stderr)
+        # the study of a scene ends with the path of its copy of the page
+        if os.environ.get("BEARINGWEAR_STUDY", ".") == ".":
+            print(f"page: {PAGE}", file=sys.stderr)

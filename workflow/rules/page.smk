@@ -62,20 +62,6 @@ rule verdict:
         "bearingwear step studies.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"
 
 
-# The last lines of a run that made the page: the result, and the path of the page.
-def tell_result():
-    if PAGE in MADE and os.path.exists(PAGE):
-        paths = [path for study in STUDIES.values() for path in study.page_answers()]
-        paths = [p for p in paths if p.endswith("answer.json") and os.path.exists(p)]
-        found = [load_document(Path(path)) for path in paths]
-        for one in found:  # a recommendation, if there is one
-            if one.rank == min(answer.rank for answer in found):
-                print(one.title, file=sys.stderr)
-        # the study of a scene ends with the path of its copy of the page
-        if os.environ.get("BEARINGWEAR_STUDY", ".") == ".":
-            print(f"page: {PAGE}", file=sys.stderr)
-
-
 onsuccess:
     tell_result()
 
