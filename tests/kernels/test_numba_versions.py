@@ -11,7 +11,7 @@ import pytest
 from support import ROOT, scene_file
 
 from bearingwear.kernels.build.kernel import Kernel
-from bearingwear.kernels.build.versions import SWITCH, TESTED, is_tested
+from bearingwear.kernels.build.versions import SWITCH, TESTED, is_plain, is_tested
 from bearingwear.kernels.equilibrium.body_forces import body_forces
 from bearingwear.kernels.params import BallLoad, Geometry
 
@@ -92,10 +92,11 @@ def test_another_version_is_used_by_its_public_interface():
     assert run(OTHER_VERSION, "0.69.0rc1").startswith("numba.")
 
 
-def test_a_tested_version():
+def test_a_tested_version(monkeypatch):
     assert all(map(is_tested, ("0.67.0", "0.68.1", "0.68.0rc1")))
-    kernel = "bearingwear.kernels.build.kernel Kernel"
-    assert run(OTHER_VERSION, "0.68.0rc1", **{SWITCH: "0"}) == kernel
+    for given, plain in (("0", False), ("1", True)):
+        monkeypatch.setenv(SWITCH, given)
+        assert is_plain() == plain
 
 
 def test_what_is_installed():

@@ -51,8 +51,7 @@ def at(values, time, name, bearing=...):
 THICK = "friction.film.thickness_um=0.3"  # a step along grooves wears more than a thin film
 
 
-@pytest.mark.parametrize("kind", CASES)
-@pytest.mark.parametrize("warm", [(), (NETWORK,)], ids=["cold", "warm"])
+@pytest.mark.parametrize("kind, warm", [*((kind, (NETWORK,)) for kind in CASES), ("steady", ())])
 def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
     fidelity, contact, rtol = CASES[kind]
     film = (*FILM, THICK) if contact == "worn" else FILM

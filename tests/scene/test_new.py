@@ -13,10 +13,11 @@ from support import only_line
 from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
 from bearingwear.kernels.build import folder
-from bearingwear.results.netcdf import load
+from bearingwear.lives.life import life
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.solvers.solve import solve
 
 SIZE = ["--bore", "40", "--outside", "68"]
 
@@ -42,15 +43,14 @@ def test_rules_give_the_size_of_real_bearings(bore, outside, ball, pitch, tmp_pa
 
 @pytest.mark.parametrize("size", [(40, 68), (100, 150), (0.6, 2)])
 def test_what_is_written_solves(size, tmp_path):
-    scene, case = tmp_path / "some_bearing.yaml", tmp_path / "case.nc"
+    scene = tmp_path / "some_bearing.yaml"
     assert new(scene, "--bore", size[0], "--outside", size[1]) == 0
     assert main(["check", str(scene)]) == 0
-    assert main(["solve", str(scene), "-o", str(case)]) == 0
-    solved = load(case)
-    assert int(solved["status"]) == 0
+    solved = solve(load_scene(scene))
+    assert solved.status == "ok"
     # the preload that is assumed: about 1 GPa, whatever the size
-    assert 0.7e9 < float(solved["maximum_pressure"].max()) < 1.3e9
-    assert main(["life", str(scene), "-o", str(tmp_path / "life.nc")]) == 0
+    assert 0.7e9 < solved.values["maximum_pressure"].max() < 1.3e9
+    assert life(load_scene(scene)).status == "ok"
 
 
 def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):

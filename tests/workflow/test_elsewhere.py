@@ -5,7 +5,8 @@ import sys
 
 import pytest
 import yaml
-from support import scene_file
+from support import ROOT, scene_file
+from workflow.conftest import Project
 
 NOT_ALL_SOLVED = {
     "studies": [
@@ -48,9 +49,10 @@ def test_a_case_that_cannot_be_solved(elsewhere):
     summary = (results / "gyro_s1/tables/summary.md").read_text(encoding="utf-8")
     assert summary.count("µm: undetermined") == 1
     assert done.stderr.splitlines()[-1] == "page: results/report/index.html"
-    again = study(elsewhere)
-    assert again.returncode != 0 and failed in again.stdout + again.stderr
-    assert again.stderr == "failed: check that every case was solved; see logs/verdict.log\n"
+    again = Project(elsewhere).run("--snakefile", str(ROOT / "Snakefile"))
+    assert again.status != 0 and failed in again.text and again.jobs == {"verdict": 1}
+    told = again.text.splitlines()
+    assert told[-1] == "failed: check that every case was solved; see logs/verdict.log"
 
 
 @pytest.mark.parametrize(

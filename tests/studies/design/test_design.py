@@ -245,7 +245,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
     found = load(recommendation)
     longest = int(np.argmax(found["life"].values[:, 1]))
     cases = []
-    for times in ("0.80", "1.00", "1.25"):
+    for times in ("0.80", "1.25"):
         path = tmp_path / f"{times}.yaml"
         files = {"scene": scene_file("gyro_s1"), "recommendation": recommendation}
         settings = {"times": float(times)}
@@ -269,7 +269,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
 
     text = table(*cases)
     assert "The dynamic model agrees with the steady values of the map within" in text
-    assert text.count("| no |") == 9 and "| yes |" not in text
+    assert text.count("| no |") == 6 and "| yes |" not in text
     for steady, dynamic in zip(map(load, cases[::2]), map(load, cases[1::2]), strict=True):
         assert_allclose(dynamic["total_qv"], steady["total_qv"], rtol=1e-9)
     # and the table sees where it does not
