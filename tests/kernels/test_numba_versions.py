@@ -96,7 +96,7 @@ def test_a_tested_version(monkeypatch):
     assert all(map(is_tested, ("0.67.0", "0.68.1", "0.68.0rc1")))
     for given, plain in (("0", False), ("1", True)):
         monkeypatch.setenv(SWITCH, given)
-        assert is_plain() == plain
+        assert is_plain.__wrapped__() == plain
 
 
 def test_what_is_installed():
