@@ -59,7 +59,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
         if one.attrs != attributes:
             raise CaseFileError(f"{path}: differs from {first} in scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
-        raise CaseFileError(f"{first}: has a different limit on the gyroscopic slip share")
+        raise CaseFileError(f"{first}: has a different requirement on the gyroscopic slip share")
     try:
         whole = xr.combine_by_coords(
             list(found.values()),

@@ -90,7 +90,7 @@ POINT = table(
     Variable("failed_solves", (), "1", "number of steady states that were not found", dtype="i4"),
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
     Variable("time_to_slip_limit", LOSS_BASIS.dims, "h",
-        "time until the gyroscopic slip share reaches its limit", scale=HOURS_PER_SECOND,
+        "time until the gyroscopic slip share exceeds the required one", scale=HOURS_PER_SECOND,
         comment="infinite if the life ends first"),
     Variable("residual_preload_at_start", (), "N", "running preload when new"),
     Variable("residual_preload_at_end", (), "N", "residual preload at the end of life"),

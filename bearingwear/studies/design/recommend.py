@@ -82,7 +82,7 @@ from bearingwear.studies.solve import life_scene
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
-    comment="rounded to three digits, or more if limits and life require them")  # fmt: skip
+    comment="rounded to three digits, or more if requirements and life need them")  # fmt: skip
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
@@ -92,7 +92,7 @@ CLIFF = table(
         "nearest preload, within 5 % of the recommended one, whose life is at least a tenth "
         "shorter"),
     Variable("cliff_life", (), "h", "wear life at cliff_preload", scale=HOURS_PER_SECOND),
-    Variable("clear_preload", (), "N", "preload within the limits, at least 5 % away from "
+    Variable("clear_preload", (), "N", "preload that satisfies all requirements, at least 5 % away from "
         "cliff_preload"),
     Variable("clear_life", (), "h", "wear life at clear_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip

@@ -40,8 +40,8 @@ PLOTS = {
 
 
 _SHOWN = {
-    "design": "life and limits against preload",
-    "map": "life and limits against preload and friction",
+    "design": "life and requirements against preload",
+    "map": "life and requirements against preload and friction",
     "uncertainty": "uncertainty of the life",
 }
 """Figures in words, for the report of the jobs."""

@@ -183,7 +183,7 @@ def _headline(lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
     if winners == {None}:
         return "both preload methods give the same life"
     if len(winners) == 1:
-        return f"{in_words(str(*winners))} gives the longer life"
+        return f"{_one(str(*winners))} gives the longer life"
     return "the better preload method depends on friction"
 
 
@@ -228,8 +228,13 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
         margins = ", ".join(f"{margin} at {frictions}" for margin, frictions in by_margin)
-        said.append(_sentence(f"{in_words(winner)} outlasts {in_words(won[0].other)}: {margins}"))
+        said.append(_sentence(f"{_one(winner)} outlasts {_one(won[0].other)}: {margins}"))
     return said
+
+
+def _one(method: str) -> str:
+    """A method or a pair in a sentence."""
+    return f"{'a ' * (method in PAIRS.values())}{in_words(method)}"
 
 
 def _margin(ratio: float) -> str:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ from bearingwear.results.quantiles import (
     load_quantiles,
     spreads_of,
 )
-from bearingwear.results.units import Rough, in_ascii
+from bearingwear.results.units import Estimated, Rough, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines, warnings_in
 from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, Scene
@@ -239,11 +240,11 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     rows = [
         Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
         Row("limited by", "", _in_cases(found, held), "active_limit"),
-        Row(f"life, {COUNTED[basis]}", "h", _floats(lives[:, basis]), "life"),
+        Row(f"life, {COUNTED[basis]}", "h", _lives(found, basis), "life"),
         *(spread_rows([one.rows if one else {} for one in spread.values()])),
         *(() if any(spread.values()) else by_wear_row(scene_of(found), _floats(lives[:, basis]))),
         Row(
-            f"life, {COUNTED[1 - basis]}", "h", _floats(lives[:, 1 - basis]),
+            f"life, {COUNTED[1 - basis]}", "h", _lives(found, 1 - basis),
             f"life.{COUNTS[1 - basis]}",
         ),
         Row("  groove model", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
@@ -261,6 +262,17 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     notes = [causes_told(scene_of(found))] if any(spread.values()) else []
     notes += by_ball_track(found)
     return Block("recommended", tuple(method_names(found)), tuple(rows), tuple(notes), place="lead")
+
+
+def _lives(found: xr.Dataset, basis: int) -> tuple[float, ...]:
+    """Lives [h], in the digits that their errors leave, three at most."""
+    columns = (found[name].values[:, basis] for name in ("life", "life_error_estimate"))
+    return tuple(
+        Estimated.of(life, max(error * life, 10.0 ** (math.floor(math.log10(life)) - 2)))
+        if life > 0.0 and error > 0.0
+        else life
+        for life, error in np.transpose(list(columns)).tolist()
+    )
 
 
 def _in_cases(found: xr.Dataset, held: list[str]) -> tuple[str, ...]:

@@ -154,7 +154,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         scene = scene_of(of_mu)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
-        column[0].set_title(f"{bearing}, {mu_is(mu)}")
+        column[0].set_title(f"{bearing}: {mu_is(mu)}" if columns > 1 else mu_is(mu))
         shares.append(f"{share} ({bearing}, {mu_is(mu)})" if columns > 1 else share)
     label_edges(panels)
     for panel in panels[[0, 1, 3]].flat:
