@@ -61,7 +61,7 @@ def map_overview(design: xr.Dataset) -> Figure:
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
-    blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: end of life when new")]
+    blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: reached when new")]
     grey = [Patch(color="0.87", label="required slip share not exceeded during the life")]
     frame(
         figure,
