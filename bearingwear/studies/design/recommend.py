@@ -92,7 +92,7 @@ CLIFF = table(
         "nearest preload, within 5 % of the recommended one, whose life is at least a tenth "
         "shorter"),
     Variable("cliff_life", (), "h", "wear life at cliff_preload", scale=HOURS_PER_SECOND),
-    Variable("clear_preload", (), "N", "preload that satisfies all requirements, at least 5 % away from "
+    Variable("clear_preload", (), "N", "preload that satisfies the requirements, at least 5 % from "
         "cliff_preload"),
     Variable("clear_life", (), "h", "wear life at clear_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip
