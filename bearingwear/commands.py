@@ -11,12 +11,12 @@ import contextlib
 import re
 import shlex
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.atomic import check_folder, check_output
-from bearingwear.console import UsageError, one_line, printable
+from bearingwear.console import ProgressLines, UsageError, one_line, printable
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
@@ -116,40 +116,36 @@ def check(args: argparse.Namespace) -> int:
 
 
 def solve(args: argparse.Namespace) -> int:
-    scene = _scene(args)
-    from bearingwear.solvers.solve import solve as solved
+    with ProgressLines(args.scene) as tell:
+        scene = _scene(args)
+        from bearingwear.solvers.solve import solve as solved
 
-    restart = _restart(scene, args) if args.restart is not None else None
-    result = solved(scene, args.fidelity, restart, _teller(args))
+        restart = _restart(scene, args) if args.restart is not None else None
+        result = solved(scene, args.fidelity, restart, tell)
     return _finish(result, args)
 
 
 def life(args: argparse.Namespace) -> int:
-    from bearingwear.scene.read import for_life
+    with ProgressLines(args.scene) as tell:
+        from bearingwear.scene.read import for_life
 
-    scene = for_life(_scene(args), args.scene)
-    from bearingwear.lives.life import life as lived
+        scene = for_life(_scene(args), args.scene)
+        from bearingwear.lives.life import life as lived
 
-    result = lived(scene, args.fidelity, _teller(args))
+        result = lived(scene, args.fidelity, tell)
     return _finish(result, args)
 
 
 def uncertainty(args: argparse.Namespace) -> int:
     check_output(args.output, args.scene)
-    from bearingwear.studies.dataset import write_dataset
-    from bearingwear.studies.sampling import SAMPLES, usable_cores
-    from bearingwear.studies.uncertainty.quantiles import life_quantiles
+    with ProgressLines(args.scene) as tell:
+        from bearingwear.studies.dataset import write_dataset
+        from bearingwear.studies.sampling import SAMPLES, usable_cores
+        from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
-    samples = SAMPLES if args.samples is None else args.samples
-    found = life_quantiles(
-        args.scene,
-        args.friction,
-        args.method or (),
-        samples,
-        args.seed,
-        usable_cores(),
-        _teller(args),
-    )
+        samples = SAMPLES if args.samples is None else args.samples
+        more = samples, args.seed, usable_cores(), tell
+        found = life_quantiles(args.scene, args.friction, args.method or (), *more)
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not (found["solved_share"] > 0.0).any():
@@ -171,7 +167,8 @@ def cage(args: argparse.Namespace) -> int:
     given = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
     plan = record(Ensemble, given, "cage")
     _tell_of_new_folder(args.output)
-    found = cage_found(scene, plan, args.life, usable_cores(), _teller(args), args.output)
+    with ProgressLines(args.scene) as tell:
+        found = cage_found(scene, plan, args.life, usable_cores(), tell, args.output)
     if not args.quiet:
         _print_file(args.output, args)
     if (found["status"] == 0).any():
@@ -187,7 +184,8 @@ def calibrate(args: argparse.Namespace) -> int:
 
     data = files_of(args.output)
     check_output(data, args.scene)
-    found = calibrated(load_scene(args.scene, args.set), args.tests, usable_cores(), _tell)
+    with ProgressLines() as tell:
+        found = calibrated(load_scene(args.scene, args.set), args.tests, usable_cores(), tell)
     _tell_of_new_folder(args.output)
     found.write(args.output)
     _print_file(data, args)
@@ -196,15 +194,15 @@ def calibrate(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
-    from bearingwear.studies.solve import life_scene
+    with ProgressLines(args.scene) as tell:
+        from bearingwear.studies.solve import life_scene
 
-    scene = life_scene(args.scene, args.set)
-    from bearingwear.studies.design.document.sheets import recommended_sheet
-    from bearingwear.studies.pool import BrokenSilence
-    from bearingwear.studies.sampling import usable_cores
+        scene = life_scene(args.scene, args.set)
+        from bearingwear.studies.design.document.sheets import recommended_sheet
+        from bearingwear.studies.sampling import usable_cores
 
-    more = args.scene, usable_cores(), BrokenSilence(_teller(args))
-    sheet, solved = recommended_sheet(scene, _limits(args), *more)
+        more = args.scene, usable_cores(), tell
+        sheet, solved = recommended_sheet(scene, _limits(args), *more)
     _print_sheet(sheet, args)
     if not solved:
         sys.stderr.write(one_line(f"{args.scene}: no life could be solved at any preload"))
@@ -317,7 +315,8 @@ def study(args: argparse.Namespace) -> int:
         with contextlib.ExitStack() as stack:
             # a new folder comes into being only for a scene that can be studied
             held = stack.enter_context(only_run(folder)) if folder.exists() else None
-            write_study(file, folder, _limits(args))
+            with ProgressLines(args.name):
+                write_study(file, folder, _limits(args))
             if held is None:
                 held = stack.enter_context(only_run(folder))
             status, page = launch_own(folder, jobs, held, args.more)
@@ -403,11 +402,6 @@ def _tell(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):
         sys.stderr.write(one_line(text))
         sys.stderr.flush()
-
-
-def _teller(args: argparse.Namespace) -> Callable[[str], None]:
-    """What takes lines of progress on a scene."""
-    return lambda text: _tell(f"{args.scene}: {text}")
 
 
 def _scene(args: argparse.Namespace) -> Scene:

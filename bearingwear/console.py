@@ -1,4 +1,21 @@
-"""Text for a terminal: one line, without control characters."""
+"""Text for a terminal: one line, without control characters, and lines that tell of progress."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import sys
+import threading
+import time
+from typing import Any, TextIO
+
+LINE_EVERY = 3.0
+"""Seconds between two lines of progress, and before the first."""
+
+SILENCE = 2.6
+"""Seconds without a line, after which one states what runs."""
+
+_AGAIN = "\r\x1b[K"  # on a terminal: from the start of the line, without what stands there
 
 
 class UsageError(ValueError):
@@ -13,3 +30,76 @@ def printable(text: str) -> str:
 def one_line(text: str) -> str:
     """A text as one printable line."""
     return printable(text) + "\n"
+
+
+class ProgressLines:
+    """Lines of progress on standard error and, where there are none, how long the last one is ago.
+
+    A terminal shows that in a line that is renewed each second; elsewhere, lines come after 3, 5,
+    10, ... s. Nothing is written after the block of which this is the context.
+
+    source: file that lines begin with.
+    """
+
+    left: Any = None  # `TimeLeft`, where it is known
+    running = ""  # what runs, in words
+
+    def __init__(self, source: str = "") -> None:
+        self._source = f"{source}: " if source else ""
+        self._last = time.monotonic()
+        self._lock, self._ended = threading.RLock(), threading.Event()
+        self._shown = False  # whether the line that is renewed is
+        self._thread = threading.Thread(target=self._break_silence, daemon=True)
+
+    def __enter__(self) -> ProgressLines:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._thread.join()
+        self._write("")
+
+    def __call__(self, text: str) -> None:
+        """Print a line of progress, with the time left if that is known."""
+        self.running = text.partition(", about ")[0]
+        # a run goes on where nobody reads about its progress any more
+        with contextlib.suppress(OSError, ValueError):
+            self.line(one_line(f"{self._source}{text}{self._time_left()}"))
+
+    def line(self, text: str, stream: TextIO | None = None) -> None:
+        """Print a line, which ends by itself."""
+        with self._lock:
+            self._write("")
+            stream = stream or sys.stderr
+            stream.write(text)
+            stream.flush()
+            self._last = time.monotonic()
+
+    def _time_left(self) -> str:
+        seconds = self.left.seconds if self.left else 0.0
+        return f", about {seconds:.0f} s left" if seconds else ""
+
+    def _write(self, text: str) -> None:
+        """Show the line that is renewed; none without a text."""
+        with self._lock, contextlib.suppress(OSError, ValueError):
+            if text or self._shown:  # what others print replaces it
+                sys.stderr.write(f"{_AGAIN}{text}\r" if text else _AGAIN)
+                sys.stderr.flush()
+            self._shown = bool(text)
+
+    def _break_silence(self) -> None:
+        is_terminal, wait = sys.stderr.isatty(), SILENCE
+        while not self._ended.wait(0.08 * SILENCE):
+            quiet = time.monotonic() - self._last
+            what = f": {self.running}" if self.running else ""
+            text = f"{self._source}running for {quiet:.0f} s{self._time_left()}{what}"
+            if is_terminal and quiet > 0.4 * SILENCE:
+                self._write(printable(text)[: shutil.get_terminal_size().columns - 1])
+            elif quiet < SILENCE:
+                wait = SILENCE
+            elif quiet > wait and not is_terminal:
+                wait *= 2.0
+                with contextlib.suppress(OSError, ValueError):
+                    sys.stderr.write(one_line(text))
+                    sys.stderr.flush()

@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import IO, NoReturn, TextIO
 
 from bearingwear.atomic import reason, write_text
-from bearingwear.console import UsageError
+from bearingwear.console import ProgressLines, UsageError
 from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.provenance import PACKAGE
-from bearingwear.studies.progress import COMPILING
+from bearingwear.studies.progress import COMPILING, RELAYED, RUNNING
 
 CONFIG = Path("config/config.yaml")
 PAGE = Path("results/report/index.html")
@@ -102,21 +102,24 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     process = subprocess.Popen(
         command,
         cwd=folder,
-        env=os.environ | {"BEARINGWEAR_STUDY": str(folder)},
+        env=os.environ | {RELAYED: str(folder)},
         pass_fds=files,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
-    unread = threading.Event()
+    unread, lines = threading.Event(), ProgressLines()
+    lines.running = "the workflow starts"
 
     def relay(source: IO[bytes], target: TextIO) -> None:
         for line in source:
+            text = line.decode("utf-8", "replace")
             if line.startswith(COMPILING):
                 tell_of_compiling()  # once, whichever jobs do
+            elif text.startswith(RUNNING):
+                lines.running = text.removeprefix(RUNNING).strip()
             elif not (unread.is_set() or line.startswith(_PROFILE)):
                 try:
-                    target.write(line.decode("utf-8", "replace"))
-                    target.flush()
+                    lines.line(text, target)
                 except (BrokenPipeError, ValueError):
                     unread.set()
                     process.send_signal(signal.SIGINT)
@@ -127,8 +130,9 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     for reader in readers:
         reader.start()
     try:
-        for reader in readers:
-            reader.join()
+        with lines:
+            for reader in readers:
+                reader.join()
     except KeyboardInterrupt:
         unread.set()  # what it says of being interrupted
         signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -8,58 +8,31 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from itertools import chain
 from typing import Any
 
+from bearingwear.console import LINE_EVERY
+
 Tell = Callable[[str], None]
 """What takes a line of progress."""
-
-LINE_EVERY = 3.0
-"""Seconds between two lines of progress, and before the first."""
 
 
 def to_stderr(text: str) -> None:
     print(text, file=sys.stderr)
 
 
-class BrokenSilence:
-    """Passes on lines of progress, and adds one after 3, 6, 12, ... s without any.
-
-    Each states the time `left` if that is known.
-    """
-
-    left: TimeLeft | None = None
-
-    def __init__(self, tell: Tell) -> None:
-        self._tell, self._last, self._wait = tell, time.monotonic(), LINE_EVERY
-
-    def __call__(self, text: str) -> None:
-        self._say(text)
-        self._last, self._wait = time.monotonic(), LINE_EVERY
-
-    def _say(self, text: str) -> None:
-        seconds = self.left.seconds if self.left else 0.0
-        self._tell(f"{text}, about {seconds:.0f} s left" if seconds else text)
-
-    def result(self, future: Future[Any]) -> Any:
-        """Result of a job, waited for."""
-        while not wait([future], max(self._last + self._wait - time.monotonic(), 0.0)).done:
-            self._say(f"still running after {time.monotonic() - self._last:.0f} s")
-            self._wait *= 2.0
-        return future.result()
-
-
 @contextlib.contextmanager
 def processes(
-    workers: int, caller: str, lines: BrokenSilence | None = None
+    workers: int, caller: str, first_here: bool = False
 ) -> Iterator[Callable[..., Iterator[Any]]]:
     """A `map` whose calls share processes; with one worker in this process.
 
     caller: what has `workers`, for the message where processes cannot be started.
-    lines: says that jobs are still running.
+    first_here: whether the first job is done in this process, before others are forked: they have
+        the kernels and modules that it loads.
     """
     if workers <= 1:
         yield map
@@ -67,7 +40,7 @@ def processes(
     # a terminal signals them, too; this process ends them
     pool = ProcessPoolExecutor(workers, None, signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
-        yield pool.map if lines is None else partial(_mapped, pool, lines)
+        yield partial(_mapped, pool) if first_here else pool.map
     except BrokenProcessPool:
         raise RuntimeError(
             f"{caller}: a process has ended unexpectedly. Call this below `if __name__ == "
@@ -82,14 +55,10 @@ def processes(
         pool.shutdown(cancel_futures=True)
 
 
-def _mapped(
-    pool: ProcessPoolExecutor, lines: BrokenSilence, function: Callable[..., Any], *jobs: Any
-) -> Iterator[Any]:
+def _mapped(pool: ProcessPoolExecutor, function: Callable[..., Any], *jobs: Any) -> Iterator[Any]:
     calls = list(zip(*jobs, strict=True))
-    # the first one before processes are forked: they have the kernels and modules that it loads
     here = [function(*calls.pop(0))] if calls and not pool._processes else []
-    futures = [pool.submit(function, *call) for call in calls]
-    return chain(here, map(lines.result, futures))
+    return chain(here, pool.map(function, *zip(*calls, strict=True)) if calls else ())
 
 
 def in_processes(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
+import os
 import threading
 import time
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.console import LINE_EVERY
 from bearingwear.kernels.build.folder import tell_of_compiling
-from bearingwear.studies.pool import LINE_EVERY
 from bearingwear.studies.protocol import Bundle, Step
 from bearingwear.studies.seconds import job_times, kind, seconds_of
 
@@ -28,6 +29,12 @@ for a kernel that was compiled."""
 
 WAITING = 6
 """Jobs left for each that runs: the last ones wait for each other."""
+
+RUNNING = "running: "
+"""Beginning of the lines that name the running jobs."""
+
+RELAYED = "BEARINGWEAR_STUDY"
+"""Variable of the environment: the folder of a study whose lines a command passes on."""
 
 COMPILING = b"compiling the solver", b"waiting for another process that compiles"
 """How lines of jobs begin that need the solver while it is compiled."""
@@ -88,7 +95,8 @@ class JobLines(logging.Filter):
         self._rules = {job: one.rule if one else "" for job, one in jobs.items()}
         self._count, self._begin = len(jobs), time.monotonic()
         self._last = self._begin
-        threading.Thread(target=self._break_silence, daemon=True).start()
+        self._print(f"{self._count} jobs")
+        threading.Thread(target=self._name_running, daemon=True).start()
 
     def filter(self, record: logging.LogRecord) -> bool:
         event = getattr(getattr(record, "event", None), "name", None)
@@ -139,17 +147,24 @@ class JobLines(logging.Filter):
         shared = (sum(left.values()) - alone) / max(at_a_time, 1.0)
         return max(alone + shared, *left.values(), 0.0)
 
-    def _break_silence(self) -> None:
-        silence = LINE_EVERY
+    def _name_running(self) -> None:
+        """Name the jobs that run, for the command that passes on the lines; each time these change.
+
+        It also says that one compiles.
+        """
+        named = ""
         while self._seconds:
             time.sleep(0.2)
-            quiet = time.monotonic() - self._last
-            if quiet < LINE_EVERY:
-                silence = LINE_EVERY
-            elif quiet > silence and (running := list(self._started)):
-                silence *= 2.0
-                if any(map(_compiles, (log for job in running for log in self._logs[job]))):
-                    tell_of_compiling()
-                names = "; ".join(self._labels[job] for job in running)
-                record: dict[str, Any] = {"msg": f"running for {quiet:.0f} s: {names}"}
-                self._handler.handle(logging.makeLogRecord({"levelno": logging.INFO, **record}))
+            running = list(self._started)
+            if time.monotonic() - self._last > LINE_EVERY and any(
+                map(_compiles, (log for job in running for log in self._logs[job]))
+            ):
+                tell_of_compiling()
+            names = "; ".join(self._labels[job] for job in running)
+            if names != named and RELAYED in os.environ:
+                named = names
+                self._print(f"{RUNNING}{names}")
+
+    def _print(self, text: str) -> None:
+        record: dict[str, Any] = {"msg": text, "levelno": logging.INFO}
+        self._handler.handle(logging.makeLogRecord(record))

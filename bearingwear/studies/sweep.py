@@ -10,13 +10,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from bearingwear.console import LINE_EVERY
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lines
 from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.pool import LINE_EVERY, in_processes, told_in_lines
+from bearingwear.studies.pool import in_processes, told_in_lines
 from bearingwear.studies.sampling import usable_cores
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from bearingwear import console
 from bearingwear.studies import pool, progress
 from bearingwear.studies.progress import JobLines
 from bearingwear.studies.protocol import SCENE, Study, step
@@ -33,7 +34,8 @@ def test_a_line_for_each_finished_job():
     for job in (1, 2, 0):
         handler.handle(record("JOB_FINISHED", job_id=job))
     handler.handle(record("JOB_ERROR", jobid=2, rule_name="solve", log=["logs/fast.log"]))
-    first, second, third, failed = text.getvalue().splitlines()
+    begin, first, second, third, failed = text.getvalue().splitlines()
+    assert begin == "3 jobs"
     # as many seconds as the other one is expected to take, less those that it has run
     assert re.fullmatch(r"1 of 3: slow, 4 s; about [01] s left", first)
     assert second.startswith("2 of 3: fast, 4 s; about") and third == "3 of 3: all, 4 s"
@@ -49,7 +51,7 @@ def test_a_job_that_waited_for_a_kernel_is_no_pace_for_the_others():
     lines._started[0] -= 60.0
     lines._begin -= 60.0
     handler.handle(record("JOB_FINISHED", job_id=0))
-    (line,) = text.getvalue().splitlines()
+    _, line = text.getvalue().splitlines()
     assert int(re.search(r"about (\d+) s left", line)[1]) < 30  # not nine minutes
 
 
@@ -105,13 +107,34 @@ def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
     assert left.seconds == pytest.approx(5 * (3.0 + 4 * 5.0 * pace) / (1 + 4))
 
 
-def test_silence_of_a_job_is_broken(monkeypatch):
-    """A line after a while without any; ever fewer of them."""
-    monkeypatch.setattr(pool, "LINE_EVERY", 0.02)
-    said = []
-    lines = pool.BrokenSilence(said.append)
-    with pool.processes(2, "test", lines) as each:
-        assert list(each(time.sleep, [0.0, 0.2])) == [None, None]
+def test_silence_is_broken(monkeypatch, capsys):
+    """A line after a while without any, and ever fewer of them; none after the block."""
+    monkeypatch.setattr(console, "SILENCE", 0.05)
+    with console.ProgressLines("a.yaml") as lines:
+        lines.left = SimpleNamespace(seconds=5.0)
+        lines("first stage")
+        time.sleep(0.5)
         lines("next stage")
-    assert said[-1] == "next stage" and 2 <= len(said) <= 6
-    assert all(text.startswith("still running after ") for text in said[:-1])
+    time.sleep(0.1)
+    first, *silent, last = capsys.readouterr().err.splitlines()
+    assert (
+        first == "a.yaml: first stage, about 5 s left"
+        and last == "a.yaml: next stage, about 5 s left"
+    )
+    assert 2 <= len(silent) <= 4
+    assert set(silent) <= {
+        f"a.yaml: running for {k} s, about 5 s left: first stage" for k in (0, 1)
+    }
+
+
+def test_a_terminal_renews_one_line(monkeypatch):
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
+    monkeypatch.setattr(console.sys, "stderr", terminal)
+    monkeypatch.setattr(console, "SILENCE", 0.05)
+    with console.ProgressLines("a.yaml") as lines:
+        lines("first stage")
+        time.sleep(0.3)
+    stage, *renewed, last = terminal.getvalue().split("\r\x1b[K")
+    assert stage == "a.yaml: first stage\n" and last == ""
+    assert len(renewed) > 5 and set(renewed) == {"a.yaml: running for 0 s: first stage\r"}

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.console import ProgressLines
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.life import life
@@ -70,7 +71,6 @@ from bearingwear.studies.design.room import (
 )
 from bearingwear.studies.design.search import Asking, Found, Request, answered, search
 from bearingwear.studies.pool import (
-    BrokenSilence,
     Tell,
     TimeLeft,
     processes,
@@ -175,9 +175,9 @@ def mapped(
     unlike = len(scene.one_of_alike.sides) == 2
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
         workers, tell = 1, None
-    waiting = tell if isinstance(tell, BrokenSilence) else None
+    waiting = tell if isinstance(tell, ProgressLines) else None
     left = TimeLeft(_usual_work(len(axes.preload_method), len(limits.given)))
-    with processes(workers, "recommend", waiting) as each:
+    with processes(workers, "recommend", first_here=True) as each:
         lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
         if not quick:
             lives = each(_followed, [(one, slip_limit, False) for one in scenes])
