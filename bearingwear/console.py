@@ -48,7 +48,7 @@ class ProgressLines:
         self._source = f"{source}: " if source else ""
         self._last = time.monotonic()
         self._lock, self._ended = threading.RLock(), threading.Event()
-        self._shown = False  # whether the line that is renewed is
+        self._shown = ""  # in the line that is renewed
         self._thread = threading.Thread(target=self._break_silence, daemon=True)
 
     def __enter__(self) -> ProgressLines:
@@ -83,10 +83,10 @@ class ProgressLines:
     def _write(self, text: str) -> None:
         """Show the line that is renewed; none without a text."""
         with self._lock, contextlib.suppress(OSError, ValueError):
-            if text or self._shown:  # what others print replaces it
+            if text != self._shown:  # what others print replaces it
                 sys.stderr.write(f"{_AGAIN}{text}\r" if text else _AGAIN)
                 sys.stderr.flush()
-            self._shown = bool(text)
+            self._shown = text
 
     def _break_silence(self) -> None:
         is_terminal, wait = sys.stderr.isatty(), SILENCE

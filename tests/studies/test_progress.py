@@ -137,4 +137,4 @@ def test_a_terminal_renews_one_line(monkeypatch):
         time.sleep(0.3)
     stage, *renewed, last = terminal.getvalue().split("\r\x1b[K")
     assert stage == "a.yaml: first stage\n" and last == ""
-    assert len(renewed) > 5 and set(renewed) == {"a.yaml: running for 0 s: first stage\r"}
+    assert renewed == ["a.yaml: running for 0 s: first stage\r"]
