@@ -20,7 +20,7 @@ from bearingwear.atomic import reason, write_text
 from bearingwear.console import ProgressLines, UsageError
 from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.provenance import PACKAGE
-from bearingwear.studies.progress import COMPILING, RELAYED, RUNNING
+from bearingwear.studies.progress import COMPILING, RELAYED, RUNNING_JOBS
 
 CONFIG = Path("config/config.yaml")
 PAGE = Path("results/report/index.html")
@@ -115,8 +115,8 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
             text = line.decode("utf-8", "replace")
             if line.startswith(COMPILING):
                 tell_of_compiling()  # once, whichever jobs do
-            elif text.startswith(RUNNING):
-                lines.running = text.removeprefix(RUNNING).strip()
+            elif text.startswith(RUNNING_JOBS):
+                lines.running = text.removeprefix(RUNNING_JOBS).strip()
             elif not (unread.is_set() or line.startswith(_PROFILE)):
                 try:
                     lines.line(text, target)

@@ -30,7 +30,7 @@ for a kernel that was compiled."""
 WAITING = 6
 """Jobs left for each that runs: the last ones wait for each other."""
 
-RUNNING = "running: "
+RUNNING_JOBS = "running: "
 """Beginning of the lines that name the running jobs."""
 
 RELAYED = "BEARINGWEAR_STUDY"
@@ -163,7 +163,7 @@ class JobLines(logging.Filter):
             names = "; ".join(self._labels[job] for job in running)
             if names != named and RELAYED in os.environ:
                 named = names
-                self._print(f"{RUNNING}{names}")
+                self._print(f"{RUNNING_JOBS}{names}")
 
     def _print(self, text: str) -> None:
         record: dict[str, Any] = {"msg": text, "levelno": logging.INFO}
