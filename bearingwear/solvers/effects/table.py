@@ -199,8 +199,8 @@ EFFECTS = (
     Effect(
         "preload_grown",
         practice.grown_preload,
-        "the running preload of {value:.3g} N is {ratio:.2g} times the initial {preload:.4g} N "
-        "(rule of thumb: at most three times)",
+        "with fixed position, the running preload of {value:.3g} N is {ratio:.2g} times the "
+        "initial {preload:.4g} N (rule of thumb: at most three times)",
         "the results include this; a spring or cooler inner rings would avoid it",
     ),
     Effect(
