@@ -64,8 +64,10 @@ def new(args: argparse.Namespace) -> int:
     print("next:")
     limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
     stem = str(Path(path).with_suffix(""))
-    filmed = args.film not in (None, "none")  # which the last three do not know
-    for name, output in NEXT[:-3] if filmed else NEXT:
+    filmed = args.film not in (None, "none")  # which no limit is chosen by
+    for name, output in NEXT:
+        if filmed and name in TO_CHOOSE_BY:
+            continue
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
         print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
     return OK

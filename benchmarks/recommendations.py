@@ -28,7 +28,7 @@ import numpy as np
 from comparison import table as table_text
 
 from bearingwear.kernels.status import OK
-from bearingwear.results.warnings import impractical_warnings
+from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
@@ -179,7 +179,7 @@ def recommended(case: dict[str, Any]) -> dict[str, Any]:
         for k, method in enumerate(PRELOAD_METHODS)
         for one in [found.isel(preload_method=k)]
     ]
-    warned = [one["id"] for one in impractical_warnings(found.attrs)]
+    warned = [one["id"] for one in warnings_in(found.attrs) if one["impractical"]]
     spent = time.process_time() - started
     return {"rows": rows, "seconds": spent, "impractical": warned}
 

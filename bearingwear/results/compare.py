@@ -89,7 +89,7 @@ def difference(
 def file_differences(a: Any, b: Any, tolerance: float = 0.0) -> Differences:
     """Differences of two open files."""
     scenes = [leaves(json.loads(getattr(file, "scene", "{}"))) for file in (a, b)]
-    attributes = _texts(*({k: file.getncattr(k) for k in file.ncattrs()} for file in (a, b)))
+    attributes = _texts(*map(_attributes, (a, b)))
     attributes.pop("scene", None)
     model = {k: attributes.pop(k) for k in SAID_OF_RESULTS if k in attributes}
     if "modelled" in model:  # of many sentences those that differ
@@ -138,6 +138,11 @@ def _texts(a: dict[str, Any], b: dict[str, Any]) -> dict[str, tuple[str, str]]:
     """Differences of two blocks, as short texts; a dash where one has nothing."""
     keys = [*a, *(key for key in b if key not in a)]
     return {k: (_cut(a.get(k)), _cut(b.get(k))) for k in keys if a.get(k) != b.get(k)}
+
+
+def _attributes(file: Any) -> dict[str, Any]:
+    """Global attributes; several values are a list, as arrays are not the same or not."""
+    return {name: np.asarray(file.getncattr(name)).tolist() for name in file.ncattrs()}
 
 
 def _cut(value: Any) -> str:

@@ -17,11 +17,6 @@ def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
-def impractical_warnings(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Those of a result or of a file that say that nobody would build or run such a bearing."""
-    return [one for one in warnings_in(attributes) if one.get("impractical")]
-
-
 def gathered_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
     """The attribute `warnings` of many results together: the worst of each id, and its `cases`."""
     worst: dict[str, dict[str, Any]] = {}

@@ -160,10 +160,13 @@ def test_what_made_a_file_does_not_count(kinds, tmp_path, capsys):
     copy = tmp_path / "copy.nc"
     shutil.copy(kinds["steady case"], copy)
     with netCDF4.Dataset(copy, "a") as file:
-        file.source_hash = "0123456789abcdef"
+        file.source_hash, file.mine = "0123456789abcdef", [1.0, 2.0]
+    assert main(["compare", str(copy), str(copy)]) == 0
+    capsys.readouterr()
     assert main(["compare", str(kinds["steady case"]), str(copy)]) == 0
     text = capsys.readouterr().out
     assert "provenance (ignored)" in text and "0123456789abcdef" in text
+    assert re.search(r"^  mine +- +\[1.0, 2.0\]$", text, re.M)
 
 
 def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):

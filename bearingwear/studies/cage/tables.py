@@ -14,7 +14,7 @@ from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import in_words, scene_of
+from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
@@ -26,16 +26,17 @@ from bearingwear.studies.dataset import loaded
 
 def cage_table(motions: Path) -> str:
     """Step: every cage of a map, as Markdown."""
-    return as_markdown(cage_document(loaded(motions, cage_friction=(), gravity=())))
+    return as_markdown(cage_document(motions))
 
 
 def cage_answer(motions: Path) -> str:
     """Step: what a map of cages says, for the page."""
-    return cage_document(loaded(motions, cage_friction=(), gravity=())).stored
+    return cage_document(motions).stored
 
 
-def cage_document(motions: xr.Dataset) -> Document:
-    """The recommended_cage, the quiet region, and a line for each cage of a map."""
+def cage_document(path: Path) -> Document:
+    """The recommended cage, the quiet region, and a line for each cage of a map."""
+    motions = loaded(path, cage_friction=(), gravity=())
     axes = [axis.name for axis, _ in CAGE_AXES.values()]
     every = [
         motions.isel(dict(zip(axes, index, strict=True)))
@@ -160,18 +161,22 @@ def own_design(motions: xr.Dataset, every: list[MappedCage]) -> MappedCage | Non
     return min(every, key=distance, default=None)
 
 
+_IN_DESIGN = {
+    "imbalance": "an imbalance of {}",
+    "pocket_clearance": "{} in the pockets",
+    "guide_clearance": "{} at the land",
+    "cage_friction": "a friction coefficient of {}",
+}
+
+
 def in_design_words(axis: str, value: float) -> str:
     """A value of a design."""
+    short = _short(axis, value)
     if axis == "guide":
-        return "guided by the balls" if GUIDES[int(value)] == "ball" else (
-            f"guided by the {GUIDES[int(value)]} race"
-        )  # fmt: skip
-    if axis == "imbalance":
-        return "no imbalance" if value == 0.0 else f"an imbalance of {digits(1e6 * value)} µm"
-    if axis == "cage_friction":
-        return f"a friction coefficient of {digits(value)}"
-    part = "in the pockets" if axis == "pocket_clearance" else "at the land"
-    return f"{digits(1e3 * value)} mm {part}"
+        return f"guided by the {'balls' if short == 'ball' else f'{short} race'}"
+    if axis == "imbalance" and value == 0.0:
+        return "no imbalance"
+    return _IN_DESIGN[axis].format(short)
 
 
 def quiet_region(motions: xr.Dataset) -> str:
@@ -228,7 +233,7 @@ def recommended_cage(motions: xr.Dataset) -> str:
 
 def _short(axis: str, value: float) -> str:
     if axis == "guide":
-        return in_words(GUIDES[int(value)])
+        return GUIDES[int(value)]
     unit = {"imbalance": (1e6, " µm"), "cage_friction": (1.0, "")}.get(axis, (1e3, " mm"))
     return f"{digits(unit[0] * value)}{unit[1]}"
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -207,18 +206,9 @@ def front(design: xr.Dataset, basis: int) -> xr.DataArray:
     return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class DesignFiles:
-    """Design map, recommendation and, if its lives were sampled, uncertainty of one scene."""
-
-    design: xr.Dataset
-    recommendation: xr.Dataset
-    uncertainty: xr.Dataset | None = None
-
-
 def design_files(
     design: Path, recommendation: Path, uncertainty: Path | None = None
-) -> DesignFiles:
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
     """Read the files of one scene; CaseFileError for one of another scene, kind or methods."""
     kinds = {design: "design map", recommendation: "recommendation"}
     if uncertainty is not None:
@@ -229,11 +219,8 @@ def design_files(
             raise CaseFileError(f"{path}: got another scene, expected that of {design}")
         if not found[path]["preload_method"].equals(found[design]["preload_method"]):
             raise CaseFileError(f"{path}: got other preload methods, expected those of {design}")
-    return DesignFiles(
-        design=found[design],
-        recommendation=found[recommendation],
-        uncertainty=None if uncertainty is None else found[uncertainty],
-    )
+    sampled = None if uncertainty is None else found[uncertainty]
+    return found[design], found[recommendation], sampled
 
 
 def at_scene(design: xr.Dataset) -> xr.Dataset:

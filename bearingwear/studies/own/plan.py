@@ -58,14 +58,10 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
     design = {"scenes": {name: of_scene}}
     plans = {"config/config.yaml": config, "config/design.yaml": design}
-    if scene.pair is None and _asks_of_cage(scene):
+    asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
+    if asked and scene.pair is None:
         plans["config/cage.yaml"] = _cages(scene, name)
     return plans
-
-
-def _asks_of_cage(scene: Scene) -> bool:
-    cage = scene.cage
-    return cage is not None and (cage.film or scene.cage_uncertainty) is not None
 
 
 def _cages(scene: Scene, name: str) -> dict[str, Any]:

@@ -12,13 +12,14 @@ from support import ROOT, only_line, scene_file
 
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
+from bearingwear.lives.life import life
 from bearingwear.results.netcdf import load
 from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.robustness.draw import drawn_scene, with_values
-from workflow.studies.robustness.lives import life_of, life_violations
+from workflow.studies.robustness.lives import life_violations
 from workflow.studies.robustness.maps import crossing
 from workflow.studies.robustness.plan import (
     WITHOUT_REASON,
@@ -93,7 +94,7 @@ def test_what_is_wrong_with_a_life_is_said():
     draw = draws(PLAN.draw("worn_life"))
     (values,) = drawn(draw, 1, 1)
     scene = drawn_scene(BASE, values)
-    made = life_of(scene)
+    made = life(scene).values
     assert life_violations(scene, made) == []
     for wrong in (
         {"loss_at_end": 2.0 * made["loss_at_end"]},

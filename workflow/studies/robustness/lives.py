@@ -8,7 +8,6 @@ from scipy.interpolate import PchipInterpolator
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.lives.life import life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 
@@ -21,11 +20,6 @@ _MAY_BE_MISSING = frozenset(
     {"life_error_estimate", "life_error_bound", "history_ball_diameter_loss_rate"}
 )
 """Estimates that were not found, and what is not known from a state alone."""
-
-
-def life_of(scene: Scene) -> dict[str, Any]:
-    """Values of a life, as `bearingwear.life` finds them."""
-    return life(scene).values
 
 
 def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:

@@ -9,6 +9,7 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.checking.check import read_record
@@ -18,7 +19,7 @@ from bearingwear.sides import of_bearing
 from bearingwear.solvers.solve import solved
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
-from workflow.studies.robustness.lives import WORN_LIFE, life_of, life_violations
+from workflow.studies.robustness.lives import WORN_LIFE, life_violations
 from workflow.studies.robustness.plan import (
     REFUSED,
     WITHOUT_REASON,
@@ -82,7 +83,7 @@ def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) ->
     except SceneError:
         return end
     try:
-        solution = life_of(scene) if fidelity == WORN_LIFE else solved_values(scene, fidelity)
+        solution = life(scene).values if fidelity == WORN_LIFE else solved_values(scene, fidelity)
     except Exception as error:  # noqa: BLE001 - a crash is a finding, the others go on
         return end | {"violations": f"crashed: {type(error).__name__}: {error}"}
     end["status"] = solution["status"]

@@ -53,13 +53,13 @@ def design_charts(
     spread: Path | None = None,
 ) -> str:
     """Step: the question of the study, and its charts, as JSON; files as of `design_answer`."""
-    files = design_files(design, recommendation, uncertainty)
-    sampled = files.uncertainty if spread is None else load_quantiles(spread)
-    given = required_words(limits_of(files.design).given)
+    lives, found, sampled = design_files(design, recommendation, uncertainty)
+    sampled = sampled if spread is None else load_quantiles(spread)
+    given = required_words(limits_of(lives).given)
     kept = f", with {' and '.join(given)} from new to the end of life" if given else ""
     question = f"Which preload and which preload method give the longest life{kept}?"
-    bands = {} if sampled is None else _bands(files.recommendation, sampled)
-    charts = list(preload_charts(files.design, files.recommendation, bands))
+    bands = {} if sampled is None else _bands(found, sampled)
+    charts = list(preload_charts(lives, found, bands))
     return Charts(question=question, charts=charts).stored
 
 

@@ -101,18 +101,18 @@ def design_answer(
     beside: lives at the recommended preloads with other assumptions (`lives_beside`).
     spread: quantiles of lives at the recommended preloads, in place of `uncertainty`.
     """
-    files = design_files(design, recommendation, uncertainty)
-    others = None if beside is None else load_beside(beside, files.recommendation)
-    sampled = files.uncertainty if spread is None else load_quantiles(spread)
-    return preload_document(files.recommendation, files.design, sampled, others).stored
+    lives, found, sampled = design_files(design, recommendation, uncertainty)
+    others = None if beside is None else load_beside(beside, found)
+    sampled = sampled if spread is None else load_quantiles(spread)
+    return preload_document(found, lives, sampled, others).stored
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
     """Step: the whole map as CSV, and which preload to take as Markdown."""
-    files = design_files(design, recommendation, uncertainty)
+    lives, found, sampled = design_files(design, recommendation, uncertainty)
     heads = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
-    made = preload_document(files.recommendation, files.design, files.uncertainty)
-    return dataset_csv(files.design, dict(zip(MAP_AXES, heads, strict=True))), as_markdown(made)
+    made = preload_document(found, lives, sampled)
+    return dataset_csv(lives, dict(zip(MAP_AXES, heads, strict=True))), as_markdown(made)
 
 
 def recommendation_sheet(file: Any) -> Document:

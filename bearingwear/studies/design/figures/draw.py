@@ -12,8 +12,7 @@ from bearingwear.studies.design.figures import choice, map_figure, uncertainty_f
 
 def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:
     """Which preload to take."""
-    files = design_files(design, recommendation, uncertainty)
-    return choice.design_figure(files.design, files.recommendation, files.uncertainty)
+    return choice.design_figure(*design_files(design, recommendation, uncertainty))
 
 
 def draw_map(design: Path) -> Figure:
@@ -23,6 +22,6 @@ def draw_map(design: Path) -> Figure:
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
     """The spread of its life."""
-    files = design_files(design, recommendation, uncertainty)
-    assert files.uncertainty is not None
-    return uncertainty_figure.uncertainty_figure(files.uncertainty)
+    *_, sampled = design_files(design, recommendation, uncertainty)
+    assert sampled is not None
+    return uncertainty_figure.uncertainty_figure(sampled)
