@@ -130,6 +130,8 @@ def seeds(beginning: str, count: int = 20) -> None:
     columns = "error 5 % | 50 % | 95 % | half width 5 % | 50 % | 95 % | covered 5 % | 50 % | 95 %"
     print(f"| lives | {columns} |\n| --- |" + " ---: |" * 9)
     for name, scene, _ in (one for one in scenes() if one[0].startswith(beginning)):
+        if "hertz" not in name:
+            continue  # longer by far
         method, found = [scene.operation.preload_method], []
         for plan in (
             Sampling(samples=2**13, seed=count + 1),

@@ -20,7 +20,7 @@ def usable_cores() -> int:
     return os.cpu_count() or 1
 
 
-SAMPLES = 64
+SAMPLES = 128
 """Base samples of quantiles, where none are given."""
 
 INDEX_SAMPLES = 256
