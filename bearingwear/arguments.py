@@ -175,17 +175,13 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         "angle; default CN")
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
         help="radial clearance, instead of a clearance group")
-    _add_rubbing(new)
-    new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
-    new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
-
-
-def _add_rubbing(new: argparse.ArgumentParser) -> None:
     new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
         help="materials of balls and races, with wear and friction from the table of sources "
         "(docs/coefficients.md); assumed if omitted")
     new.add_argument("--film", choices=FILMS, help="solid film between balls and races, from the "
         "same table")
+    new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
+    new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 
 
 def _add_scene(sub: argparse.ArgumentParser) -> None:

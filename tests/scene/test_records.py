@@ -108,6 +108,9 @@ def test_files_may_hold_anchors(tmp_path):
     path.write_text("- a\n")
     with pytest.raises(SceneError, match="got a list of 1, expected a block of keys"):
         read_record(Plan, path)
+    path.write_text("scenes: &a [*a]\n")
+    with pytest.raises(SceneError, match="got more than 20 nested blocks, expected fewer"):
+        read_record(Plan, path)
 
 
 def test_parts_are_found_by_path():

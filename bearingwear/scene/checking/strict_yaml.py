@@ -123,10 +123,12 @@ def _check_events(text: str, anchors: bool) -> None:
         raise SceneError("", f"got {what} on line {line}, expected {allowed}")
 
 
-def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
+def _plain(loader: Any, node: Any, path: str, anchors: bool, depth: int = 0) -> Any:
+    if depth > DEEPEST:  # of an alias within its own anchor
+        raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected fewer")
     if isinstance(node, yaml.SequenceNode):
         parts = enumerate(node.value)
-        return [_plain(loader, part, f"{path}[{i}]", anchors) for i, part in parts]
+        return [_plain(loader, part, f"{path}[{i}]", anchors, depth + 1) for i, part in parts]
     if isinstance(node, yaml.MappingNode):
         block: dict[str, Any] = {}
         merged: dict[str, Any] = {}
@@ -141,7 +143,7 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
                 raise SceneError(
                     here, f"got this key a second time on line {line}, expected it once"
                 )
-            value = _plain(loader, value_node, here, anchors)
+            value = _plain(loader, value_node, here, anchors, depth + 1)
             if key == "<<" and anchors and isinstance(value, dict):
                 merged = value
             else:

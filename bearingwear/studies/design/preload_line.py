@@ -140,16 +140,14 @@ class Neighbours(NamedTuple):
         low, high = math.log(self.a.preload), math.log(self.b.preload)
         middle = 0.5 * (low + high)
         met = self.limit_met()
-        if met is not None and not self.jumps and not self._turns_impractical():
+        built, other = (not one.values.get("impractical") for one in (self.a, self.b))
+        if met is not None and not self.jumps and built == other:
             end, share, _ = met
             share = min(max(share - _WITHIN / self.width, 0.02), 0.98)
             middle = low + share * (high - low) if end is self.a else high - share * (high - low)
         elif met is None and len(room := self._least_room) > 2 and max(room[0], room[-1]) < 0.0:
             middle = self.guess.x[self._places][1 + int(np.argmax(room[1:-1]))]
         return round_number(math.exp(middle), self.a.preload, self.b.preload)
-
-    def _turns_impractical(self) -> bool:
-        return bool(self.a.values.get("impractical")) != bool(self.b.values.get("impractical"))
 
 
 def _slope(a: Tried, b: Tried, unknown: float) -> float:
