@@ -69,54 +69,59 @@ def in_processes(
         yield from each(function, jobs)
 
 
-_FEW = 4.0
-"""Results of a kind after which their pace counts as much as the one assumed."""
-
 _ENOUGH = 3
 """Results from which on a time left is stated: the first ones include the start of processes."""
 
 
+_FEW = 4.0
+"""Results of a kind after which their pace counts as much as the one assumed."""
+
+
 class TimeLeft:
     """Of work of several kinds, each at its own pace as far as it is known.
+
+    The first of all tells nothing of the pace: it waits for kernels and processes.
 
     ahead: of each kind how many are expected, and the cost of one in any unit, assumed.
     """
 
     def __init__(self, ahead: Mapping[str, tuple[float, float]]) -> None:
         self._ahead = dict(ahead)
-        self._done: dict[str, tuple[float, float]] = {}  # how many, seconds
+        self._done: dict[str, float] = {}
+        self._timed: dict[str, tuple[float, float]] = {}  # how many, seconds
         self._last = time.monotonic()
 
     def expect(self, kind: str, more: float) -> None:
         """At least so many more of a kind come, from now on."""
-        done = self._done.get(kind, (0.0, 0.0))[0]
         count, cost = self._ahead.get(kind, (0.0, 1.0))
-        self._ahead[kind] = max(count, done + more), cost
+        self._ahead[kind] = max(count, self._done.get(kind, 0.0) + more), cost
         self._last = time.monotonic()
 
     def done(self, kind: str, count: float) -> None:
         """So many of a kind were done since the last time."""
-        now, (before, seconds) = time.monotonic(), self._done.get(kind, (0.0, 0.0))
+        now, (before, seconds) = time.monotonic(), self._timed.get(kind, (0.0, 0.0))
         self._ahead.setdefault(kind, (0.0, 1.0))
-        self._done[kind] = before + count, seconds + now - self._last
+        if self._done:
+            self._timed[kind] = before + count, seconds + now - self._last
+        self._done[kind] = self._done.get(kind, 0.0) + count
         self._last = now
 
     def drop(self, kind: str) -> None:
         """No more of a kind come."""
         cost = self._ahead.get(kind, (0.0, 1.0))[1]
-        self._ahead[kind] = self._done.get(kind, (0.0, 0.0))[0], cost
+        self._ahead[kind] = self._done.get(kind, 0.0), cost
 
     @property
     def seconds(self) -> float:
         """How long the rest takes [s]."""
-        spent = sum(seconds for _, seconds in self._done.values())
-        cost = sum(count * self._ahead[kind][1] for kind, (count, _) in self._done.items())
+        spent = sum(seconds for _, seconds in self._timed.values())
+        cost = sum(count * self._ahead[kind][1] for kind, (count, _) in self._timed.items())
         pace, left = spent / max(cost, 1e-9), 0.0
         for kind, (count, assumed) in self._ahead.items():
-            done, seconds = self._done.get(kind, (0.0, 0.0))
-            each = (seconds + _FEW * assumed * pace) / (done + _FEW)
-            left += max(count - done, 0.0) * each
-        return left
+            timed, seconds = self._timed.get(kind, (0.0, 0.0))
+            each = (seconds + _FEW * assumed * pace) / (timed + _FEW)
+            left += max(count - self._done.get(kind, 0.0), 0.0) * each
+        return max(left - (time.monotonic() - self._last), 0.0)
 
 
 def told_in_lines(

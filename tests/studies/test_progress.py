@@ -91,17 +91,25 @@ def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
 
 
 def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
-    """A kind that has not begun costs so many of the known ones; then its own pace counts."""
+    """A kind that has not begun costs so many of the known ones; then its own pace counts.
+
+    The very first result does not: it waits for kernels.
+    """
     clock = [0.0]
     monkeypatch.setattr(pool.time, "monotonic", lambda: clock[0])
-    left = pool.TimeLeft({"quick": (10, 1.0), "long": (4, 5.0)})
-    left.expect("quick", 10)
-    clock[0] = 2.0
+    left = pool.TimeLeft({"quick": (11, 1.0), "long": (4, 5.0)})
+    left.expect("quick", 11)
+    clock[0] = 7.0
+    left.done("quick", 1)
+    assert left.seconds == 0.0  # not known
+    clock[0] = 9.0
     left.done("quick", 4)
     assert left.seconds == 0.5 * 6 + 0.5 * 5 * 4
+    clock[0] = 10.0
+    assert left.seconds == 0.5 * 6 + 0.5 * 5 * 4 - 1.0
     left.drop("quick")
     left.expect("long", 6)
-    clock[0] = 5.0
+    clock[0] = 13.0
     left.done("long", 1)
     pace = 5.0 / (4 * 1.0 + 1 * 5.0)
     assert left.seconds == pytest.approx(5 * (3.0 + 4 * 5.0 * pace) / (1 + 4))

@@ -115,11 +115,12 @@ _EXACT = 2.7  # time of an exact life over that of a quick one
 def _usual_work(methods: int, limits: int) -> dict[str, tuple[float, float]]:
     """How many quick lives the stages of a recommendation usually take, and the time of each.
 
-    The ends of friction are solved beside the limits; what stands beside the preloads is four jobs.
+    The limits are one job, beside which the ends of friction are solved: their lives wait for each
+    other, which tells nothing of the pace. What stands beside the preloads is four jobs.
     """
-    found = {_MAP: (0.0, _EXACT), _BESIDE: (4.0, 7.0)}
+    found = {_MAP: (0.0, _EXACT), _BESIDE: (4.0, 5.5)}
     if limits:
-        found |= {_SEARCH: (16.0 * methods, 1.0), _LIMITS: (15.0 * limits, 1.2)}
+        found |= {_SEARCH: (18.0 * methods, 1.0), _LIMITS: (1.0, 16.0 + 13.0 * limits)}
     return found
 
 
@@ -287,6 +288,7 @@ class Search:
                 return replace(found, beyond=line.leave_out(far))
             ahead = sorted([*line.ahead, *between, far])
             line.lengthen(ahead, self._new(line.method, ahead[0], ahead[-1]))
+            self.left.expect(_SEARCH, 12.0)
             found = yield from search(line, self.limits)
         return found
 
@@ -345,8 +347,11 @@ class Search:
             (self._at(line.method, preload), slip_limit, not exact)
             for line, preload, exact in requests
         ]
-        solved = list(self.each(_followed, jobs))
-        self.left.done(kind, sum(_EXACT if exact else 1.0 for *_, exact in requests))
+        solved = []
+        for one, (*_, exact) in zip(self.each(_followed, jobs), requests, strict=True):
+            solved.append(one)
+            if kind == _SEARCH:
+                self.left.done(kind, _EXACT if exact else 1.0)
         return solved
 
     def _held(
@@ -369,6 +374,7 @@ class Search:
         # one life after the other, so it is begun first
         friction = self.each(_called, [partial(friction_end, *compared, up) for up in ways])
         room = [] if first is None else self._limits_room(lines, first)
+        self.left.done(_LIMITS, 1.0)
         asked: list[Callable[[], Any]] = [partial(criteria_room, *compared)] if both else []
         asked += [
             partial(_printed, scene, row)
@@ -393,7 +399,6 @@ class Search:
             limit_end(lines, self.limits, name, upward, first) for name in names for upward in _WAYS
         ]
         ends = answered(asking, partial(self._solve, _LIMITS))
-        self.left.drop(_LIMITS)
         return [
             Assumption(name=f"{LIMIT_KEY}{name}", now=self.limits.given[name], low=low, high=high)
             for name, low, high in zip(names, ends[::2], ends[1::2], strict=True)
