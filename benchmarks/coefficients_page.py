@@ -43,20 +43,20 @@ ASSUMED = (
         surface="silicon nitride on steel",
         wear=6.7e-17,
         taken_by="`turbopump`, `new --ball-material silicon_nitride`",
-        why="abstracts of papers on this pair contain no number: on M50 in vacuum (Tong and "
-        "others, 2011), in fretting on bearing steel (Kalin and others, 1997)",
+        why="abstracts of papers on this pair contain no number, either for M50 in vacuum "
+        "(Tong and others, 2011) or for fretting on bearing steel (Kalin and others, 1997)",
     ),
     Assumed(
         surface="phenolic cage on steel",
         wear=3.3e-13,
         taken_by="cages of `gyro_s1` to `s3` and of `new`",
-        why="published numbers refer to other fibres or to lubrication with oil",
+        why="published numbers are for other fibres or for lubrication with oil",
     ),
     Assumed(
         surface="steel cage",
         wear=1.7e-15,
         taken_by="`turbine`, `turbopump`",
-        why="wear coefficient of the races with the hardness of a softer steel",
+        why="the wear coefficient is that of the races, and the hardness that of a softer steel",
     ),
     Assumed(
         surface="lead film on steel",
@@ -78,13 +78,13 @@ The wear volume is K_s/H times load times slip distance. Papers report K_s/H in 
 [assumed](#assumed) values are listed separately: no published number was found for lead films,
 phenolic cages, and silicon nitride on steel.
 
-Coefficients of the same pair differ by decades between sources, so a test of your own bearing is
-more reliable than this table: [from a test to hours](calibrate.md). [Films against
+Coefficients of the same pair differ by orders of magnitude between sources, so a test of your own
+bearing is more reliable than this table: [from a test to hours](calibrate.md). [Films against
 tests](film_tests.md) reports the error of predictions with this table."""
 
 _TAKEN = """\
 `bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median of a pair, and a
-lognormal spread whose 90 % interval extends over its rows."""
+lognormal spread whose 90 % interval covers the sources of that pair."""
 
 _SPREAD = """\
 If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` use the spread of its

@@ -62,15 +62,16 @@ can be predicted at all; with median coefficients, both predictions fail.
 | sputtered MoS2, 0.6 µm, angular-contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
 {SEEN:.3g} revolutions | {rev:.2g}, 90 % interval {low:.1g} to {high:.1g} | {SEEN / rev:.2g} or \
 more | **fails** |
-| sputtered MoS2, 0.2 to 0.65 µm, pin on disc: load four times as high [2] | life falls \
-{LIVES[0] / LIVES[1]:.3g}-fold or more | {archard:.2g}-fold (Archard's law) | \
+| sputtered MoS2, 0.2 to 0.65 µm, pin on disc, at four times the load [2] | life falls \
+by a factor of {LIVES[0] / LIVES[1]:.3g} or more | a factor of {archard:.2g} (Archard's law) | \
 {LIVES[0] / LIVES[1] / archard:.2g} or more | **fails** |
 | lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | 50 µm lasted 15 h, \
 others 2 to 6 h | – | | not predicted: no coefficient for lead was found |
 | lead alloys, same conditions [4] | 22.5 and 19.3 h | – | | not predicted: as above |
 | PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstands 2000 N/mm² at a spin velocity \
 of 5 m/s | – | | not predicted: the model does not include film rupture |
-| SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared: no open source found |
+| SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared: no accessible source \
+was found |
 
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
 is assumed to end when half of a track is bare. The test ended without failure (run-out), which
@@ -79,8 +80,8 @@ limits K_s/H to at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15
 the run-out lies at its lower end.
 
 **Cause.** A transferred and compacted film wears as patches of material move back and forth, much
-more slowly than in its first thousand cycles. A single K_s/H cannot describe this. A film that is
-worn through in the model need not end lubrication in a bearing, where its debris continues to
+more slowly than in its first thousand cycles. A single K_s/H cannot describe this. When a film is
+worn through in the model, lubrication in the bearing need not end, because film debris continues to
 lubricate.
 
 **Load.** Under Archard's law the life of a track as wide as the Hertzian contact is proportional to
