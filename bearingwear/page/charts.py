@@ -86,10 +86,11 @@ def chart_html(
     return Markup(
         f'<figure class="chart" id="{name}" data-group="{group}">'
         f"<figcaption>{escape(chart.title)}<span>{escape(limit)}</span></figcaption>"
-        f'<p class="keys">{keys}</p>{legend}'
+        f'<p class="keys">{keys}</p>'
         f'<svg viewBox="0 0 {size[0]:g} {size[1]:g}" role="img" '
         f'aria-label="{escape(words + limit)}. Recommended: {escape(said or "none")}." '
-        f"data-chart='{escape(_numbers(chart), quote=True)}'>{_drawn(chart, size)}</svg></figure>"
+        f"data-chart='{escape(_numbers(chart), quote=True)}'>{_drawn(chart, size)}</svg>"
+        f"{legend}</figure>"
     )
 
 

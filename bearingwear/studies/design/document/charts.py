@@ -56,8 +56,8 @@ def design_charts(
     lives, found, sampled = design_files(design, recommendation, uncertainty)
     sampled = sampled if spread is None else load_quantiles(spread)
     given = required_words(limits_of(lives).given)
-    kept = f", with {' and '.join(given)} from new to the end of life" if given else ""
-    question = f"Which preload and which preload method give the longest life{kept}?"
+    asked = f"Required from new to the end of life: {'; '.join(given)}."
+    question = asked if given else "Which preload and preload method give the longest life?"
     bands = {} if sampled is None else _bands(found, sampled)
     charts = list(preload_charts(lives, found, bands))
     return Charts(question=question, charts=charts).stored

@@ -59,8 +59,8 @@ SHORT_LIFE = 500.0
 """Life [h] below which a bearing evidently has no lubricant film."""
 
 NO_OIL = (
-    "Such a short life is typical of contacts without a lubricant film; an oil film, which is not "
-    "modelled, would lengthen it. Use this life only to compare designs."
+    "Such a short life is typical of contacts without a lubricant film (oil films are not "
+    "modelled). Use it only to compare designs."
 )
 
 _RUNS_APART = 1.5
