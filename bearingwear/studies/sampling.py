@@ -31,7 +31,9 @@ INDEX_SAMPLES = 256
 class Sampling:
     """Size and seed of a sample."""
 
-    samples: int = setting("Base samples, a power of two", within="[1, inf)", default=INDEX_SAMPLES)
+    samples: int = setting(
+        "Base samples, a power of two", within="[1, 1048576]", default=INDEX_SAMPLES
+    )
     chunks: int = setting("Jobs that share them", within="[1, inf)", default=1)
     seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
 

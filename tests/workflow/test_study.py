@@ -222,6 +222,11 @@ def test_a_point_off_the_grid_is_refused(solved):
     assert run.status == 2 and profile.startswith("Using workflow specific profile")
     assert refused.startswith(f"results/gyro_s1/cases/{case}.nc: got a point off the grid")
     assert "friction 0.02, 0.08" in refused
+    run = solved.run("-n", "results/gyro_s1/studies.nc")
+    said = (
+        "results/gyro_s1/studies.nc: got a file of no study; did you mean results/gyro_s1/study.nc"
+    )
+    assert run.status == 2 and run.text.splitlines()[1:] == [said]
 
 
 def test_groups_remove_nothing_where_no_cluster_runs(solved):
@@ -293,6 +298,7 @@ BROKEN = (
     ),
     (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
     (["studies", 0, "frictoin"], [0.1], "studies[0].frictoin: got an unknown key"),
+    (["figures", "friction"], [0.5], "figures.friction: got 0.5, expected 0.02, 0.08"),
     (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
     (
         ["dynamic"],

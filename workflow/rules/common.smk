@@ -1,5 +1,6 @@
 # Checks the configurations and every scene before anything runs, and asks the studies for the rules.
 
+import difflib
 import functools
 import json
 import os
@@ -48,6 +49,15 @@ for target in sys.argv[1:] if workflow.is_main_process else ():
     for study in STUDIES.values():
         if reason := study.refused(target):
             refuse(reason)
+    if target.startswith("results/") and target.endswith(
+        (".nc", ".svg", ".png", ".md")
+    ):
+        jobs = [job for study in STUDIES.values() for job in study.jobs]
+        made = {path for job in jobs for path in job.made()}
+        near = difflib.get_close_matches(target, made, n=1)
+        meant = f"did you mean {near[0]}" if near else "expected one that -n lists"
+        if target not in made:
+            refuse(f"{target}: got a file of no study; {meant}")
 
 # While one job compiles the largest kernel, those that need it wait: one core is for the others.
 if workflow.resource_settings.nodes is None:

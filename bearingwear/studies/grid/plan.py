@@ -45,6 +45,11 @@ class Plan:
 
     def __post_init__(self) -> None:
         figures = self.config.figures
+        known = sorted({mu for grid in self.grids.values() for mu in grid.friction})
+        for mu in figures.friction if known else ():
+            if mu not in known:
+                allowed = ", ".join(f"{one:g}" for one in known)
+                raise ValueError(f"config: figures.friction: got {mu:g}, expected {allowed}")
         for column in figures.wear_columns:
             self._check_studied("wear_columns", column.scene, column.friction)
         for kind, overlays in (("spreads", figures.spreads), ("lives", figures.lives)):

@@ -130,7 +130,11 @@ def test_wear_values_of_both_materials_go_together(scene):
     ("option", "said"),
     [
         (["--samples", "100"], "--samples: got 100, expected a power of two"),
-        (["--samples", "0"], "--samples: got 0, expected a whole number >= 1"),
+        (["--samples", "0"], "--samples: got 0, expected a whole number from 1 to 1048576"),
+        (
+            ["--samples", "4194304"],
+            "--samples: got 4194304, expected a whole number from 1 to 1048576",
+        ),
         (["--seed", "-1"], "--seed: got -1, expected a whole number >= 0"),
     ],
 )
