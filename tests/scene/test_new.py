@@ -102,6 +102,7 @@ def test_nothing_is_replaced(tmp_path, capsys):
         (["--bore", "40", "--outside", "30"], "--outside: got 30, expected a number > 40"),
         ([*SIZE, "--ball-diameter", "14"], "--ball-diameter: got 14, expected"),
         ([*SIZE, "--balls", "22"], "--balls: got 22, expected at most 20"),
+        (["--bore", "1000", "--outside", "9000"], "bearing.ball_diameter_mm: got 2400.0, expected"),
         ([*SIZE, "--contact-angle", "90"], "--contact-angle: got 90, expected a number from 0"),
     ],
 )
