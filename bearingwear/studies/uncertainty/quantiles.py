@@ -372,13 +372,14 @@ def _quantiles_of(
 
     With all uncertain values, and without those of K_s and H.
     """
-    found, members = [], []
+    found, members, solved = [], [], np.isfinite(hours).all(axis=1)
     for factors in (independent_wear_factors(scene, plan), np.ones((len(hours), 1))):
         # one batch, of independent bearings
         found.append(quantiles_with_error(hours[None], factors, np.ones((1, 1)), known, (0.5,)))
-        every = (hours[:, None] * factors[..., None]).reshape(-1, 2)
+        every = (hours[solved, None] * factors[solved, :, None]).reshape(-1, 2)
         even = (np.arange(MEMBERS) + 0.5) / MEMBERS
-        members.append(np.nanquantile(every, even, axis=0, method="hazen"))
+        nothing = np.full((MEMBERS, 2), np.nan)
+        members.append(np.quantile(every, even, 0, method="hazen") if solved.any() else nothing)
     names = ("life_quantile", "life_quantile_low", "life_quantile_high")
     ends = {name: np.array([one[k][0] for one in found]) for k, name in enumerate(names)}
     return ends | {"life_sample": np.array(members)}
