@@ -10,6 +10,8 @@ import pytest
 import yaml
 from support import ROOT
 
+from bearingwear.page.page import GLOSSARY
+
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 READ = [*PAGES, *ROOT.glob("*.md"), *(ROOT / f"{at}/README.md" for at in ("config", "results"))]
@@ -42,6 +44,14 @@ def test_readme_is_one_screen():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 70
     assert all(f"(docs/{page}.md)" in text for page in ("quickstart", "validation", "architecture"))
+
+
+@pytest.mark.parametrize("term", ["requirement", "end-of-life criterion"])
+def test_the_report_page_defines_a_term_as_the_glossary_does(term):
+    glossary = " ".join((DOCS / "glossary.md").read_text(encoding="utf-8").split())
+    _, found, after = glossary.partition(f"**{term.capitalize()}**: ")
+    assert found
+    assert GLOSSARY[term].lower().startswith(after.partition(".")[0].lower())
 
 
 def test_every_page_is_in_the_navigation():

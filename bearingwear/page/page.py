@@ -47,8 +47,8 @@ GLOSSARY = {
     "rolling direction and driven by the gyroscopic moment.",
     "requirement": "What the machine or the bearing must satisfy from new to the end of life, such "
     "as a stiffness. It restricts the choice of a preload.",
-    "end-of-life criterion": "A value of the scene at which the bearing counts as worn out, such "
-    "as a wear depth. The first that is met ends the life.",
+    "end-of-life criterion": "A value set in the scene at which a bearing counts as worn out, "
+    "such as a wear depth. The first that is met ends the life.",
     "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",
     "total wear depth": "The loss of ball diameter plus, if the wear of the races is counted, the "
     "wear depth of both grooves. It reduces the interference between balls and grooves.",
