@@ -49,8 +49,8 @@ ANALYSED = table(
         "within a batch, its ends the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
         "half-width of the confidence interval of that quantile, from sampling",
-        comment="from resampling of batches and bearings; widened by the error of interpolated "
-        "lives"),
+        comment="the larger distance of the quantile from the ends of the interval; widened by the "
+        "error of interpolated lives"),
     Variable("life_quantile", QUANTILE, "h",
         "quantile of the life, including scatter and uncertainty of the batch",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
@@ -75,6 +75,6 @@ ANALYSED = table(
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half-width of its confidence interval"),
     Variable("life_sample", (INPUTS, "member", BASIS), "h",
-        "independent sampled lives, sorted", comment="evenly spaced values of a very large sample"),
+        "lives of independent bearings at even probabilities, sorted"),
 )  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""
