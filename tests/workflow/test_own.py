@@ -81,7 +81,7 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     assert "no preload satisfies all requirements" in told
     page = text_of(folder / "index.html")
     assert re.search(
-        r"limits: axial stiffness of the arrangement at least 900 N/µm, at best [\d.]+ at", page
+        r"requirements: axial stiffness of the arrangement at least 900 N/µm, at best [\d.]+ at", page
     )
 
     # an edited scene: what depends on it, in the copy as well
@@ -156,7 +156,7 @@ def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
     folder = tmp_path / "folder"
     (log,) = folder.glob("logs/design/small_map/**/*.log")
     lines = log.read_text(encoding="utf-8").splitlines()  # seen while they are written, too
-    assert "mine: the best preloads between preloads of the map" in lines
+    assert "mine: the best preloads between those of the map" in lines
     assert set(lines) <= set(told.splitlines())
     page = text_of(folder / "index.html")
     assert re.search("<h1>Use a (spring|rigid) pair with a preload of ", page)
