@@ -44,9 +44,9 @@ def answer() -> None:
     from bearingwear.kernels.status import OK
     from bearingwear.scene.read import load_scene
     from bearingwear.solvers.dynamic.outputs import window_values
+    from bearingwear.solvers.dynamic.run import Interrupt  # in commits of any age
     from bearingwear.solvers.dynamic.system import DynamicSystem
     from bearingwear.solvers.dynamic.windows import TimeRun
-    from bearingwear.solvers.interrupt import Interrupt
     from bearingwear.solvers.start import start_of
 
     start = None

@@ -16,12 +16,12 @@ ROOT = PACKAGE.parent
 
 # A part may import itself and what is listed; `__init__` is the package itself.
 SOLVING = {"lives", "solvers", "scene", "kernels", "provenance", "sides", "measures"}
-READING = {"results", "atomic", "__init__"} | SOLVING
+READING = {"results", "atomic", "interrupt", "__init__"} | SOLVING
 MAY_IMPORT = {
     "kernels": {"provenance"},
     "scene": {"kernels", "provenance", "atomic", "measures"},
-    "solvers": {"scene", "kernels", "provenance", "sides", "measures"},
-    "lives": {"solvers", "scene", "kernels", "sides", "measures"},
+    "solvers": {"scene", "kernels", "provenance", "sides", "measures", "interrupt"},
+    "lives": {"solvers", "scene", "kernels", "sides", "measures", "interrupt"},
     "results": READING,
     "document": READING,
     "plotting": READING,
@@ -32,6 +32,7 @@ MAY_IMPORT = {
     "sides": set(),
     "measures": set(),
     "atomic": set(),
+    "interrupt": set(),
     "console": set(),
     "__init__": {"api", "scene"},
     "api": {"studies", "document", "plotting"} | READING,
@@ -72,6 +73,7 @@ LIBRARIES = {
     "sides": set(),
     "measures": {"numpy"},  # not to name options
     "atomic": set(),
+    "interrupt": set(),
     "console": set(),
     "commands": set(),
     "__init__": set(),

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from bearingwear.interrupt import check_interrupt
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.solvers.condition import States
-from bearingwear.solvers.interrupt import check_interrupt
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
@@ -14,7 +15,6 @@ from bearingwear.solvers.bearing.growth import lasting_growth
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.criterion import end_attribute
-from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.result import Result
 from bearingwear.solvers.solve import provenance
 

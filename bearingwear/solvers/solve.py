@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
@@ -13,7 +14,6 @@ from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy, CaseValues
 from bearingwear.solvers.effects.choice import Choice, choice
 from bearingwear.solvers.effects.warnings import warnings_of
-from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.result import Result
 from bearingwear.solvers.warm import network_values, warm_scene
 

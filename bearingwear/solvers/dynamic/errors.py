@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
@@ -14,7 +15,6 @@ from bearingwear.solvers.dynamic.periodic import PeriodicMotion, periodic_motion
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.windows import INTEGRATORS, RunGrid, TimeRun
 from bearingwear.solvers.estimates import DOUBLED, MEASURED, changed, halved_part, measured, summed
-from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import Start, thrust_alone
 from bearingwear.solvers.steady import steady_answers
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK
 from bearingwear.scene.checking.errors import NotAvailable
@@ -18,7 +19,6 @@ from bearingwear.solvers.dynamic.periodic import PeriodicMotion
 from bearingwear.solvers.dynamic.stability import LEAST_GROWTH, is_found_periodic
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
 from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, RunGrid, TimeRun
-from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import Start, start_of
 
 LARGEST_UNBALANCED = 1e-6  # of the contact load; the solver leaves less

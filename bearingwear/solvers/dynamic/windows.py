@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bearingwear.interrupt import check_interrupt
 from bearingwear.kernels import status as code
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
 from bearingwear.kernels.dynamic import record
@@ -18,7 +19,6 @@ from bearingwear.solvers.bearing.films import Archard
 from bearingwear.solvers.bearing.outputs import strip_centres
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
-from bearingwear.solvers.interrupt import check_interrupt
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
 from bearingwear.kernels.dynamic.record import POSITION
 from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
@@ -19,7 +20,6 @@ from bearingwear.solvers.dynamic.outputs import window_values
 from bearingwear.solvers.dynamic.run import LARGEST_ACCOUNT, LARGEST_UNBALANCED, TIGHTEST_RUN
 from bearingwear.solvers.dynamic.system import CAGE_LAG, DynamicSystem
 from bearingwear.solvers.dynamic.windows import TREND_OF_TORQUE, TimeRun
-from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
 from bearingwear.studies.cage.plan import STRETCH

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.lives.groove_life import wear_over_gap
@@ -25,7 +26,6 @@ from bearingwear.solvers.dynamic.parts import exact_factors, hertz_table
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.windows import TimeRun
 from bearingwear.solvers.effects.choice import asymmetries
-from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.race_control import race_control_motion
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
