@@ -60,7 +60,6 @@ def points_block(
     title: str,
     columns: Mapping[str, str],
     points: Sequence[Sequence[Any]],
-    lines: tuple[str, ...] = (),
     axes: int = 1,
 ) -> Block:
     """A table of points, each with a value for each column; columns by label, with their units."""
@@ -68,7 +67,7 @@ def points_block(
         Row(label, unit, tuple(point[k] for point in points))
         for k, (label, unit) in enumerate(columns.items())
     )
-    return Block(title, rows=tuple(rows) if points else (), lines=lines, axes=axes)
+    return Block(title, rows=tuple(rows) if points else (), axes=axes)
 
 
 def _kind(variable: xr.DataArray) -> tuple[str, str, str]:

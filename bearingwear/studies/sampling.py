@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
@@ -83,6 +85,15 @@ def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
             return None
         changed["bearing"] = bearing
     return replace(scene, **changed)
+
+
+def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
+    """Factor (n,) on lives by values (n, names) of K_s and H in place of the scene's."""
+    factor = np.ones(len(values))
+    for k, name in enumerate(names):
+        ratio = values[:, k] / scene.nominal(name)
+        factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
+    return factor
 
 
 def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:

@@ -40,6 +40,7 @@ from bearingwear.studies.cage.ensemble import END, OF_MOTION, ensemble_of, kept_
 from bearingwear.studies.cage.plan import Ensemble
 from bearingwear.studies.dataset import filled, write_dataset
 from bearingwear.studies.pool import Tell
+from bearingwear.studies.sampling import wear_factor
 
 WEARING = ("pockets", "land")
 LIFE_STEPS = 4
@@ -261,11 +262,10 @@ def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
     spread, _ = with_usual_spread(scene)
     names = [name for name in WORN if name in (spread.uncertainty or {})]
     sampled = values_at(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
-    relative = dict(zip(names, (sampled / [spread.nominal(name) for name in names]).T, strict=True))
-    faster = np.ones(_SAMPLES) / relative.pop(WORN[0], 1.0) * math.prod(relative.values())
+    factor = wear_factor(spread, names, sampled)
     return {
         "other_hours": time,
-        "other_hours_interval": time / np.quantile(faster, INTERVAL)[::-1],
+        "other_hours_interval": time * np.quantile(factor, INTERVAL),
         "other_end": life.criterion,
     }
 

@@ -485,7 +485,7 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
 def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
     more = table(
         RECOMMENDED_PRELOAD,
-        replace(ACTIVE_LIMIT, long_name="requirement that prevents a longer life"),
+        ACTIVE_LIMIT,
         LIFE_ERROR,
         *CLIFF.values(),
         *BEYOND_RANGE.values(),

@@ -26,7 +26,7 @@ from bearingwear.scene.uncertain import friction_correlation
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import Sampling, wear_factor
 from bearingwear.studies.uncertainty.grooves import FoundLives, found_lives
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
 from bearingwear.studies.uncertainty.surrogate import Stated
@@ -119,15 +119,6 @@ def lives(
     of_each = {"life": found.life[each] * factor[:, None], "wear_factor": factor}
     of_each |= {name: getattr(found, name)[each] for name in ("status", "end_criterion")}
     return SampledLives(**(vars(found) | of_each))
-
-
-def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
-    """Factor (n,) on lives by values (n, names) of K_s and H in place of the scene's."""
-    factor = np.ones(len(values))
-    for k, name in enumerate(names):
-        ratio = values[:, k] / scene.nominal(name)
-        factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
-    return factor
 
 
 POOLED = 2**15
