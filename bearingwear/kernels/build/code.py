@@ -8,6 +8,7 @@ text of all it needs, each once, and is optimised and made machine code as a who
 
 import contextlib
 import copy
+import functools
 import gc
 from collections.abc import Iterator
 
@@ -20,7 +21,9 @@ from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.cpu import CPUContext
 from numba.core.datamodel.models import StructModel
 from numba.core.environment import Environment
+from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.registry import CPUDispatcher
+from numba.core.transforms import canonicalize_cfg
 from numba.core.typed_passes import IRLegalization, NativeLowering
 from numba.core.types.functions import BaseFunction
 
@@ -33,8 +36,6 @@ VIEWS = {
     "phi",
 }  # fmt: skip
 """Expressions whose arrays are parts of others, and live as long as those do."""
-
-_RARELY = 20_000  # new objects before Python looks for garbage; 700 by default
 
 
 class _NoMachineCode:
@@ -168,30 +169,43 @@ class Callee(CPUDispatcher):
             return super().compile(sig)
 
 
-_WITHOUT_VARIABLES = {str, int, float, bool, type(None), ir.Loc}
+@functools.cache
+def _parts(kind):
+    """How the parts of a value of this kind, which may be variables, are found; or None."""
+    if kind is ir.Expr:
+        return lambda value: value._kws.values()
+    if issubclass(kind, ir.Inst):
+        return kind.list_vars
+    return {dict: dict.values, list: iter, tuple: iter}.get(kind)
 
 
-def _list_variables(value, found: list) -> None:
-    """Append the variables that a part of a statement names, in its order."""
-    kind = type(value)
-    if kind is ir.Var:
-        found.append(value)
-    elif kind in _WITHOUT_VARIABLES:
-        return
-    elif kind is dict:
-        for part in value.values():
-            _list_variables(part, found)
-    elif kind is list or kind is tuple:
-        for part in value:
-            _list_variables(part, found)
-    elif isinstance(value, ir.Inst):
-        found.extend(value.list_vars())
+def _list_variables(values, found: list) -> None:
+    """Append the variables among values and their parts, in their order."""
+    for value in values:
+        kind = type(value)
+        if kind is ir.Var:
+            found.append(value)
+        elif (parts := _parts(kind)) is not None:
+            _list_variables(parts(value), found)
 
 
 def _variables(_, value) -> list:
     found: list = []
-    _list_variables(value, found)
+    _list_variables((value,), found)
     return found
+
+
+@contextlib.contextmanager
+def _without_garbage_collection() -> Iterator[None]:
+    """Look for no garbage among what is made meanwhile, until Python looks at its oldest objects."""
+    often = gc.get_threshold()
+    gc.set_threshold(0)
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.unfreeze()  # into the oldest generation
+        gc.set_threshold(*often)
 
 
 @contextlib.contextmanager
@@ -201,7 +215,7 @@ def quick_typing() -> Iterator[None]:
     What an operator or a NumPy function returns for some types is asked for at each call, and found
     by trying dozens of signatures: here once. So is the size of a type, for which LLVM parses a
     module. The variables of a statement are found without making lists of what has none, nobody is
-    told of each time a lock is taken (some 80 000 times), and Python looks for garbage less often.
+    told of each time a lock is taken (some 80 000 times), and Python does not look for garbage.
     A record is returned as it is, not number by number, and NumPy's functions get no wrapper for C.
     """
     resolve, known = BaseFunction.get_call_type, {}
@@ -219,10 +233,8 @@ def quick_typing() -> Iterator[None]:
             sizes[key] = size_of(self, kind)
         return sizes[key]
 
-    often = gc.get_threshold()
     with global_compiler_lock, contextlib.ExitStack() as stack:
-        stack.callback(gc.set_threshold, *often)
-        gc.set_threshold(_RARELY, *often[1:])
+        stack.enter_context(_without_garbage_collection())
         for owner, name, quick in (
             (BaseFunction, "get_call_type", get_call_type),
             (BaseContext, "get_abi_sizeof", get_abi_sizeof),
@@ -230,12 +242,25 @@ def quick_typing() -> Iterator[None]:
             (StructModel, "as_return", _as_return),
             (StructModel, "from_return", _from_return),
             (ir.Inst, "_rec_list_vars", _variables),
+            (PostProcessor, "run", _post_process),
             (event, "start_event", _do_nothing),
             (event, "end_event", _do_nothing),
         ):
             stack.callback(setattr, owner, name, getattr(owner, name))
             setattr(owner, name, quick)
         yield
+
+
+def _post_process(self, emit_dels=False, extend_lifetimes=False, in_full=PostProcessor.run):
+    """Without live variables of blocks, which generators alone ask for."""
+    function = self.func_ir
+    if function.is_generator:
+        in_full(self, emit_dels, extend_lifetimes)
+        return
+    function.blocks = canonicalize_cfg(function.blocks)
+    function.variable_lifetime, function.generator_info = VariableLifetime(function.blocks), None
+    if emit_dels:
+        self._insert_var_dels(extend_lifetimes=extend_lifetimes)
 
 
 def _is_data(model) -> bool:
