@@ -30,11 +30,11 @@ print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
 
 BOTH_WAYS = """
 import numba, sys
-from bearingwear.kernels.worn.cells import contact_buffers
+from bearingwear.kernels.layout import state_layout
 # Names count what was compiled before: once without the kernel, once with it.
-first = (lambda n: contact_buffers(n, n).gap.size) if "called" in sys.argv else (lambda n: 0)
+first = (lambda n: state_layout(n, False).cage) if "called" in sys.argv else (lambda n: 0)
 numba.njit(first)(2)
-print(2 * contact_buffers(2, 2).gap.size)
+print(state_layout(2, False).cage)
 """
 
 
@@ -84,7 +84,7 @@ def test_kernel_from_disk_that_another_one_called_before(tmp_path):
     """The kernel as others call it lacks what Python needs to get its arrays."""
     for arguments in ((), ("called",)):
         process = started(tmp_path, "-c", BOTH_WAYS, *arguments)
-        assert process.communicate(timeout=60)[0] == "8\n"
+        assert process.communicate(timeout=60)[0] == "10\n"
         assert process.returncode == 0
 
 

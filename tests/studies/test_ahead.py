@@ -7,13 +7,13 @@ import pytest
 
 from bearingwear.cli import main
 from bearingwear.kernels.build.folder import tell
-from bearingwear.kernels.worn import friction, pressure, state
+from bearingwear.kernels.worn import pressure, state
 from bearingwear.lives.life import life
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.studies import ahead, launch
 
-KERNELS = pressure.contact_cells, state.worn_state, friction.worn_dissipation
+KERNELS = pressure.contact_cells, state.worn_state
 
 
 @pytest.fixture
@@ -33,11 +33,11 @@ def test_types_are_those_of_a_life_and_known_before_a_steady_solve(file, monkeyp
     with monkeypatch.context() as patched, pytest.raises(Solved):
         patched.setattr(ThrustProblem, "solve", solve)
         ahead.compile_life(file, ())
-    assert all(kernel.overloads for kernel in KERNELS[:2])
+    assert all(kernel.overloads for kernel in KERNELS)
     before = [set(kernel.overloads) for kernel in KERNELS]
     life(load_scene(file))
     for kernel, known in zip(KERNELS, before, strict=True):
-        assert not known or set(kernel.overloads) == known
+        assert set(kernel.overloads) == known
 
 
 def test_one_process_that_ends_with_its_command(file, tmp_path, monkeypatch):

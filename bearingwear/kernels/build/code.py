@@ -12,7 +12,7 @@ import functools
 import gc
 from collections.abc import Iterator
 
-from numba.core import event, ir
+from numba.core import config, event, ir
 from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary, ll
 from numba.core.compiler import Compiler, CompileResult
@@ -243,6 +243,8 @@ def quick_typing() -> Iterator[None]:
             (StructModel, "from_return", _from_return),
             (ir.Inst, "_rec_list_vars", _variables),
             (PostProcessor, "run", _post_process),
+            (config, "reload_config", _do_nothing),
+            (ll, "get_process_triple", functools.cache(ll.get_process_triple)),
             (event, "start_event", _do_nothing),
             (event, "end_event", _do_nothing),
         ):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.linear import solve_in_place
 
 MARGIN = 1  # cells around those with load that are at hand too
@@ -48,7 +48,7 @@ class ContactBuffers(NamedTuple):
     written: np.ndarray  # (most written squared,) influence of the cells at hand, row after row
 
 
-@jit
+@inlined
 def contact_buffers(n, m):
     """ContactBuffers for n by m cells, none of them at hand."""
     most = min(n * m, MOST_WRITTEN)

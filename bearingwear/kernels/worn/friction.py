@@ -71,9 +71,11 @@ class FrictionWork(NamedTuple):
     h_along: np.ndarray  # (most cells along,) heights of the cells unworn
     cells: np.ndarray  # (race, unworn or worn, row as below, most cells)
     rounded: np.ndarray  # (2,) slip below which the friction of cells is rounded [m/s]
+    slip: np.ndarray  # (race, 5) of a state: QV [W], heat [W], gyroscopic share [1],
+    # torque of the race [N m] and friction coefficient, mean over the load [1]
+    rates: np.ndarray  # (race, most cells along) its QV per length [W/m], scaled to the sum
 
 
-@jit
 def friction_work(rule, n, m_cells):
     """Buffers for a rule and n by m_cells cells at the most."""
     ones = np.ones(2)
@@ -84,7 +86,8 @@ def friction_work(rule, n, m_cells):
         residual=np.empty(4), jacobian=np.empty((4, 4)), moving=np.zeros((4, 4)),
         earlier=np.empty((5, 4)), matrix=np.empty((4, 4)), step=np.empty(4), trial=np.empty(4),
         ones=ones, halves=np.full(2, 0.5), h_along=np.empty(n),
-        cells=np.zeros((2, 2, 7, n * m_cells)), rounded=np.zeros(2),
+        cells=np.zeros((2, 2, 7, n * m_cells)), rounded=np.zeros(2), slip=np.zeros((2, 5)),
+        rates=np.zeros((2, n)),
     )  # fmt: skip
 
 
@@ -397,18 +400,9 @@ def scale_rates(rates, qv, race):
 
 
 @jit
-def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
-    """QV and heat of the slip in both contacts, and their distribution over them.
-
-    Parameters
-    ----------
-    out : ndarray (2, 5)
-        Filled, one row a race: QV [W], heat [W], gyroscopic share [1], torque of the race [N m],
-        friction coefficient, mean over the load [1].
-    rates : ndarray (2, n)
-        Filled: QV per length along the cells [W/m], scaled to the sum of `out`.
-    """
-    r, R = g.R_o + seat.X2, 0.5 * D
+def worn_dissipation(g, op, D, races, seat, rule, work, u):
+    """QV and heat of both contacts into `work.slip`, and their distribution into `work.rates`."""
+    r, R, out, rates = g.R_o + seat.X2, 0.5 * D, work.slip, work.rates
     place_cells(g, D, op, races, seat, work)
     for k in range(2):
         race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)

@@ -20,7 +20,7 @@ from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
 from bearingwear.kernels.steady.level_solver import SHORTENING
 from bearingwear.kernels.worn.balance import WornForce, race_parts, worn_force
-from bearingwear.kernels.worn.friction import place_cells, settled_motion
+from bearingwear.kernels.worn.friction import place_cells, settled_motion, worn_dissipation
 
 UNKNOWNS = 4  # X1, X2, delta_a, pitch, in this order; some states have fewer
 MOST_SEATS = 60
@@ -65,7 +65,6 @@ class StateWork(NamedTuple):
     balance: float  # largest force left, as a share of the load [1]
 
 
-@jit
 def state_work():
     """StateWork with unknown derivatives."""
     return StateWork(
@@ -386,7 +385,7 @@ def find_force_changes(bearing, races, reference, rule, work, state, seat, u, mo
 
 @jit
 def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, changes):
-    """Steady state of a ball between two worn grooves.
+    """Steady state of a ball between two worn grooves, and its `worn_dissipation`.
 
     Parameters
     ----------
@@ -415,4 +414,6 @@ def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, cha
     if found.status == NOT_CONVERGED and banded:
         copy(first, u)
         found = relaxed_seat(bearing, races, reference, rule, work, state, seat, u)
+    if found.status == OK:
+        worn_dissipation(bearing.g, bearing.op, bearing.D, races, found, rule, work, u)
     return found

@@ -15,7 +15,7 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.kernels.worn.balance import Arc, WornRace, latitude
 from bearingwear.kernels.worn.cells import contact_buffers
-from bearingwear.kernels.worn.friction import FrictionWork, friction_work, worn_dissipation
+from bearingwear.kernels.worn.friction import FrictionWork, friction_work
 from bearingwear.kernels.worn.pressure import contact_cells
 from bearingwear.kernels.worn.state import WornSeat, pitch, state_work, worn_state
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -135,9 +135,7 @@ class WornBearing:
             self.state.slope.fill(0.0)
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
-        slip = np.empty((2, 5))
-        qv_along = np.empty((2, max(r.x.size for r in races)))
-        worn_dissipation(p.g, p.op, D, races, seat, p.rule, work, u, slip, qv_along)
+        slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
         if not self._within(races, seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
@@ -155,7 +153,7 @@ class WornBearing:
             seat=seat,
             u=u.copy(),
             slip=slip,
-            qv_along=tuple(qv_along[k, : race.x.size] for k, race in enumerate(races)),
+            qv_along=tuple(work.rates[k, : race.x.size].copy() for k, race in enumerate(races)),
             x=tuple(race.x.copy() for race in races),
             pressure=tuple(race.pressure.copy() for race in races),
             track=np.array(

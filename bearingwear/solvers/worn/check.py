@@ -35,7 +35,7 @@ class WornCheck:
     ) -> bool:
         """Whether contacts, friction of films and power balance.
 
-        slip (2, 5) is that of `worn_dissipation`, bare the shares of the cells of both contacts
+        slip (2, 5) is that of `FrictionWork`, bare the shares of the cells of both contacts
         without film, none where there are no films.
         """
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
