@@ -2,7 +2,7 @@
 
 numba makes every function a library of its own: optimised, made machine code, and optimised again
 as part of every caller, every caller's caller, and so on. Here a kernel that another one calls is
-only typed and written down as LLVM's text (`Callee`). What Python calls (`entry`) gathers that
+only typed and written down as LLVM's text (`Callee`). What Python calls (`entries`) gathers that
 text of all it needs, each once, and is optimised and made machine code as a whole.
 """
 
@@ -10,6 +10,7 @@ import contextlib
 import copy
 import functools
 import gc
+import itertools
 from collections.abc import Iterator
 
 from numba.core import config, event, ir
@@ -64,19 +65,6 @@ class Text(JITCodeLibrary):
         self._ensure_finalized()
         return 0
 
-    def callers_first(self):
-        """This library and all that it needs, each before those that it calls."""
-        found: dict = {}
-
-        def visit(library):
-            if library not in found:
-                for callee in library._linking_libraries if isinstance(library, Text) else ():
-                    visit(callee)
-                found[library] = None
-
-        visit(self)
-        return list(reversed(found))
-
     def text(self):
         """Its own function alone."""
         return self._final_module
@@ -86,9 +74,24 @@ class Text(JITCodeLibrary):
         if self._shared_module is None:
             self._ensure_finalized()
             module = self._final_module.clone()
-            link(module, self.callers_first()[1:])
+            link(module, callers_first([self])[1:])
             self._shared_module = module
         return self._shared_module
+
+
+def callers_first(libraries):
+    """Libraries and all that they need, each before those that it calls."""
+    found: dict = {}
+
+    def visit(library):
+        if library not in found:
+            for callee in library._linking_libraries if isinstance(library, Text) else ():
+                visit(callee)
+            found[library] = None
+
+    for library in libraries:
+        visit(library)
+    return list(reversed(found))
 
 
 def link(module, libraries):
@@ -286,25 +289,28 @@ def _do_nothing(*_, **__) -> None:
 
 
 @quick_typing()
-def entry(callee: Callee, args: tuple) -> CompileResult:
-    """A kernel as Python calls it, with arguments of these types."""
+def entries(kernels: list[tuple[Callee, tuple]]) -> list[CompileResult]:
+    """Kernels as Python calls them, with arguments of these types, in one library."""
     box_without_python()
-    callee.compile(args)
-    inner = callee.overloads[args]
-    # An environment of its own: numba finds them by name, and the callee's lacks what the wrapper
-    # for Python keeps there.
-    name = copy.copy(inner.fndesc)
-    name.env_name += "$entry"
-    env = Environment.from_fndesc(name)
-    codegen = callee.targetctx.codegen()
-    library = codegen.create_library(name.qualname)
+    for callee, args in kernels:
+        callee.compile(args)
+    found = [callee.overloads[args] for callee, args in kernels]
+    target = kernels[0][0].targetctx
+    codegen = target.codegen()
+    library = codegen.create_library(found[0].fndesc.qualname)
     library.enable_object_caching()
-    context = callee.targetctx.subtarget(
-        enable_nrt=True, error_model=inner.target_context.error_model
-    )
-    with context.push_code_library(library):
-        context.create_cpython_wrapper(library, name, env, inner.call_helper)
-    parts = inner.library.callers_first()
+    named = []
+    for inner in found:
+        # An environment of its own: numba finds them by name, and the callee's lacks what the
+        # wrapper for Python keeps there.
+        name = copy.copy(inner.fndesc)
+        name.env_name += "$entry"
+        env = Environment.from_fndesc(name)
+        context = target.subtarget(enable_nrt=True, error_model=inner.target_context.error_model)
+        with context.push_code_library(library):
+            context.create_cpython_wrapper(library, name, env, inner.call_helper)
+        named.append((context, name, env))
+    parts = callers_first([inner.library for inner in found])
     link(library._final_module, parts)
     for part in parts:
         library._reload_init.update(part._reload_init)
@@ -313,19 +319,22 @@ def entry(callee: Callee, args: tuple) -> CompileResult:
     for function in library._final_module.functions:
         if not function.is_declaration and function.linkage.name == "linkonce_odr":
             function.linkage = "internal"
-    pointer = context.get_executable(library, name, env)
-    result = inner._replace(
-        library=library,
-        entry_point=pointer,
-        fndesc=name,
-        environment=env,
-        metadata={},
-        reload_init=list(library._reload_init),
-    )
-    environments = result._find_referenced_environments()
-    for used in environments:
+    results = [
+        inner._replace(
+            library=library,
+            entry_point=context.get_executable(library, name, env),
+            fndesc=name,
+            environment=env,
+            metadata={},
+            reload_init=list(library._reload_init),
+        )
+        for inner, (context, name, env) in zip(found, named, strict=True)
+    ]
+    names = [name.llvm_cpython_wrapper_name for _, name, _ in named]
+    used_by = (result._find_referenced_environments() for result in results)
+    for used in dict.fromkeys(itertools.chain(*used_by)):
         codegen.set_env(used.env_name, used)
+        names.append(used.env_name)
     # numba would keep its text on disk for callers, who have their own here; it reads the names.
-    names = name.llvm_cpython_wrapper_name, *(used.env_name for used in environments)
     library._shared_module = ll.parse_assembly("\n".join(f'@"{n}" = global i8 0' for n in names))
-    return result
+    return results

@@ -33,6 +33,15 @@ def jit(function=None, **options):
     return _compiled(function, {"error_model": "numpy"} | options)
 
 
+def compile_together(kernel, other, types_of) -> None:
+    """Compile another kernel with one, in a library of which what both call is a part once.
+
+    `types_of(*types)` are the types of its arguments by those of the first one's.
+    """
+    if hasattr(kernel, "companions"):
+        kernel.companions.append((other, types_of))
+
+
 def inlined(function):
     """Write a formula into every kernel that calls it, as if it stood there.
 

@@ -18,7 +18,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.core.sigutils import normalize_signature
 
-from bearingwear.kernels.build.code import Callee, entry
+from bearingwear.kernels.build.code import Callee, entries
 from bearingwear.kernels.build.folder import code_folder, tell, tell_of_compiling
 from bearingwear.provenance import contents_hash, kernels_hash
 
@@ -156,6 +156,7 @@ class Kernel(CPUDispatcher):
 
     def __init__(self, function, options):
         super().__init__(function, targetoptions={"nopython": True} | options)
+        self.companions: list[tuple[Kernel, Callable]] = []
 
     @functools.cached_property
     def disk(self) -> _Cache:
@@ -200,7 +201,11 @@ class Kernel(CPUDispatcher):
                 tell_of_compiling()
                 with global_compiler_lock:
                     _start_without_scipy()
-                    found = entry(self.callee, args)
-                    self.add_overload(found)
-                    self.disk.save_overload(args, found)
+                    group = [(self, args)]
+                    group += ((other, types_of(*args)) for other, types_of in self.companions)
+                    made = entries([(kernel.callee, its) for kernel, its in group])
+                    for (kernel, its), one in zip(group, made, strict=True):
+                        kernel.add_overload(one)
+                        kernel.disk.save_overload(its, one)
+                    found = made[0]
         return found

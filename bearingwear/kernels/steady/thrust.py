@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.build.decorators import compile_together, jit
 from bearingwear.kernels.contact.summary import COLUMNS, SPIN, contact_summary
 from bearingwear.kernels.contact.verification import friction_check, polygon_residual
 from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
@@ -24,6 +24,7 @@ from bearingwear.kernels.steady.linear_response import (
     linear_response,
     quasistatic_stiffness,
 )
+from bearingwear.kernels.steady.search import settled_elsewhere
 from bearingwear.kernels.steady.solver import steady_state, unknowns
 
 LARGEST_RESIDUAL = 1e-9  # of the friction forces, of the contact load and of the shaft power
@@ -279,3 +280,12 @@ def balanced_case(p, fine_rule, start, v_start, tolerance):
         residuals=residuals,
         held=False,
     )
+
+
+compile_together(
+    thrust_case,
+    settled_elsewhere,
+    lambda bearing, rule, fine_rule, start, v_start, tolerance: (
+        bearing, rule, rule, v_start, v_start, start, rule[0], bearing[0][0],
+    ),
+)  # fmt: skip
