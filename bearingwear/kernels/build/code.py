@@ -270,11 +270,8 @@ def _post_process(self, emit_dels=False, extend_lifetimes=False, in_full=PostPro
 
 
 def _pass_builder(self, by_numba=CPUCodegen._pass_builder, **options):
-    """LLVM's first level: kernels run as fast as by its third, and it takes two thirds of the time.
-
-    numba says the level where it wants another one.
-    """
-    return by_numba(self, **({"opt": 1} | options))
+    """Of the level of `entries`, where numba does not say another one."""
+    return by_numba(self, **({"opt": self.level} | options))
 
 
 def _is_data(model) -> bool:
@@ -298,14 +295,18 @@ def _do_nothing(*_, **__) -> None:
 
 
 @quick_typing()
-def entries(kernels: list[tuple[Callee, tuple]]) -> list[CompileResult]:
-    """Kernels as Python calls them, with arguments of these types, in one library."""
+def entries(kernels: list[tuple[Callee, tuple]], level: int) -> list[CompileResult]:
+    """Kernels as Python calls them, with arguments of these types, in one library.
+
+    LLVM optimises it by this level, 1 to 3.
+    """
     box_without_python()
     for callee, args in kernels:
         callee.compile(args)
     found = [callee.overloads[args] for callee, args in kernels]
     target = kernels[0][0].targetctx
     codegen = target.codegen()
+    codegen.level = level
     library = codegen.create_library(found[0].fndesc.qualname)
     library.enable_object_caching()
     named = []

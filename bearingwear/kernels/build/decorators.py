@@ -19,18 +19,21 @@ else:
     from bearingwear.kernels.build.kernel import Kernel as _compiled
 
 
-def jit(function=None, **options):
+def jit(function=None, level=1, **options):
     """`numba.njit` with a disk cache that a changed source invalidates.
+
+    Where Python calls the function, LLVM optimises it by this level. Kernels run as fast by the
+    first as by the third, for which LLVM takes up to half as long again.
 
     `error_model="numpy"` because the check for division by zero would stop vectorisation. With
     `forceinline=True` a function is always compiled into its callers; the functions that it calls
     in its turn do not inherit that.
     """
     if function is None:
-        return lambda f: jit(f, **options)
+        return lambda f: jit(f, level, **options)
     if numba.config.DISABLE_JIT:
         return function
-    return _compiled(function, {"error_model": "numpy"} | options)
+    return _compiled(function, {"error_model": "numpy"} | options, level)
 
 
 def compile_together(kernel, other, types_of) -> None:

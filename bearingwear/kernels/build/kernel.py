@@ -19,7 +19,7 @@ from numba.core.runtime import rtsys
 from numba.core.sigutils import normalize_signature
 
 from bearingwear.kernels.build.code import Callee, entries
-from bearingwear.kernels.build.folder import code_folder, tell, tell_of_compiling
+from bearingwear.kernels.build.folder import code_folder, tell_of_compiling
 from bearingwear.provenance import contents_hash, kernels_hash
 
 _INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
@@ -105,7 +105,7 @@ class _Cache(FunctionCache):
                 try:
                     fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 except BlockingIOError:
-                    tell("waiting for another process that compiles the solver ...")
+                    tell_of_compiling()
                     fcntl.flock(file, fcntl.LOCK_EX)
             yield
 
@@ -154,8 +154,9 @@ def _leave(future: Future) -> None:
 class Kernel(CPUDispatcher):
     """A compiled function. Python and other kernels may call it."""
 
-    def __init__(self, function, options):
+    def __init__(self, function, options, level):
         super().__init__(function, targetoptions={"nopython": True} | options)
+        self.level = level
         self.companions: list[tuple[Kernel, Callable]] = []
 
     @functools.cached_property
@@ -203,7 +204,7 @@ class Kernel(CPUDispatcher):
                     _start_without_scipy()
                     group = [(self, args)]
                     group += ((other, types_of(*args)) for other, types_of in self.companions)
-                    made = entries([(kernel.callee, its) for kernel, its in group])
+                    made = entries([(kernel.callee, its) for kernel, its in group], self.level)
                     for (kernel, its), one in zip(group, made, strict=True):
                         kernel.add_overload(one)
                         kernel.disk.save_overload(its, one)

@@ -22,7 +22,7 @@ class _Announcement(event.Listener):
 event.register("numba:compile", _Announcement())
 
 
-def plain_kernel(function, options):
+def plain_kernel(function, options, _level):
     folder, before = code_folder(), numba.config.CACHE_DIR
     numba.config.CACHE_DIR = folder
     try:
