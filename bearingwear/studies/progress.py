@@ -36,8 +36,8 @@ RUNNING_JOBS = "running: "
 RELAYED = "BEARINGWEAR_STUDY"
 """Variable of the environment: the folder of a study whose lines a command passes on."""
 
-COMPILING = b"compiling the solver", b"waiting for another process that compiles"
-"""How lines of jobs begin that need the solver while it is compiled."""
+COMPILING = b"compiling the solver"
+"""How the line of a job begins that needs the solver while it is compiled."""
 
 _DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}
 """Events of Snakemake that take no line of their own."""

@@ -271,7 +271,7 @@ def _post_process(self, emit_dels=False, extend_lifetimes=False, in_full=PostPro
 
 def _pass_builder(self, by_numba=CPUCodegen._pass_builder, **options):
     """Of the level of `entries`, where numba does not say another one."""
-    return by_numba(self, **({"opt": self.level} | options))
+    return by_numba(self, **({"opt": getattr(self, "level", 3)} | options))
 
 
 def _is_data(model) -> bool:
