@@ -380,9 +380,7 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
     return delta_a, state
 
 
-@jit
 def static_displacement(g, F_x):
     """Axial displacement of the static, unworn bearing under its initial preload alone [m]."""
     load = orbit_load(0.0, 0.0, 0.0)
-    delta_a, state = thrust_equilibrium(g, g.D0, load, F_x, 0.0, True, cold_start())
-    return delta_a
+    return thrust_equilibrium(g, g.D0, load, F_x, 0.0, True, cold_start())[0]
