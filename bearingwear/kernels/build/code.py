@@ -200,14 +200,14 @@ def _variables(_, value) -> list:
 
 @contextlib.contextmanager
 def _without_garbage_collection() -> Iterator[None]:
-    """Look for no garbage among what is made meanwhile, until Python looks at its oldest objects."""
+    """Python looks for no garbage meanwhile; afterwards new objects count as its oldest ones."""
     often = gc.get_threshold()
     gc.set_threshold(0)
     try:
         yield
     finally:
         gc.freeze()
-        gc.unfreeze()  # into the oldest generation
+        gc.unfreeze()
         gc.set_threshold(*often)
 
 
@@ -218,7 +218,7 @@ def quick_typing() -> Iterator[None]:
     What an operator or a NumPy function returns for some types is asked for at each call, and found
     by trying dozens of signatures: here once. So is the size of a type, for which LLVM parses a
     module. The variables of a statement are found without making lists of what has none, nobody is
-    told of each time a lock is taken (some 80 000 times), and Python does not look for garbage.
+    told of each time a lock is taken (some 80 000 times), and Python looks for no garbage.
     A record is returned as it is, not number by number, and NumPy's functions get no wrapper for C.
     """
     resolve, known = BaseFunction.get_call_type, {}
