@@ -19,11 +19,11 @@ else:
     from bearingwear.kernels.build.kernel import Kernel as _compiled
 
 
-def jit(function=None, level=1, **options):
+def jit(function=None, level=3, **options):
     """`numba.njit` with a disk cache that a changed source invalidates.
 
-    `level` is LLVM's optimisation level of a function that Python calls. At level 1, kernels run
-    as fast as at level 3, and LLVM takes two thirds of the time.
+    `level` is LLVM's optimisation level of a function that Python calls. Level 1 takes two thirds
+    of the time that level 3 takes.
 
     `error_model="numpy"` because the check for division by zero would stop vectorisation. With
     `forceinline=True` a function is always compiled into its callers; the functions that it calls

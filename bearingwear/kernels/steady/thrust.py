@@ -223,7 +223,7 @@ def motion_jacobian(p):
     return J
 
 
-@jit
+@jit(level=1)  # as fast as at level 3
 def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     """Solve, sum up and check the steady state under thrust.
 

@@ -31,7 +31,7 @@ CLOSED_GAP = 1e-8  # gap left where there is pressure, as a share of the approac
 FULL_WIDTH = 3.0  # of the cells together, in semi-minor axes
 
 
-@jit(level=3)  # as `worn_state`: another level moves last bits, and worn stiffnesses by 3e-6
+@jit
 def contact_cells(log_kappa, low, high, n, m):
     """Cells of an ellipse with ln(a/b) = log_kappa, unworn pressure included.
 

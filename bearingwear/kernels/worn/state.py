@@ -383,7 +383,7 @@ def find_force_changes(bearing, races, reference, rule, work, state, seat, u, mo
     return OK
 
 
-@jit(level=3)
+@jit
 def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, changes):
     """Steady state of a ball between two worn grooves, and its `worn_dissipation`.
 
