@@ -7,10 +7,12 @@ import pytest
 
 from bearingwear.cli import main
 from bearingwear.kernels.build.folder import tell
+from bearingwear.kernels.steady.thrust import thrust_case
 from bearingwear.kernels.worn import pressure, state
 from bearingwear.lives.life import life
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.solve import solve
 from bearingwear.studies import ahead, launch
 
 KERNELS = pressure.contact_cells, state.worn_state
@@ -38,6 +40,13 @@ def test_types_are_those_of_a_life_and_known_before_a_steady_solve(file, monkeyp
     life(load_scene(file))
     for kernel, known in zip(KERNELS, before, strict=True):
         assert set(kernel.overloads) == known
+
+
+def test_search_is_compiled_with_the_solve_for_the_types_it_is_called_with(file):
+    solve(load_scene(file))
+    ((search, types_of),) = thrust_case.companions
+    assert search.overloads
+    assert set(search.overloads) <= {types_of(*types) for types in thrust_case.overloads}
 
 
 def test_one_process_that_ends_with_its_command(file, tmp_path, monkeypatch):
