@@ -83,7 +83,7 @@ def cage_lines() -> list[tuple[str, ...]]:
         peak, most = np.nanmax(force), np.nanquantile(force, 0.99)
         lines.append(
             (f"force of {what} on the cage", f"at most {bound:g} N",
-             f"{peak:.0f} N at the peak, {most:.2g} N in 99 % of instants")
+             f"{peak:.0f} N at the peak, {most:.2g} N at 99 % of instants")
         )  # fmt: skip
     return lines
 
