@@ -194,6 +194,11 @@ def causes_told(scene: Mapping[str, Any]) -> str:
     return middle + " ".join(f"{text}: {names}." for text, names in found if names)
 
 
+def causes(scene: Mapping[str, Any]) -> list[str]:
+    """Uncertain values of a scene, in words."""
+    return [_cause(key) for key in scene.get("uncertainty") or {}]
+
+
 def _cause(key: str) -> str:
     words = "ball-race friction" if key == "ball_race" else key_in_words(key)[0]
     return words.replace("brinell", "Brinell")

@@ -38,7 +38,8 @@ class Bearing:
     maker: str | None = setting("Maker whose catalogue gives the speed limits",
         choices=tuple(MAKERS), default=None)
     designation: str | None = setting(
-        "Designation in the maker's catalogue (`bearingwear new --list`)", longest=40, default=None)
+        "Designation; with a maker, as in its catalogue (`bearingwear new --list`)",
+        longest=40, default=None)
     ball_count: int = setting("Number of balls, which must fit side by side on the pitch circle",
         "1", "[3, 1000]", example="15")
     ball_diameter_mm: float = setting("Nominal (unworn) ball diameter", "mm", "[0.1, 500]",

@@ -192,10 +192,10 @@ def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
 
 
 def identity_line(bearing: Mapping[str, Any]) -> str:
-    """Which catalogue's bearing a scene is, and what of it is identified; empty without one."""
+    """Designation of a bearing; of a catalogue's, also what is identified. Empty without one."""
     entry = entry_of_bearing(bearing)
     if entry is None:
-        return ""
+        return bearing.get("designation") or ""
     grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
     inferred = grooves == MAKERS[entry.maker].grooves
     own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from small_study import CHOICE
 from support import only_line, step
 
@@ -11,6 +12,10 @@ from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import Rough, digits
+from bearingwear.results.words import methods
+from bearingwear.studies.design.beside import NONE_PASSED, passed
+from bearingwear.studies.design.choice import at_scene
+from bearingwear.studies.design.document.sentences import by_life, similar_preloads
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.plan import DesignPlan
@@ -128,10 +133,24 @@ def test_each_verdict_has_its_headline(files):
 
     assert "neither method is preferred; use a spring preload of" in headline(files, neither)
     assert headline(files, at_the_end).endswith(" N (constant force) or less")
-    assert headline(files, plateau).endswith("; less hardly lengthens the life")
+    assert headline(files, plateau).endswith("; a lower preload gains little")
     assert headline(files, cliff).endswith("; with 1 % less preload, the life is only 0.01 h")
     advice = f"mine: {AS_LITTLE}"
     assert headline(files, without_limits) == advice
+
+
+def test_preloads_with_a_similar_life_are_stated(files):
+    """On a flat map, all around the recommended one that satisfy the requirements."""
+    design, found = load(files["design"]), load(files["recommendation"])
+    method, best, life = by_life(found)[0]
+    flat = design.assign(life=xr.full_like(design["life"], life))
+    (said,) = similar_preloads(flat, found)
+    low, high = (float(text) for text in said.split()[1:4:2])
+    line = dict(methods(at_scene(flat)))[method]
+    allowed = [passed(line.isel(preload=k)) == NONE_PASSED for k in range(line.sizes["preload"])]
+    inside = (line["preload"].values >= low) & (line["preload"].values <= high)
+    assert low <= float(best["preload"]) <= high and np.array_equal(inside, allowed)
+    assert similar_preloads(design.assign(life=0.5 * flat["life"]), found) == []
 
 
 def test_hours_of_a_calibrated_scene_are_stated(files):

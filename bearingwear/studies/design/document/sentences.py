@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Mapping
@@ -13,13 +14,13 @@ from bearingwear.document.document import Row
 from bearingwear.document.table import flag_names
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
-from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
+from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear, causes
 from bearingwear.results.units import Rough, digits, in_print
 from bearingwear.results.words import methods, percent_in_text, scene_of
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, assumptions_of, passed
-from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
+from bearingwear.studies.design.choice import ACTIVE, at_scene, limits_of, preload_text
 from bearingwear.studies.design.document.words import (
     ASSUMED_WORDS,
     END_KEY,
@@ -49,6 +50,9 @@ _HELD = {
     "cliff": "The life drops sharply near this preload.",
 }
 """Why no other preload has a longer life, where no requirement decides."""
+
+SIMILAR = 0.9
+"""Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
     "Use lives for comparison only, not as hours: the wear coefficient is known to an order of "
@@ -127,23 +131,23 @@ def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
     """Of a preload at an end of the range: the end of a headline, and what follows from it."""
     preload = float(one["preload"])
     lower = preload < scene_of(found)["operation"]["preload_N"]
-    less, lowest = ("less", "lowest") if lower else ("more", "highest")
+    less, lowest = ("lower", "lowest") if lower else ("higher", "highest")
     beyond = float(one.get("beyond_preload", math.nan))
     if not math.isfinite(beyond):
-        return f" or {less}", (
-            f"No requirement limits this preload, and {less} would lengthen the life further. Use "
+        return f" or {'less' if lower else 'more'}", (
+            f"No requirement limits this preload, and a {less} one lengthens the life further. Use "
             f"the {lowest} that can be set reliably, or state another requirement."
         )
     life, running = float(one["life"][counted(found)]), float(one["residual_preload_at_start"])
     gain, then = float(one["beyond_life"]) / life - 1.0, float(one["beyond_running_preload"])
     said = (
-        f"No requirement limits this preload, but {less} hardly lengthens the life: {beyond:.7g} N "
-        f"gives {percent_in_text(gain)} more"
+        f"No requirement limits this preload, but a {less} one gains little: the life is "
+        f"{percent_in_text(gain)} longer with {beyond:.7g} N"
     )
     if abs(math.log(running / preload)) > math.log(_RUNS_APART):
         said += f", because the preload at speed is still {digits(then)} N ({digits(running)} N "
         said += f"with {preload_text(one)} N)"
-    return f"; {less} hardly lengthens the life", f"{said}."
+    return f"; a {less} preload gains little", f"{said}."
 
 
 def what_it_gives(found: xr.Dataset) -> list[str]:
@@ -174,11 +178,32 @@ def what_limits_it(found: xr.Dataset) -> list[str]:
             longer = "Any preload with a longer life"
             if said:  # of the other method
                 other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
-                longer = f"With {other}, any preload with a longer life than {preload_text(one)} N"
+                longer = f"With {other}, any preload with more life than at {preload_text(one)} N"
             said.append(f"{longer} violates a requirement: {limit_text(name, given[name])}.")
         elif not said:
             said.append(_HELD.get(name) or _at_the_end(found, one)[1])
     return [*said, *map(sentence, _cliffs(found))]
+
+
+def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> list[str]:
+    """Preloads of the map next to the recommended one with a similar life by the same method."""
+    method, best, life = by_life(found)[0]
+    line, chosen = dict(methods(at_scene(design)))[method], float(best["preload"])
+    preloads: list[float] = line["preload"].values.tolist()
+
+    def similar(preload: float) -> bool:
+        one = line.sel(preload=preload)
+        own = float(one["life"].isel(loss_basis=counted(found)))
+        return own >= SIMILAR * life and passed(one) == NONE_PASSED
+
+    below = itertools.takewhile(similar, [p for p in reversed(preloads) if p < chosen])
+    above = itertools.takewhile(similar, [p for p in preloads if p > chosen])
+    known = [chosen, *below, *above]
+    if len(known) == 1:
+        return []
+    kept = ", and all requirements are satisfied" if limits_of(found).given else ""
+    low, high = digits(min(known)), digits(max(known))
+    return [f"From {low} to {high} N, the life is at least {100 * SIMILAR:g} % of this{kept}."]
 
 
 def _cliffs(found: xr.Dataset) -> list[str]:
@@ -294,7 +319,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
             "assumption, or the other ball track, would reverse the order."
         )
     if mine := spread[method]:
-        said.append(f"{mine.sentence}, allowing for all uncertain values.")
+        uncertain = ", ".join(causes(scene))
+        said.append(f"{mine.sentence}{f' (uncertain: {uncertain})' if uncertain else ''}.")
         if mine.longest:
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in {mine.longest.text} % of "

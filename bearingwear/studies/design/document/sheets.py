@@ -52,6 +52,7 @@ from bearingwear.studies.design.document.sentences import (
     method_names,
     room_rows,
     sentence,
+    similar_preloads,
     what_is_not_possible,
     what_it_gives,
     what_limits_it,
@@ -174,7 +175,7 @@ def preload_document(
     )
     basis, known = counted(found), by_life(found)
     spread = _spreads(found, uncertainty)
-    blocks = [*_points(found, beside, spread)]
+    blocks = [*_points(found, design, beside, spread)]
     blocks += [_recommended(found, spread), _new_and_worn(found)] if known else []
     blocks += machine_blocks(found)
     blocks += [] if beside is None else [_beside(beside, found, basis)]
@@ -203,16 +204,20 @@ def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spr
 
 
 def _points(
-    found: xr.Dataset, beside: xr.Dataset | None, spread: Mapping[str, Spread | None]
+    found: xr.Dataset,
+    design: xr.Dataset | None,
+    beside: xr.Dataset | None,
+    spread: Mapping[str, Spread | None],
 ) -> list[Block]:
     """What it gives, what limits it, what would change it, uncertainty; requirements, warnings."""
     best, given = best_method(found), limits_of(found).given
     said: list[tuple[str, list[str], str]] = []
     if best is not None:
         others = [] if beside is None else what_others_change(beside, found, best)
+        near = [] if design is None else similar_preloads(design, found)
         said = [
             ("Expected life", what_it_gives(found), "verdict"),
-            ("What limits it", what_limits_it(found), "lead"),
+            ("What limits it", [*what_limits_it(found), *near], "lead"),
             ("What would change the choice", [what_would_change_it(found), *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
