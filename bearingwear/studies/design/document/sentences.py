@@ -201,9 +201,10 @@ def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> list[str]:
     known = [chosen, *below, *above]
     if len(known) == 1:
         return []
-    kept = ", and all requirements are satisfied" if limits_of(found).given else ""
+    kept = " and satisfies all requirements" if limits_of(found).given else ""
     low, high = digits(min(known)), digits(max(known))
-    return [f"From {low} to {high} N, the life is at least {100 * SIMILAR:g} % of this{kept}."]
+    name = _as_subject(found, method)
+    return [f"{name} from {low} to {high} N gives at least {100 * SIMILAR:g} % of this life{kept}."]
 
 
 def _cliffs(found: xr.Dataset) -> list[str]:

@@ -214,10 +214,11 @@ def _points(
     said: list[tuple[str, list[str], str]] = []
     if best is not None:
         others = [] if beside is None else what_others_change(beside, found, best)
+        limit, *limits = what_limits_it(found)
         near = [] if design is None else similar_preloads(design, found)
         said = [
             ("Expected life", what_it_gives(found), "verdict"),
-            ("What limits it", [*what_limits_it(found), *near], "lead"),
+            ("What limits it", [limit, *near, *limits], "lead"),
             ("What would change the choice", [what_would_change_it(found), *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
