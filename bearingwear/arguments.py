@@ -52,8 +52,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
-        epilog="Exit status: 0; 1 if compared files differ; 2 for bad input; 3 if no verified "
-        "solution was found.",
+        epilog="Exit status: 0 on success; 1 if compared files differ; 2 for bad input; 3 if no "
+        "verified solution was found.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
@@ -125,14 +125,14 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
     cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
     cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="relative half-width of the 90 %% interval of the mean work at which the ensemble is "
-        "complete; default 0.1")
+        help="the ensemble is complete once the 90 %% interval of the mean work has this relative "
+        "half-width; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
-        help="minimum shaft turns of a run; default 30; a hanging cage may change its motion after "
-        "hundreds of turns")
+        help="minimum number of shaft turns in a run; default 30; a hanging cage may change its "
+        "motion after hundreds of turns")
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
-        help="maximum shaft turns of a run that has not settled; default 150")
+        help="maximum number of shaft turns in a run that has not settled; default 150")
     cage.add_argument("--life", action="store_true",
         help="also compute the wear life of the cage, from ensembles at further wear states")
     cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
@@ -176,7 +176,7 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
         help="radial clearance, instead of a clearance group")
     new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
-        help="materials of balls and races, with wear and friction from the table of sources "
+        help="materials of balls and races, with wear and friction coefficients from a table "
         "(docs/coefficients.md); assumed if omitted")
     new.add_argument("--film", choices=FILMS, help="solid film between balls and races, from the "
         "same table")

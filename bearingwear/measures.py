@@ -197,7 +197,7 @@ MEASURES = (
     Measure(key="preload_kept", end_key="preload_fraction", words="residual preload",
         variables=("residual_preload",), over_preload=True, falls=True,
         advice="use more preload, a lower speed, or a spring",
-        end=("Residual preload over preload_N at or below which life ends", "(0, 1)"),
+        end=("Ratio of residual preload to preload_N at or below which life ends", "(0, 1)"),
         limit=("Minimum ratio of residual to initial preload", "(0, 1)"),
         option="--preload-kept", mark="v", letter="K"),
     Measure(key="gyroscopic_slip_share", words="gyroscopic slip share",
@@ -209,7 +209,8 @@ MEASURES = (
         option="--slip", mark="s", letter="G", brief=True),
     Measure(key="skid_ratio", words="skid ratio", variables=("skid_ratio",), signed=True,
         advice="use more preload, a lower speed, or less lubricant drag",
-        end=("Lag of the orbit rate behind pure rolling at or above which life ends", "(0, 1]"),
+        end=("Lag of the orbit rate behind that of pure rolling at or above which life ends",
+            "(0, 1]"),
         mark="P"),
     Measure(key="ball_diameter_loss_um", words="total wear depth", unit="um",
         variables=("ball_diameter_loss",), advice="start with less wear, or raise the criterion",
@@ -237,8 +238,8 @@ MEASURES = (
         end=("Axial stiffness of the arrangement (a single bearing counts as half of a symmetric "
             "pair) at or below which life ends", "(0, 1e6]"),
         limit=("Minimum axial stiffness of the arrangement", "(0, inf)"),
-        note="a single bearing counts as half of a symmetric pair, which is rigid at a "
-            "fixed position",
+        note="a single bearing counts as half of a symmetric pair (a rigid pair if the preload is "
+            "by fixed position)",
         means="of both bearings at a fixed position, of one under a constant force",
         option="--stiffness", mark="d", letter="A", brief=True),
     Measure(key="axial_stiffness_N_um", words="axial stiffness of one bearing",

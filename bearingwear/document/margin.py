@@ -57,7 +57,7 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     if not any(one.wear != "new" for one in corners):
         found.append("new bearings only: no end-of-life criterion was given, or none was reached")
     if not any(one.case != NOMINAL for one in corners):
-        found.append("the scene has no cases: cold and hot are not checked")
+        found.append("the scene has no cases, so cold and hot operation are not checked")
     return found
 
 

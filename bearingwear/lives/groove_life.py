@@ -63,7 +63,7 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
         f"model.fidelity {fidelity}": fidelity != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
-        "films or running-in of balls in bands": in_bands,
+        "a film or running-in on balls that wear in bands": in_bands,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":

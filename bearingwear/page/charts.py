@@ -97,14 +97,14 @@ def chart_html(
 def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
-        "Star: longest life of the method that satisfies all requirements.": any(
+        "Star: the method's longest life that satisfies all requirements.": any(
             c.star for c in chart.lines
         ),
         "Vertical line: life range of 90 % of the bearings.": any(c.band for c in chart.lines),
         "Dashed line, shading and bar on the axis: the method violates a requirement.": any(
             c.beyond for c in chart.lines
         ),
-        "Diamond: from here, another criterion ends the life.": any(
+        "Diamond: from here on, another criterion ends the life.": any(
             len(set(c.ends)) > 1 for c in chart.lines
         ),
     }

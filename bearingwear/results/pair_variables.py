@@ -32,11 +32,11 @@ SYSTEM = table(
         "minimum axial force on the rotor that unloads a bearing at rest",
         comment="in either direction; with worn balls, at running temperature",
         label="lift-off force"),
-    Variable("rotor_axial_shift", (), "m", "axial rotor shift from its mounted position",
+    Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
         comment="towards +X", label="rotor shift"),
     Variable("natural_frequency", ("mode",), "Hz", "natural frequency of the rigid rotor",
-        comment="at standstill, centre of mass midway between the bearings; the default transverse "
-                "inertia is that of a slender rod",
+        comment="at standstill; by default, the centre of mass is midway between the bearings, and "
+                "the transverse inertia is that of a slender rod",
         label="natural frequency"),
     Variable("rotor_balance_residual", (), "1",
         "residual of the rotor's force and position balance, relative to the larger preload"),

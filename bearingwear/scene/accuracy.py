@@ -192,11 +192,11 @@ class Model:
         "history is requested",
         choices=("auto", "periodic", "march"), default="auto")
     dynamic_tolerance: float = setting(
-        "Allowed error of slip velocities in one time step, relative to the mean slip (dynamic "
+        "Allowed error in slip velocities over one time step, relative to the mean slip (dynamic "
         "model only)", "1",
         "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
     settled_drift: float = setting("A run counts as settled, and ends, if the expected further "
-        "relative change of QV and wear is below this value (dynamic model only)",
+        "relative change in QV and wear is below this value (dynamic model only)",
         "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(

@@ -209,13 +209,14 @@ class Wear:
 
     # fmt: off
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "Loss of ball diameter of a case (less than a tenth of the ball diameter)",
+        "Loss of ball diameter in a case (less than a tenth of the ball diameter)",
         "um", "[0, 50000]",
         single=True, least=1, most=1000, each="Loss of diameter of one ball",
         allowed="a number from 0 to 50000, or a list of one such number for each ball",
         default=(0.0,))
     counts: str = setting(
-        "Wear included in the total wear depth of the reported life (files contain both)",
+        "Wear counted in the total wear depth of the reported life (files contain the lives "
+        "for both choices)",
         choices=COUNTS, default=COUNTS[1])
     ball_track: str = setting("Ball wear in a life with worn grooves: even, because the axes of "
         "the balls wander (spread), or in bands about fixed axes", choices=BALL_TRACKS,

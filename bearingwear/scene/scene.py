@@ -106,7 +106,8 @@ class Scene:
     temperature: Temperature | None = setting(
         "Temperatures of the parts (if omitted, the mounting temperature)", default=None)
     thermal: Thermal | None = setting(
-        "Thermal network that gives the temperatures of rings and balls from the friction heat",
+        "Thermal network that determines the temperatures of rings and balls from the friction "
+        "heat",
         default=None)
     fits: Fits | None = setting(
         "Fits of the rings on their seats (if omitted, the rings expand freely)",

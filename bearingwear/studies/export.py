@@ -137,8 +137,8 @@ class StiffnessOverSpeed:
         lines = [
             f"# {self.scene.name}, bearing {bearing}: dynamic stiffness at {len(self.speeds_rpm)} "
             "speeds, rad/s, N/m; z axial",
-            f"# {moved}; a node {arm:.4g} mm from the bearing, where its contact lines meet the",
-            "# axis, has no coupling of displacement and tilt",
+            f"# {moved}; displacement and tilt are not coupled at a node {arm:.4g} mm from the",
+            "# bearing, where its contact lines meet the axis",
             f"# damping: {given}; names of ROSS {ross}",
             f"[BearingElement_{name}]",
             f"n = {node}",

@@ -215,5 +215,5 @@ def test_refused_in_bands(scene):
         "wear.ball_track": "bands",
         f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.1},
     }
-    with pytest.raises(NotAvailable, match="films or running-in of balls in bands"):
+    with pytest.raises(NotAvailable, match="a film or running-in on balls that wear in bands"):
         life(scene("gyro_s1", changes))

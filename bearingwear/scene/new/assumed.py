@@ -186,7 +186,7 @@ def _usual_speed(
     factor, name = entry.speed_factor(method, preload)
     rule = f"{entry.maker}'s limit with grease"
     if name:
-        rule += f", {factor:g} of it for a rigid pair of class {name}"
+        rule += f", times {factor:g} for a rigid pair of class {name}"
     return rounded_to(factor * entry.speed_grease, 3), rule
 
 

@@ -56,8 +56,8 @@ def solve_dynamic(
         if progress is not None:
             error = values["energy_account_error"]
             progress(
-                f"energy account error {error:.1e} of the heat; the run is repeated with tolerance "
-                f"{tolerance:g}"
+                f"the error of the energy account is {error:.1e} of the heat; the run is repeated "
+                f"with tolerance {tolerance:g}"
             )
 
 

@@ -187,5 +187,5 @@ def effort(scene: Scene, chosen: Choice) -> str:
         runs = f"; a life takes about {scene.model.life_steps} or more such runs"
     return (
         f"effort: {before}at most {turns:g} shaft turns, of the order of "
-        f"{1e-3 * turns * ms:.1g} s (an estimate from one measured scene){runs}"
+        f"{1e-3 * turns * ms:.1g} s (estimated from one measured scene){runs}"
     )

@@ -77,7 +77,7 @@ def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
 
 def _effect(scene: Scene, relative_change: Callable[[Scene], float]) -> str:
     if not is_held(scene):
-        return "a second-order effect with constant force"
+        return "a second-order effect, because the preload force is constant"
     percent = 100.0 * relative_change(scene)
     if math.isnan(percent):
         return "its effect is unknown before the solve"
@@ -114,7 +114,7 @@ def temperature(chosen: Choice) -> Iterator[str]:
         yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"
     else:
         size = _effect(scene, lambda one: change_by_warm_ring(one, 1.0))
-        per_kelvin = " per kelvin of excess temperature of the inner ring" if held else ""
+        per_kelvin = " per kelvin by which the inner ring is warmer than the rest" if held else ""
         yield f"temperature: neglected; {size}{per_kelvin}"
 
 

@@ -80,7 +80,7 @@ def slip(chosen: Choice) -> Iterator[str]:
 
 def traction_borne(chosen: Choice) -> Iterator[str]:
     model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
-    share_of = "an unknown share" if math.isnan(share) else f"{100.0 * share:.2g} %"
+    share_of = "an unknown share" if math.isnan(share) else f"up to about {100.0 * share:.2g} %"
     status = "included in the balance of normal forces"
     if chosen.fidelity == "race_control":
         status += " at the controlling race"
@@ -88,8 +88,8 @@ def traction_borne(chosen: Choice) -> Iterator[str]:
         why = "model.normal_balance" if model.normal_balance else "model.contact: paper"
         status = f"neglected in the balance of normal forces ({why})"
     yield (
-        f"traction: {status}; up to about {share_of} of a ball's axial load carries the gyroscopic "
-        "moment"
+        f"traction: {status}; the part that balances the gyroscopic moment is {share_of} of a "
+        "ball's axial load"
     )
 
 
@@ -131,7 +131,7 @@ def balls(chosen: Choice) -> Iterator[str]:
         yield from _in_time(scene)
     else:
         yield (
-            "ball motion: by Jones-Harris race control, without a balance of friction; slip, QV "
+            "ball motion: by Jones-Harris race control, without a friction balance; slip, QV "
             "and wear are estimates"
         )
         yield f"balls: {count}, each in equilibrium"
@@ -190,8 +190,8 @@ def _in_time(scene: Scene) -> Iterator[str]:
             yield f"steps: tolerance {steps:g}; cage wear requires 0.001"
         elif steps == CAGE_TOLERANCE:
             yield (
-                "steps: tolerance 0.001, which gives cage wear within 10 % as long as the motion "
-                "persists"
+                "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
+                "motion persists"
             )
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the source of the model; "
@@ -206,10 +206,10 @@ def solution(chosen: Choice) -> Iterator[str]:
     if is_found_periodic(scene):
         yield "motion: periodic, found directly; the balls are evenly spaced, as with a cage"
     elif scene.model.dynamic_solution == "march":
-        yield "motion: time stepping until it settles (model.dynamic_solution)"
+        yield "motion: stepped in time until it settles (model.dynamic_solution)"
     else:
         why = why_not_periodic(scene) or "histories are requested (model.history_points_per_turn)"
         yield (
-            "motion: time stepping until it settles, without a search for a periodic one; "
+            "motion: stepped in time until it settles, with no search for a periodic motion; "
             f"reason: {why}"
         )

@@ -57,9 +57,9 @@ NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
 CAGE_LIFE = table(
     Variable("cage_life", (), "1", "shaft turns to the end"),
     Variable("cage_life_interval", END.dims, "1",
-        "90 % interval of the life due to the scatter of the runs"),
+        "90 % interval of the life from the scatter of the runs alone"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
-        "90 % interval of the life, including the uncertainty of the cage's wear coefficient"),
+        "90 % interval of the life, allowing also for the uncertain wear coefficient of the cage"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
     Variable("cage_end", (), "", "criterion that ends the life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
@@ -70,7 +70,8 @@ CAGE_LIFE = table(
     Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),
     Variable("other_hours", (), "h", "life of balls and races, steady", scale=HOURS_PER_SECOND),
     Variable("other_hours_interval", END.dims, "h",
-        "90 % interval of the life of balls and races due to wear coefficient and hardness",
+        "90 % interval of the life of balls and races, allowing for uncertain wear coefficient "
+        "and hardness",
         scale=HOURS_PER_SECOND),
     Variable("other_end", (), "", "criterion that ends the life of balls and races",
         "i1", flags=CRITERIA),

@@ -32,14 +32,14 @@ class Ensemble:
     runs: int = setting("Maximum number of runs", within=f"[{FEWEST}, inf)", default=200)
     # fmt: off
     within: float = setting(
-        "Relative half-width of the 90 % interval of the work per turn at which the ensemble is "
-        "complete",
+        "The ensemble is complete once the 90 % interval of the work per turn has this relative "
+        "half-width",
         "1", "(0, 1)", default=0.1)
     seed: int = setting("Seed of the samples", within="[0, inf)", default=1)
-    least_turns: int = setting(f"Minimum shaft turns of a run (a multiple of {STRETCH})", "1",
-        within="[30, inf)", default=30)
-    most_turns: int = setting("Maximum shaft turns of a run that has not settled", "1", "[30, inf)",
-        default=150)
+    least_turns: int = setting(f"Minimum number of shaft turns in a run (a multiple of {STRETCH})",
+        "1", within="[30, inf)", default=30)
+    most_turns: int = setting("Maximum number of shaft turns in a run that has not settled",
+        "1", "[30, inf)", default=150)
 
     worn_um: tuple[float, float] = setting(
         "Wear depths of the pocket walls and of the guiding surface", "um", within="[0, inf)",

@@ -40,13 +40,13 @@ CAGE_RUN = table(
     Variable("torque_noise", (), "N m", "standard deviation of the mean shaft torque per turn"),
     Variable("whirl_ratio", (), "1",
         "orbits of the cage centre about the axis per shaft turn"),
-    Variable("ball_ratio", (), "1", "orbit rate of the balls over the shaft speed"),
+    Variable("ball_ratio", (), "1", "ratio of the balls' orbit rate to the shaft speed"),
     Variable("offset", (), "m", "mean distance of the cage's centre from the axis"),
     Variable("offset_scatter", (), "m",
         "standard deviation of the distance of the cage's centre from the axis"),
     Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
     Variable("turns", (), "1", "shaft turns simulated"),
-    Variable("energy_account_error", (), "1", "imbalance of the energy account, relative to the "
+    Variable("energy_account_error", (), "1", "imbalance in the energy account, relative to the "
                                               "heat"),
 )  # fmt: skip
 """What is kept of a run: of its last stretches, where no other is named."""

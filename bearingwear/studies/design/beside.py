@@ -55,7 +55,7 @@ def lives_beside(
         key: value for key, value in found.attrs.items() if key not in ("warnings", "none_because")
     } | {
         "kind": _KIND,
-        "title": "Lives at the recommended preloads with other assumptions",
+        "title": "Lives at the recommended preloads under other assumptions",
         _WORDS: json.dumps([case["words"] for case in cases.values()]),
     }
     return made

@@ -98,7 +98,7 @@ CLIFF = table(
 )  # fmt: skip
 BEYOND_RANGE = table(
     Variable("beyond_preload", (), "N",
-        "preload far beyond that end of the range at which the recommended one lies"),
+        "preload far beyond the end of the range where the recommended preload lies"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
     Variable("beyond_running_preload", (), "N", "running preload at beyond_preload, when new"),
 )  # fmt: skip

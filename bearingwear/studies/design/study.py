@@ -41,7 +41,7 @@ PLOTS = {
 
 _SHOWN = {
     "design": "life and requirements against preload",
-    "map": "life and requirements against preload and friction",
+    "map": "life and requirements over preload and friction",
     "uncertainty": "uncertainty of the life",
 }
 """Figures in words, for the report of the jobs."""

@@ -263,8 +263,8 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
-        f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which includes all "
-        f"uncertain values of the scene. {causes_told(scene)}"
+        f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
+        f"all uncertain values of the scene. {causes_told(scene)}"
         + ("" if all(life.spread for life in lives) else f" If no interval is given, {SEE}.")
     )
 

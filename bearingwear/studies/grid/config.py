@@ -92,7 +92,7 @@ class Figures:
     worn_loss_um: float | None = setting("Wear state in the figures of friction and slip (null: "
         "the most worn state of the first grid)", unit="um", default=None)
     friction: tuple[float, ...] = setting("Friction coefficients to compare in the figures of "
-        "slip, wear and life, where a grid contains them (if omitted, all of the grid)",
+        "slip, wear and life, where a grid contains them (if omitted, all those of the grid)",
         within="[0, inf)", default=())
     wear_columns: tuple[Column, ...] = setting(
         "Columns of a further figure of QV, preload, angles and wear rate; each column shows one "
@@ -117,9 +117,9 @@ class Config:
         "Groups of scenes that share a grid (none: only the small maps of config/design.yaml)")
     dynamic: tuple[DynamicBlock, ...] = setting(
         "Groups of scenes that are also solved dynamically", default=())
-    points_per_job: int | None = setting("Number of grid points that a job solves, each into its "
-        "own file. If it exceeds a line (all losses of a scene, method and friction), the job "
-        "solves whole lines into one file. Null means a line of at most 200 points",
+    points_per_job: int | None = setting("Number of grid points that a job solves; each has its "
+        "own file. If a job solves more than a line (all losses of a scene, method and friction), "
+        "it writes whole lines to one file. Null means one line, of at most 200 points",
         within="[1, inf)",
         default=None)
     unsolved: str = setting("Effect of an unsolved case or life: the study ends with an error, "

@@ -67,7 +67,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     difference = whole["interpolated_life"] / whole["life"] - 1.0
     whole["life_route_difference"] = difference.where(_comparable(whole, unknown)).assign_attrs(
         long_name="relative difference between the life interpolated from the study and the life "
-        "with the solver in the loop",
+        "computed with the solver in the loop",
         units="1",
         comment="for lives with the same grooves that are ended by a criterion available in the "
         "cases",

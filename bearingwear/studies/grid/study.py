@@ -83,7 +83,8 @@ def _solved(plan: Plan) -> list[Step]:
             [f"cases/{{line}}-{Case('', 0.0, loss).loss_id}.nc" for loss in losses],
             "solve.solved_line", lines, scene=SCENE, replaced=tuple(GRID_KEYS.values()),
             settings=functools.partial(_line_settings, losses),
-            about="{scene}: cases with one preload method and friction at all wear states",
+            about="{scene}: cases with one preload method and one friction coefficient, in all "
+            "wear states",
             label=f"{{scene}}: {{line}}, loss {_span(losses)} um", work=len(losses),
             on_request=in_chunks)
         for number, ((losses, in_chunks), lines) in enumerate(parts.items(), 1)

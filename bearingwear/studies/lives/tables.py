@@ -16,9 +16,9 @@ from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import counted, loaded
 
 COLUMN_WORDS = (
-    "The error bound includes the wear steps and the scatter of the runs. Ball wear is the loss of "
-    "each ball since the start, relative to the mean. The steady life is computed for the same "
-    "scene under thrust only, without the cage, at the mean loss."
+    "The error bound allows for the finite wear steps and the scatter of the runs. Ball wear is "
+    "the loss of each ball since the start, relative to the mean. The steady life is computed for "
+    "the same scene under thrust only, without the cage, at the mean loss."
 )
 
 
@@ -36,7 +36,7 @@ def lives_table(lives: Sequence[Path]) -> str:
         quantity_row("steady life", "h", [_number(one, "steady_life") for one in found]),
         Row("steady life ended by", "", tuple(steady)),
         quantity_row(
-            "steady time to the same loss",
+            "time to the same loss, steady model",
             "h",
             [_number(one, "steady_time_to_loss") for one in found],
         ),

@@ -161,7 +161,8 @@ def _checked(scene: Scene) -> str:
     if known is None or not is_same_for_batch("wear_coefficient", known):
         raise SceneError(
             "uncertainty.wear_coefficient",
-            "got no value that tests determine, expected {distribution: lognormal, factor: 3}",
+            "got no value that tests could determine, expected {distribution: lognormal, "
+            "factor: 3}",
             source=scene.name,
         )
     if all(is_same_for_batch(name, one) for name, one in given.items()):

@@ -34,7 +34,10 @@ _POINTS = 161
 
 _STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
 _LIFE_PROBABILITY = Variable(
-    "probability", ("probability",), "1", "share of failed bearings, including all uncertain values"
+    "probability",
+    ("probability",),
+    "1",
+    "share of failed bearings, allowing for all uncertain values",
 )
 _BATCH = Variable(
     "batch_probability", ("batch_probability",), "1", "share of batches with a lower value"

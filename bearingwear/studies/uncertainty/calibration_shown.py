@@ -61,8 +61,8 @@ def calibration_sheet(file: Any) -> Document:
     tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
     scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
     summary = (
-        "Within a batch, two thirds of the lives scatter by a factor of "
-        f"{digits(float(np.exp(scatter)))}.",
+        "Within a batch, two thirds of the lives are within a factor of "
+        f"{digits(float(np.exp(scatter)))} of the median.",
         f"The error of lives interpolated between friction values is at most {100 * error:.1g} %.",
         "The probability is that of a test that deviates from the model by at least this much, "
         "given the other tests.",

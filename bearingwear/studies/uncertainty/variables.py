@@ -52,7 +52,7 @@ ANALYSED = table(
         comment="the larger distance of the quantile from the ends of the interval; widened by the "
         "error of interpolated lives"),
     Variable("life_quantile", QUANTILE, "h",
-        "quantile of the life, including scatter and uncertainty of the batch",
+        "quantile of the life, allowing for scatter and uncertainty of the batch",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable("life_quantile_high", QUANTILE, "h",

@@ -99,7 +99,10 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
     path = written(tmp_path, "torque_Nmm", "0.1")
     unknown = with_spread().to_dict()
     for name, said in (
-        ("wear_coefficient", "uncertainty.wear_coefficient: got no value that tests determine"),
+        (
+            "wear_coefficient",
+            "uncertainty.wear_coefficient: got no value that tests could determine",
+        ),
         ("wear_scatter", "uncertainty: got nothing that scatters"),
         ("ball_race", "row 2: torque_Nmm: got a result that would determine uncertainty.ball_race"),
     ):

@@ -44,8 +44,8 @@ TAKE = {
 _HELD = {
     "none": "No requirement limits this preload: it gives the longest life.",
     "not_solved": "The next preload of the map could not be solved; it may give a longer life.",
-    "end_of_life": "No requirement limits this preload, but at others another criterion ends the "
-    "life earlier.",
+    "end_of_life": "No requirement limits this preload, but at other preloads another criterion "
+    "ends the life earlier.",
     "impractical": "Preloads with a longer life make the design impractical.",
     "cliff": "The life drops sharply near this preload.",
 }
@@ -265,7 +265,7 @@ def what_would_change_it(found: xr.Dataset) -> str:
             near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
     if not near:
         return (
-            "Within the range tried, no change of a requirement, an end-of-life criterion or "
+            "Within the range tried, no change in a requirement, an end-of-life criterion or "
             "friction makes the other method better."
         )
     other = _as_subject(found, lives[1][0])

@@ -65,7 +65,7 @@ def map_overview(design: xr.Dataset) -> Figure:
     grey = [Patch(color="0.87", label="required slip share not exceeded during the life")]
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; "
+        f"{scene['name']} at {speed:g} r/min: life and requirements over preload and friction; "
         f"wear of {in_words(COUNTS[basis])}",
         [
             *(blank if zero else []),
