@@ -160,23 +160,20 @@ class Life:
     def first(self, ends: Criteria, counts: int = 1) -> float:
         """When it first meets other ends, by a way of counting [s]; NaN if it does not.
 
-        Where it does, its margin is a monotone cubic of time between two nodes.
+        Between the nodes, margins are monotone cubics of time.
         """
         if self.nodes[0].status != code.OK:
             return np.nan
+        from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are asked this
+
         times, first = self.times[:, counts], np.inf
         for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
             met = np.flatnonzero(margin <= 0.0)
             if met.size and met[0] == 0:
                 return 0.0
             if met.size:
-                k = met[0] - 1
-                h, fall = (float(np.diff(one[k : k + 2])[0]) for one in (times, margin))
-                slopes = np.gradient(margin, times, edge_order=2 if len(times) > 2 else 1)
-                d, e = np.clip(h * slopes[k : k + 2], 3.0 * fall, 0.0).tolist()
-                cubic = [d + e - 2.0 * fall, 3.0 * fall - 2.0 * d - e, d, margin[k]]
-                share = brent_root(np.poly1d(cubic), 0.0, 1.0)
-                first = min(first, times[k] + share * h)
+                a, b = times[met[0] - 1], times[met[0]]
+                first = min(first, brent_root(PchipInterpolator(times, margin), a, b))
         return first if np.isfinite(first) else np.nan
 
     def fails(self, beyond: Node) -> None:

@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 _ADDRESS = "BEARINGWEAR_FORK_SERVER"
 _MOST_BYTES = 1 << 16
 
-_LIBRARIES = "netCDF4", "numba.np.arrayobj", "numba.np.arraymath", "numba.cpython.charseq"
-"""Those that a job would import only as it writes a file or loads its first kernel."""
+_LIBRARIES = (
+    "netCDF4", "numba.np.arrayobj", "numba.np.arraymath", "numba.cpython.charseq",
+    "scipy.interpolate", "scipy.optimize",
+)  # fmt: skip
+"""Those that a job would import only as it writes a file, loads a kernel or seeks a root."""
 
 
 def started(modules: list[str]) -> subprocess.Popen[bytes] | None:
