@@ -42,7 +42,7 @@ STATUS_NAMES = (
 
 STATUS_SENTENCES = {
     "ok": "solved and verified",
-    "not_converged": "the iteration did not converge; no number of this case may be used",
+    "not_converged": "the iteration did not converge; do not use the values of this case",
     "contact_lost": "centrifugal force separates a ball from the inner race, or nearly so, and no "
     "state was found",
     "no_steady_state": "no stable steady state was found: the balls, or the rotor of a pair, do "
@@ -64,7 +64,7 @@ STATUS_SENTENCES = {
     "small, or pocket friction locks a ball, which only neglected inertia could release",
     "warm_seizure": "friction heat and preload increase each other without limit: the bearing "
     "seizes",
-    "no_heat_balance": "no temperatures were found that remove the friction heat while every part "
+    "no_heat_balance": "no temperatures were found at which the friction heat is removed and every part "
     "expands by less than 1 %",
     "lifted_off": "the rotor has lifted off one bearing of the pair: wear or the external force "
     "has eliminated its preload",
