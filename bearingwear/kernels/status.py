@@ -64,8 +64,8 @@ STATUS_SENTENCES = {
     "small, or pocket friction locks a ball, which only neglected inertia could release",
     "warm_seizure": "friction heat and preload increase each other without limit: the bearing "
     "seizes",
-    "no_heat_balance": "no temperatures were found at which the friction heat is removed and every part "
-    "expands by less than 1 %",
+    "no_heat_balance": "no temperatures were found at which the friction heat is removed and every "
+    "part expands by less than 1 %",
     "lifted_off": "the rotor has lifted off one bearing of the pair: wear or the external force "
     "has eliminated its preload",
 }
