@@ -41,7 +41,7 @@ def cages_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTable
         "(`config/accuracy.yaml`). Values are relative to the first row: turns, mean work per "
         "turn, its parts in the pockets and at the land, and the half-width of the 90 % interval "
         "of the work (from paired differences). The last column is the share of the runs that end "
-        "in the motion of the long run.",
+        "in the same motion as the corresponding run of the first row.",
         CheckedTable(
             title=title, axes=("what",), columns=dict.fromkeys(_COLUMNS, loose), rows=rows
         ),

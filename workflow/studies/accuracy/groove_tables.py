@@ -101,9 +101,9 @@ def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     even, bands = (digits(100.0 * max(found)) for found in errors.values())
     return (
         f"`auto` selects Hertzian contact for the {len(saved)} of these {lives} lives that end "
-        f"below {REQUIRED:g} gaps. This reduces the time by factors of {span(saved)}. The lives "
-        f"differ from those with worn grooves by up to {even} % (even ball wear) and {bands} % "
-        "(bands)."
+        f"below {REQUIRED:g} gaps. This reduces the computing time by a factor of {span(saved)}. "
+        f"The lives differ from those with worn grooves by up to {even} % if balls wear evenly, "
+        f"and by up to {bands} % if they wear in bands."
     )
 
 
@@ -116,11 +116,11 @@ def grooves_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTab
         "tables list ratios to the Hertzian life that ends at the same loss, for balls that wear "
         'evenly and in bands; "followed" states whether `auto` follows the grooves. "End QV" is QV '
         "at the end of life. Times are CPU times of lives with all error estimates. The last "
-        "tables list the worst errors of all scenes and wear patterns relative to the finest cells "
-        "and steps (as fractions of the gap), for lives without error estimates. The study checks "
-        "these tables: "
-        f"results agree within {answers_agree_within()}, errors within a factor of "
-        f"{plan.tolerance.error:g}, and times within a factor of {plan.tolerance.time:g}.",
+        "tables list the worst errors over all scenes and wear patterns, relative to the finest "
+        "cells and steps, for lives without error estimates; steps are fractions of the gap. The "
+        f"study fails if a result differs from these tables by more than {answers_agree_within()}, "
+        f"an error by more than a factor of {plan.tolerance.error:g}, or a time by more than a "
+        f"factor of {plan.tolerance.time:g}.",
         what_auto_saves(trade, plan),
         *(groove_table(trade, plan, sweep) for sweep in plan.groove_sweeps),
         *(cell_table(trade, plan, sweep) for sweep in plan.cell_sweeps),
