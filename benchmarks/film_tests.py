@@ -54,41 +54,41 @@ def page() -> str:
 <!-- made by `python benchmarks/film_tests.py docs` -->
 
 This page compares the program with published tests of solid-lubricant films. It uses one set of
-sourced coefficients ([table](coefficients.md)), not tuned for any test. Only two of the six tests
-can be predicted at all; with median coefficients, both predictions fail.
+sourced coefficients ([table](coefficients.md)), which were not tuned for any test. Only two of the
+six tests can be predicted; with median coefficients, both predictions fail.
 
 ![Revolutions until a film is worn through; life against load](figures/film_tests.svg)
 
 | sputtered MoS2, 0.6 µm, angular-contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
-{SEEN:.3g} revolutions | {rev:.2g}, 90 % interval {low:.1g} to {high:.1g} | {SEEN / rev:.2g} or \
-more | **fails** |
+{SEEN:.3g} revolutions | {rev:.2g} (90 % interval {low:.1g} to {high:.1g}) | {SEEN / rev:.2g} or \
+more | the prediction **fails** |
 | sputtered MoS2, 0.2 to 0.65 µm, pin on disc, at four times the load [2] | life falls \
 by a factor of {LIVES[0] / LIVES[1]:.3g} or more | a factor of {archard:.2g} (Archard's law) | \
-{LIVES[0] / LIVES[1] / archard:.2g} or more | **fails** |
+{LIVES[0] / LIVES[1] / archard:.2g} or more | the prediction **fails** |
 | lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | 50 µm lasted 15 h, \
-others 2 to 6 h | – | | not predicted: no coefficient for lead was found |
-| lead alloys, same conditions [4] | 22.5 and 19.3 h | – | | not predicted: as above |
+other films 2 to 6 h | – | | not predicted, because no coefficient for lead was found |
+| lead alloys, same conditions [4] | 22.5 and 19.3 h | – | | not predicted, for the same reason |
 | PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstands 2000 N/mm² at a spin velocity \
-of 5 m/s | – | | not predicted: the model does not include film rupture |
-| SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared: no accessible source \
-was found |
+of 5 m/s | – | | not predicted, because the model does not include film rupture |
+| SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared, because no \
+accessible source was found |
 
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
-is assumed to end when half of a track is bare. The test ended without failure (run-out), which
-limits K_s/H to at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in,
-{4e-15 / bound:.2g} times as high. The 90 % interval of the table extends from one to the other, so
-the run-out lies at its lower end.
+is assumed to end when half of a track is bare. The test ended without failure (run-out), so K_s/H
+was at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in, which is
+{4e-15 / bound:.2g} times as high. The 90 % interval of K_s/H in the table of coefficients extends
+from one of these values to the other, so the run-out lies at its lower end.
 
-**Cause.** A transferred and compacted film wears as patches of material move back and forth, much
-more slowly than in its first thousand cycles. A single K_s/H cannot describe this. When a film is
-worn through in the model, lubrication in the bearing need not end, because film debris continues to
-lubricate.
+**Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
+much more slowly than a film in its first thousand cycles. A single K_s/H cannot describe both.
+Moreover, when the film is worn through in the model, debris of the film may still lubricate the
+bearing.
 
-**Load.** Under Archard's law the life of a track as wide as the Hertzian contact is proportional to
-F^(-2/3): it is shorter by a factor of {archard:.2g} at four times the load. To match [2], K_s must
-increase with pressure to the power of {exponent():.2g} or more. `friction.film.pressure_exponent`
-provides this ([theory](theory/23-films.md)). It is off by default, because it is based on a single
-pair of loads.
+**Load.** According to Archard's law, the life of a track as wide as the Hertzian contact is
+proportional to F^(-2/3), so it is shorter by a factor of {archard:.2g} at four times the load. To
+match [2], K_s must increase with pressure to the power of {exponent():.2g} or more.
+`friction.film.pressure_exponent` can represent this ([theory](theory/23-films.md)). It is not used
+by default, because its value is based on a single pair of loads.
 
 1. [NASA, bearing endurance tests in vacuum](https://core.ac.uk/works/24927645)
 2. [Spalvins, 1971](https://ntrs.nasa.gov/citations/19720029182)
