@@ -32,6 +32,7 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
     ]
     parts = (
         *filter(None, [identity_line(bearing)]),
+        _arrangement(scene.get("arrangement") or {}),
         *([", ".join(size)] if size else []),
         f"{bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm, "
         f"pitch diameter {bearing['pitch_diameter_mm']:g} mm",
@@ -39,7 +40,6 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         balls if balls == races else f"{balls} on {races}",
         f"{operation['shaft_speed_rpm']:g} r/min",
         *([f"friction {mu:g}"] if mu is not None else []),
-        _arrangement(scene.get("arrangement") or {}),
         _warmth(scene),
         *_loads(scene),
         *([f"axial force {axial:g} N"] if axial else []),
@@ -58,9 +58,9 @@ def _loads(scene: Mapping[str, Any]) -> list[str]:
 
 def _arrangement(arrangement: Mapping[str, Any]) -> str:
     kind = arrangement.get("kind", "single")
-    words = {"single": "single bearing", "rigid_pair": "rigid pair", "spring_pair": "spring pair"}
-    way = arrangement.get("orientation", "").replace("_", " ")
-    return words[kind] if kind == "single" else f"{words[kind]}, {way}"
+    if kind == "single":
+        return "one bearing of a symmetric pair"
+    return f"{kind}, {arrangement.get('orientation', '')}".replace("_", " ")
 
 
 def _warmth(scene: Mapping[str, Any]) -> str:

@@ -20,7 +20,7 @@ MARGINS = (56.0, 14.0, 10.0, 40.0)
 """Left, right, top, bottom of the field of lines [px]."""
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LANE = 9.0
-"""Height of the bar below the lines that is shaded where a method violates a requirement."""
+"""Height of the bar on the axis where a method violates a requirement."""
 _STAR = "M0-9 2.1-2.9 8.6-2.8 3.4 1.1 5.3 7.3 0 3.6-5.3 7.3-3.4 1.1-8.6-2.8-2.1-2.9Z"
 _DIAMOND = "M0-6L5 0 0 6-5 0Z"
 _Place = Callable[[float, float], tuple[float, float]]
@@ -101,7 +101,7 @@ def _legend(chart: Chart) -> str:
             c.star for c in chart.lines
         ),
         "Vertical line: life range of 90 % of the bearings.": any(c.band for c in chart.lines),
-        "Dashed line, shading and bar on the axis: the method violates a requirement.": any(
+        "Dashed line and bar on the axis: the method violates a requirement.": any(
             c.beyond for c in chart.lines
         ),
         "Diamond: from here on, another criterion ends the life.": any(
@@ -189,8 +189,8 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
         )
     for k, line in enumerate(chart.lines):
         marks += _line(line, k, at, height, chart.log_y)
-    # stars lie over all lines
-    marks.sort(key=lambda mark: "star" in mark)
+    # bars lie under all lines, stars over them
+    marks.sort(key=lambda mark: ("star" in mark) - ("rect" in mark))
     return (
         f'<g class="grid">{"".join(grid)}</g>'
         f'<text x="{_LEFT + width / 2:g}" y="{size[1] - 6:g}" class="x" text-anchor="middle">'
@@ -213,11 +213,6 @@ def _line(line: ChartLine, k: int, place: _Place, height: float, log: bool) -> I
     ]
     for a, b in line.beyond:
         left, right = place(a, 1.0)[0], place(b, 1.0)[0]
-        if height > SMALL_CHART[1]:
-            yield (
-                f'<rect class="tint {line.method}" data-x="{a:g} {b:g}" x="{left:.1f}" y="0" '
-                f'width="{right - left:.1f}" height="{height:g}"/>'
-            )
         yield (
             f'<rect class="beyond {line.method}" data-x="{a:g} {b:g}" data-lane="{k}" '
             f'x="{left:.1f}" y="{height - (k + 1) * _LANE:g}" width="{right - left:.1f}" '

@@ -115,8 +115,7 @@ class Chart {
       const [a, b] = mark.dataset.x.split(" ").map((x) => this.share(+x, 0) * this.width);
       mark.setAttribute("x", a);
       mark.setAttribute("width", Math.max(b - a, 0));
-      if ("lane" in mark.dataset) mark.setAttribute("y", this.height - (+mark.dataset.lane + 1) * LANE);
-      else mark.setAttribute("height", this.height);
+      mark.setAttribute("y", this.height - (+mark.dataset.lane + 1) * LANE);
     }
     const limit = this.field.querySelector(".limit");
     if (limit) {

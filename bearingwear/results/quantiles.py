@@ -66,6 +66,7 @@ class Spread(NamedTuple):
     quantiles: Mapping[str, float]  # L10 and L50 of the middle batch; empty without scatter
     solved: float  # share of the sampled lives; the others are left out
     longest: Interval | None  # of bearings by this method, of several [%]
+    longest_share: float  # the same of the sampled bearings
 
     @property
     def sentence(self) -> str:
@@ -238,6 +239,7 @@ def spread_at(one: xr.Dataset) -> Spread | None:
         else {f"L{100 * p:.0f}": float(middle.sel(probability=p)) for p in (0.1, 0.5)},
         solved=float(one["solved_share"]),
         longest=_longest(one),
+        longest_share=100.0 * float(one.get("longest_share", math.nan)),
     )
 
 

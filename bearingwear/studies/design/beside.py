@@ -17,17 +17,21 @@ from bearingwear.results.variable import Variable
 from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import variant
-from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.dataset import LOSS_BASIS
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
 from bearingwear.studies.design.recommend import recommended_for
+from bearingwear.studies.design.room import longer, warm_end
 from bearingwear.studies.solve import life_scene
 
 _KIND = "beside"
 _WORDS = "words"
 """Attribute: the other assumption of each of them, in words."""
+
+REVERSED_BY_WARMTH = "reversed_by_warmth"
+"""Attribute: warming of the inner ring alone that reverses the choice [K]; missing without any."""
 
 
 def lives_beside(
@@ -58,7 +62,20 @@ def lives_beside(
         "title": "Lives at the recommended preloads under other assumptions",
         _WORDS: json.dumps([case["words"] for case in cases.values()]),
     }
-    return made
+    kelvin = _warmth(life_scene(scene), found)
+    return made.assign_attrs({REVERSED_BY_WARMTH: kelvin} if math.isfinite(kelvin) else {})
+
+
+def _warmth(scene: Scene, found: xr.Dataset) -> float:
+    """Warming of the inner ring alone that reverses the choice [K]; NaN for none found."""
+    basis, preloads = counted(found), found["preload"].values
+    lives: list[float] = found["life"].isel(loss_basis=basis).values.tolist()
+    first = longer(lives)
+    if first is None or len(lives) < 2 or scene.thermal is not None:
+        return math.nan
+    names = (PRELOAD_METHODS[int(flag)] for flag in found["preload_method"].values)
+    scenes = [held_by(scene, *one) for one in zip(names, preloads, strict=True)]
+    return warm_end(scenes, lives, basis, first)
 
 
 def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:

@@ -20,6 +20,7 @@ from bearingwear.measures import ENDS
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.solvers.bearing.growth import temperatures
 from bearingwear.solvers.roots import brent_root
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
@@ -35,6 +36,10 @@ CRITERIA_FARTHEST = 2.0
 
 FOUND_TO = 4e-3
 """Relative: to which an end of what holds is found."""
+
+WARMINGS = (5.0, 10.0, 20.0, 40.0)
+"""Warming of an inner ring alone that is tried [K]."""
+_WARMTH_FOUND_TO = 0.05  # [K]
 
 _LIMITS, _CRITERIA, _FRICTIONS = 40, 6, 3  # steps to the farthest value
 _GUIDED_GAIN = 1.05  # of a life that the map may miss
@@ -305,6 +310,34 @@ def friction_end(
     even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
     factors = most**even if up else CRITERIA_FARTHEST**-even
     return reversal(quick, exact, factors.tolist(), FOUND_TO, advantage(lives, first))
+
+
+def warm_end(scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int) -> float:
+    """Warming of the inner ring alone that reverses the choice [K]; NaN for none found.
+
+    By quick lives, as `criteria_room`.
+    """
+
+    def quick(one: Scene, kelvin: float) -> float:
+        now = temperatures(one)
+        warm = replace(now, inner_ring_C=(now.inner_ring_C or 0.0) + kelvin)
+        return printed_life(replace(one, temperature=warm), basis, quick=True)
+
+    own = [quick(one, 0.0) for one in scenes]
+    scales = [life / one if one > 0.0 else 1.0 for life, one in zip(lives, own, strict=True)]
+
+    def ahead(kelvin: float) -> float:
+        each = zip(scales, scenes, strict=True)
+        return advantage([scale * quick(one, kelvin) for scale, one in each], first)
+
+    held = 0.0
+    known = {held: advantage(lives, first)}
+    for kelvin in WARMINGS:
+        known[kelvin] = ahead(kelvin)
+        if not known[kelvin] > 0.0:
+            return _root(ahead, known, held, kelvin, _WARMTH_FOUND_TO)
+        held = kelvin
+    return math.nan
 
 
 def friction_room(scene: Scene, low: float, high: float) -> list[Assumption]:

@@ -120,7 +120,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
     points = [("What ends the life", _what_ends(here))]
     contests = _contests(here)
     if contests:
-        verdicts = [_compared(here, scene), *_verdicts(contests)]
+        verdicts = [_compared(here), *_verdicts(contests)]
         points.insert(0, ("Comparison of preload methods", verdicts))
     if at_once := _at_once(here):
         points.append(("Uncertainty", [at_once]))
@@ -128,7 +128,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         points.append(("Other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]
     return Document(
-        (f"{name}: at the given {preload:g} N, {_headline(here, contests)}",),
+        (f"{name}: with the given {preload:g} N for both methods, {_headline(here, contests)}",),
         {"scene": name, "bearing": bearing_line(scene)},
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
@@ -187,16 +187,15 @@ def _headline(lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
     return "the better preload method depends on friction"
 
 
-def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
-    """At which preload and with which grooves the methods are compared."""
+def _compared(lives: Sequence[MethodLife]) -> str:
+    """With which grooves the methods are compared."""
     worn = {life.worn for life in lives}
     grooves = "with worn grooves" if True in worn else "with Hertzian grooves"
     if len(worn) > 1:
         grooves += " where wear is deep"
     return (
-        f"This section describes the bearing as given, with {scene['operation']['preload_N']:g} N "
-        f"for either method, {grooves} and without requirements. It is not a recommendation: at "
-        "the preload recommended for each method, the order may differ."
+        f"This comparison, {grooves}, ignores the requirements. At the preloads recommended for "
+        "each method, the order may differ."
     )
 
 

@@ -14,6 +14,9 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import Rough, digits
 from bearingwear.results.words import methods
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.read import scene_from_dict
+from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.beside import NONE_PASSED, passed
 from bearingwear.studies.design.choice import at_scene
 from bearingwear.studies.design.document.sentences import by_life, similar_preloads
@@ -22,6 +25,7 @@ from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_
 from bearingwear.studies.design.plan import DesignPlan
 from bearingwear.studies.design.room import NEITHER_LONGER
 
+PLACE = "initial_axial_displacement"
 CASES = {
     "same": {"words": "nothing", "set": {}},
     "warm": {"words": "a warm inner ring", "set": {"temperature.inner_ring_C": 30}},
@@ -138,6 +142,32 @@ def test_each_verdict_has_its_headline(files):
     assert headline(files, cliff).endswith("; with 1 % less preload, the life is only 0.01 h")
     advice = f"mine: {AS_LITTLE}"
     assert headline(files, without_limits) == advice
+
+
+def test_a_fixed_position_is_set_by_an_offset(files):
+    """Both bearings of the pair approach under the preload; at speed it is another."""
+    design, found = load(files["design"]), load(files["recommendation"])
+    beside = load(files["beside"]).assign_attrs(reversed_by_warmth=9.07)
+    assert "Setting the preload" not in told(preload_document(found))
+    found["life"][1] = 2.0 * found["life"][0]
+    answer, preload = preload_document(found, design, beside=beside), float(found["preload"][1])
+    said = told(answer)
+    scene = scene_from_dict(json.loads(found.attrs["scene"]))
+    offsets = [
+        2e6 * float(solve(held_by(scene, "fixed_position", share * preload)).values[PLACE])
+        for share in (0.9, 1.0, 1.1)
+    ]
+    assert f"A spacer offset of {offsets[1]:.2g} µm" in said["Setting the preload"]
+    tolerance = 0.5 * (offsets[2] - offsets[0])
+    assert f"±{tolerance:.2g} µm changes it by 10 %" in said["Setting the preload"]
+    assert (
+        "if the inner ring is more than 9.1 K warmer than the rest"
+        in (said["What would change the choice"])
+    )
+    assert "It ends at a residual preload of 40 %" in said["Expected life"]
+    assert "at speed" not in answer.title
+    found["residual_preload_at_start"][1] = 3.0 * preload
+    assert f"({digits(3.0 * preload)} N at speed)" in preload_document(found, design).title
 
 
 def test_preloads_with_a_similar_life_are_stated(files):

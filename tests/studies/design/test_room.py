@@ -20,6 +20,7 @@ from bearingwear.studies.design.room import (
     friction_room,
     printed_life,
     verdict_on,
+    warm_end,
 )
 
 METHODS = ("constant_force", "fixed_position")
@@ -98,6 +99,20 @@ def test_friction_at_which_lives_are_equal(scene):
         moved = [one.with_({"friction.ball_race": value}) for one in both]
         longest.append(int(np.argmax([life_point(one, None)["life"][1] for one in moved])))
     assert longest == [0, 1, 1, 1]
+
+
+def test_a_warm_inner_ring_at_which_lives_are_equal(scene):
+    """It shortens the life of a fixed position; a spring's hardly changes."""
+    both = [scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0) for method in METHODS]
+    lives = [printed_life(one, 1) for one in both]
+    kelvin = warm_end(both, lives, 1, 1)
+    warm = [
+        [one.with_({"temperature.inner_ring_C": 20.0 + k}) for one in both]
+        for k in (kelvin - 0.1, kelvin + 0.1)
+    ]
+    assert [np.argmax([printed_life(one, 1) for one in pair]) for pair in warm] == [1, 0]
+    # the other way round nothing is reversed
+    assert np.isnan(warm_end(both[::-1], [lives[1] * 0.5, lives[0]], 1, 1))
 
 
 def test_what_turns_a_choice_round_within_five_per_cent_is_not_claimed():

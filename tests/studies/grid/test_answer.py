@@ -68,7 +68,7 @@ HEADLINES = [
 @pytest.mark.parametrize(("lives", "headline", "sentence"), HEADLINES)
 def test_the_answer_in_words(lives, headline, sentence):
     found = answer(lives, SCENE)
-    assert found.title == f"a: at the given 7 N, {headline}"
+    assert found.title == f"a: with the given 7 N for both methods, {headline}"
     said = [plain(text) for _, texts in points(found) for text in texts]
     assert any(sentence in text for text in said), said
     cells = [cell for line in table_of(found).table[1] for cell in line]

@@ -14,14 +14,15 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
-from bearingwear.results.units import scale_of
+from bearingwear.results.units import in_print, scale_of
 from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
 from bearingwear.studies.design.document.sheets import brief_rows
-from bearingwear.studies.design.document.words import end_words, required_words
+from bearingwear.studies.design.document.words import ending_measure, limit_text
+from bearingwear.studies.design.recommend import best_method
 
 X_LABEL = "initial preload (N)"
 _DECADES = 30.0
@@ -55,12 +56,27 @@ def design_charts(
     """Step: the question of the study, and its charts, as JSON; files as of `design_answer`."""
     lives, found, sampled = design_files(design, recommendation, uncertainty)
     sampled = sampled if spread is None else load_quantiles(spread)
-    given = required_words(limits_of(lives).given)
-    asked = f"Required from new to the end of life: {'; '.join(given)}."
+    given = limits_of(lives).given
+    asked = f"Required by the user, from new to the end of life: {_reached(found)}."
     question = asked if given else "Which preload and preload method give the longest life?"
     bands = {} if sampled is None else _bands(found, sampled)
     charts = list(preload_charts(lives, found, bands))
     return Charts(question=question, charts=charts).stored
+
+
+def _reached(found: xr.Dataset) -> str:
+    """Requirements, each with what the recommended bearing reaches."""
+    best, given = best_method(found), limits_of(found).given
+    texts = [limit_text(name, value) for name, value in given.items()]
+    if best is None:
+        return "; ".join(texts)
+    point = found.isel(preload_method=best)
+    for k, (name, value) in enumerate(given.items()):
+        one = LIMITED[name]
+        reached, margin = one.shown(float(one.worst(point))), float(one.margins(point, value))
+        left = f"margin {100.0 * abs(margin):.0f} %"
+        texts[k] += f" (reached: {reached:.3g} {in_print(one.unit)}, {left})"
+    return "; ".join(texts)
 
 
 def _bands(recommendation: xr.Dataset, sampled: xr.Dataset) -> Bands:
@@ -94,7 +110,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
                     name=method_words(scene, name),
                     method=name,
                     points=found,
-                    ends=[end_words(one) for _, one in line] if row is rows[0] else (),
+                    ends=[_ended_by(one) for _, one in line] if row is rows[0] else (),
                     notes=[next(texts).replace(NONE_PASSED, "") for _ in line],
                     beyond=beyond[name],
                     star=stars[0] if stars else None,
@@ -112,6 +128,11 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             log_x=max(preloads) > _DECADES * min(preloads),
             log_y=bool(known) and max(known) > _DECADES * min(known),
         )
+
+
+def _ended_by(one: xr.Dataset) -> str:
+    end = ending_measure(one)
+    return end.words if end else ""
 
 
 def _number(value: float) -> float | None:

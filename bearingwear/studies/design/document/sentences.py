@@ -17,9 +17,17 @@ from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear, causes
 from bearingwear.results.units import Rough, digits, in_print
 from bearingwear.results.words import methods, percent_in_text, scene_of
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.solvers.bearing.parameters import static_place
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.beside import NONE_PASSED, assumptions_of, passed
+from bearingwear.studies.design.beside import (
+    NONE_PASSED,
+    REVERSED_BY_WARMTH,
+    assumptions_of,
+    passed,
+)
 from bearingwear.studies.design.choice import ACTIVE, at_scene, limits_of, preload_text
 from bearingwear.studies.design.document.words import (
     ASSUMED_WORDS,
@@ -27,7 +35,7 @@ from bearingwear.studies.design.document.words import (
     LIMIT_KEY,
     NONE_BECAUSE,
     TRACK_WORDS,
-    end_words,
+    ending_measure,
     limit_text,
     without_limits,
 )
@@ -64,7 +72,7 @@ SHORT_LIFE = 500.0
 
 NO_OIL = (
     "Such a short life is typical of contacts without a lubricant film (oil films are not "
-    "modelled). Use it only to compare designs."
+    "modelled)."
 )
 
 _RUNS_APART = 1.5
@@ -109,6 +117,7 @@ def headline(found: xr.Dataset) -> str:
         return f"{name}: no preload satisfies all requirements"
     taken = [
         TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
+        + _at_speed(one)
         for method, one, _ in lives
     ]
     if int(found["verdict"]) == NEITHER_LONGER:
@@ -127,6 +136,15 @@ def headline(found: xr.Dataset) -> str:
     return f"{name}: use {taken[0]}{end}"
 
 
+def _at_speed(one: xr.Dataset) -> str:
+    """The running preload of a fixed position, where it is not nearly the initial one."""
+    running = float(one["residual_preload_at_start"])
+    is_spring = PRELOAD_METHODS[int(one["preload_method"])] != "fixed_position"
+    if is_spring or not abs(math.log(running / float(one["preload"]))) > math.log(_RUNS_APART):
+        return ""
+    return f" ({digits(running)} N at speed)"
+
+
 def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
     """Of a preload at an end of the range: the end of a headline, and what follows from it."""
     preload = float(one["preload"])
@@ -138,15 +156,14 @@ def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
             f"No requirement limits this preload, and a {less} one lengthens the life further. Use "
             f"the {lowest} that can be set reliably, or state another requirement."
         )
-    life, running = float(one["life"][counted(found)]), float(one["residual_preload_at_start"])
-    gain, then = float(one["beyond_life"]) / life - 1.0, float(one["beyond_running_preload"])
+    gain = float(one["beyond_life"]) / float(one["life"][counted(found)]) - 1.0
     said = (
         f"No requirement limits this preload, but a {less} one gains little: the life is "
         f"{percent_in_text(gain)} longer with {beyond:.7g} N"
     )
-    if abs(math.log(running / preload)) > math.log(_RUNS_APART):
-        said += f", because the preload at speed is still {digits(then)} N ({digits(running)} N "
-        said += f"with {preload_text(one)} N)"
+    if _at_speed(one):
+        then = digits(float(one["beyond_running_preload"]))
+        said += f", because the preload at speed is still {then} N"
     return f"; a {less} preload gains little", f"{said}."
 
 
@@ -162,9 +179,10 @@ def what_it_gives(found: xr.Dataset) -> list[str]:
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
         words = f"{'a ' * pair}{method_words(scene_of(found), other)}"
         said += f", {times} the {Rough(less).text} h with {words} at {preload_text(twin)} N"
-    ended = end_words(lives[0][1])
-    scene = scene_of(found)
-    first = f"{said}. {sentence(f'{ended} ends the life')}" if ended else f"{said}."
+    scene, end, first = scene_of(found), ending_measure(lives[0][1]), f"{said}."
+    if end:
+        limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
+        first += f" It ends at a {end.words} of {in_print(limit)}."
     return [first, NO_OIL] if life < SHORT_LIFE and not scene.get("calibrated") else [first]
 
 
@@ -202,9 +220,35 @@ def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> list[str]:
     if len(known) == 1:
         return []
     kept = " and satisfies all requirements" if limits_of(found).given else ""
-    low, high = digits(min(known)), digits(max(known))
-    name = _as_subject(found, method)
-    return [f"{name} from {low} to {high} N gives at least {100 * SIMILAR:g} % of this life{kept}."]
+    ends = min(known), max(known)
+    low, high = map(digits, ends)
+    name, offset = _as_subject(found, method), ""
+    if method == "fixed_position":
+        offset = " (offset {:.2g} to {:.2g} µm)".format(*(_offset(found, end) for end in ends))
+    return [
+        f"{name} from {low} to {high} N{offset} gives at least {100 * SIMILAR:g} % of this "
+        f"life{kept}."
+    ]
+
+
+def spacer_offset(found: xr.Dataset) -> list[str]:
+    """Which difference in length of its spacers sets the recommended fixed position."""
+    method, best, _ = by_life(found)[0]
+    if method != "fixed_position":
+        return []
+    preload = float(best["preload"])
+    offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
+    return [
+        f"A spacer offset of {offset:.2g} µm between the bearings sets {preload_text(best)} N; "
+        f"±{0.5 * (more - less):.2g} µm changes it by 10 %."
+    ]
+
+
+def _offset(found: xr.Dataset, preload: float) -> float:
+    """Axial approach of both bearings under a preload, at rest and as mounted [µm]."""
+    scene = held_by(scene_from_dict(scene_of(found)), "fixed_position", preload)
+    sides = scene.sides
+    return 1e6 * sum(map(static_place, sides)) * 2.0 / len(sides)
 
 
 def _cliffs(found: xr.Dataset) -> list[str]:
@@ -247,7 +291,7 @@ def room_rows(found: xr.Dataset) -> list[Row]:
     return rows
 
 
-def what_would_change_it(found: xr.Dataset) -> str:
+def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) -> str:
     """Which assumption reverses the choice of the method."""
     lives = by_life(found)
     if len(lives) < 2:
@@ -263,15 +307,18 @@ def what_would_change_it(found: xr.Dataset) -> str:
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
             near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
-    if not near:
+    near.sort(key=lambda one: one[0])
+    said = [text for _, text in near]
+    if beside is not None and (kelvin := beside.attrs.get(REVERSED_BY_WARMTH)):
+        than = "given" if scene_of(found).get("temperature") else "the rest"
+        said.insert(0, f"the inner ring is more than {Rough(kelvin).text} K warmer than {than}")
+    if not said:
         return (
             "Within the range tried, no change in a requirement, an end-of-life criterion or "
             "friction makes the other method better."
         )
     other = _as_subject(found, lives[1][0])
-    near.sort(key=lambda one: one[0])
-    said = "; or if ".join(text for _, text in near[:NEAREST])
-    return f"{other} becomes the better method if {said}."
+    return f"{other} becomes the better method if {'; or if '.join(said[:NEAREST])}."
 
 
 def _as_subject(found: xr.Dataset, method: str) -> str:
@@ -301,12 +348,11 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
         ("The other method gives the longer life with {}.", turned),
         (f"{name} violates a requirement with {{}}.", beyond),
         ("No life was found with {}.", unknown),
-    )
-    exceptions = [text.format("; ".join(each)) for text, each in said if each]
-    hold = [
-        f"{name} remains the better method and satisfies the requirements with {'; '.join(same)}."
-    ]
-    return [*exceptions, *(hold if same else [])]
+        # which the temperature of a reversal says, too
+        (f"{name} remains the better method and satisfies the requirements with {{}}.",
+            [] if REVERSED_BY_WARMTH in beside.attrs else same),
+    )  # fmt: skip
+    return [text.format("; ".join(each)) for text, each in said if each]
 
 
 def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
@@ -324,8 +370,9 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         said.append(f"{mine.sentence}{f' (uncertain: {uncertain})' if uncertain else ''}.")
         if mine.longest:
             said.append(
-                f"{_as_subject(found, method)} gives the longer life in {mine.longest.text} % of "
-                "bearings, with the same uncertain values for both methods."
+                f"{_as_subject(found, method)} gives the longer life in "
+                f"{Rough(mine.longest_share).text} % of the sampled bearings "
+                f"({mine.longest.text} % in view of their number and of numerical errors)."
             )
     else:
         band, taken = band_by_wear(scene, life)

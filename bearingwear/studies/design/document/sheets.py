@@ -53,6 +53,7 @@ from bearingwear.studies.design.document.sentences import (
     room_rows,
     sentence,
     similar_preloads,
+    spacer_offset,
     what_is_not_possible,
     what_it_gives,
     what_limits_it,
@@ -214,12 +215,13 @@ def _points(
     said: list[tuple[str, list[str], str]] = []
     if best is not None:
         others = [] if beside is None else what_others_change(beside, found, best)
-        limit, *limits = what_limits_it(found)
+        changes, (limit, *limits) = what_would_change_it(found, beside), what_limits_it(found)
         near = [] if design is None else similar_preloads(design, found)
         said = [
             ("Expected life", what_it_gives(found), "verdict"),
-            ("What limits it", [limit, *near, *limits], "lead"),
-            ("What would change the choice", [what_would_change_it(found), *others], "lead"),
+            ("What limits it", [limit, *limits], "lead"),
+            ("Setting the preload", [*spacer_offset(found), *near], "lead"),
+            ("What would change the choice", [changes, *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
     missing = "Why no preload is recommended" if given else "Effect of a requirement"

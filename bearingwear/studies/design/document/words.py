@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bearingwear.kernels.status import OK
-from bearingwear.measures import ENDS, LIMITED
+from bearingwear.measures import ENDS, LIMITED, Measure
 from bearingwear.results.units import in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
@@ -29,11 +29,11 @@ def held_words(name: str, extremes: Callable[[str], Any]) -> str:
     return one.words_of(which) if value == value else one.words
 
 
-def end_words(one: Any) -> str:
-    """What ends the life of a point; nothing where it is not known."""
+def ending_measure(one: Any) -> Measure | None:
+    """The criterion that ends the life of a point; None where it is not known."""
     criterion = one["end_criterion"]
     name = criterion.attrs["flag_meanings"].split()[int(criterion)]
-    return ENDS[name].words if name in ENDS and int(one["status"]) == OK else ""
+    return ENDS.get(name) if int(one["status"]) == OK else None
 
 
 def limit_text(name: str, value: float) -> str:
