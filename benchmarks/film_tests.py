@@ -42,6 +42,12 @@ def exponent() -> float:
     return 3.0 * (ratio - 2.0 / 3.0)
 
 
+def rounded(value: float, digits: int) -> str:
+    """Plain up to four figures, else with a short exponent: 1300, 1.05e8."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):g}" if value < 1e4 else text.replace("e+0", "e")
+
+
 def page() -> str:
     rev, K = revolutions()
     wear = RUBBING["steel/steel", "mos2"].wear
@@ -60,8 +66,8 @@ six tests can be predicted; with median coefficients, both predictions fail.
 ![Revolutions until a film is worn through; life against load](figures/film_tests.svg)
 
 | sputtered MoS2, 0.6 µm, angular-contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
-{SEEN:.3g} revolutions | {rev:.2g} (90 % interval {low:.1g} to {high:.1g}) | {SEEN / rev:.2g} or \
-more | the prediction **fails** |
+{rounded(SEEN, 3)} revolutions | {rounded(rev, 2)} (90 % interval {rounded(low, 1)} to \
+{rounded(high, 1)}) | {SEEN / rev:.2g} or more | the prediction **fails** |
 | sputtered MoS2, 0.2 to 0.65 µm, pin on disc, at four times the load [2] | life falls \
 by a factor of {LIVES[0] / LIVES[1]:.3g} or more | a factor of {archard:.2g} (Archard's law) | \
 {LIVES[0] / LIVES[1] / archard:.2g} or more | the prediction **fails** |
@@ -76,8 +82,8 @@ accessible source was found |
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
 is assumed to end when half of a track is bare. The test ended without failure (run-out), so K_s/H
 was at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in, which is
-{4e-15 / bound:.2g} times as high. The 90 % interval of K_s/H in the table of coefficients extends
-from one of these values to the other, so the run-out lies at its lower end.
+{rounded(4e-15 / bound, 2)} times as high. The 90 % interval of K_s/H in the table of coefficients
+extends from one of these values to the other, so the run-out lies at its lower end.
 
 **Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
 much more slowly than a film in its first thousand cycles. A single K_s/H cannot describe both.
