@@ -22,7 +22,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.summary import QV
 from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, OUTER_CONTROL
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
-from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
+from bearingwear.kernels.steady.balance import Seat, balance_problem, motion_equilibrium
 from bearingwear.kernels.steady.level_solver import pseudo_transient
 from bearingwear.kernels.steady.solver import unknowns
 from bearingwear.scene.checking.check import read_record
@@ -60,7 +60,7 @@ def unlike_starts(problem, count):
 def settled_from_starts(problem, D, case, count=STARTS):
     """Steady states other than `case` in which balls settle from unlike starts."""
     found = [case]
-    p = problem.balance(D)
+    p = balance_problem(problem.bearing(D), problem.rule, problem.traction)
     for start in unlike_starts(problem, count):
         u = unknowns(p, start)  # with its tractions, where they bear on the normal forces
         seat = motion_equilibrium(p.bearing, u, Seat(delta_a=case.delta_a, state=cold_start()))

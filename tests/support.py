@@ -5,12 +5,16 @@ import functools
 import importlib.util
 import json
 import sys
+import types
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import yaml
 
 from bearingwear.cli import main
+from bearingwear.kernels.steady.balance import BalanceProblem, balance_problem
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -36,6 +40,28 @@ def benchmark(name: str):
     sys.modules[spec.name] = module  # dataclasses look themselves up there
     spec.loader.exec_module(module)
     return module
+
+
+@functools.cache
+def in_python(kernel, *compiled) -> Callable:
+    """A kernel as plain Python with all that it calls, except for what stays `compiled`.
+
+    A formula that is evaluated a few times is not worth compiling, which takes seconds.
+    """
+    function = getattr(kernel, "py_func", kernel)
+    own = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        other = own.get(name)
+        is_function = hasattr(other, "py_func") or isinstance(other, types.FunctionType)
+        if is_function and other.__module__.startswith("bearingwear.") and other not in compiled:
+            own[name] = in_python(other, *compiled)
+    more = function.__name__, function.__defaults__, function.__closure__
+    return types.FunctionType(function.__code__, own, *more)
+
+
+def balance_of(problem: ThrustProblem, D: float) -> BalanceProblem:
+    """The equations of motion of a ball of diameter D [m]."""
+    return in_python(balance_problem)(problem.bearing(D), problem.rule, problem.traction)
 
 
 def by_differences(function, c, steps) -> np.ndarray:

@@ -3,12 +3,15 @@
 import math
 
 import numpy as np
+from support import in_python
 
 from bearingwear.kernels.cage.contacts import cage_contacts
 from bearingwear.kernels.dynamic.quasistatic import find_contacts
 from bearingwear.kernels.layout import CENTRE, MOMENTUM, PSI, ROTATION, VELOCITY
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of
+
+find_contacts = in_python(find_contacts)
 
 GUIDED = {
     "outer": {"cage.guide_clearance_mm": 0.05},

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from kernels.cage_states import TOUCHING, contacts, force_on_ball, touching_system
 from numpy.testing import assert_allclose
+from support import in_python
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.law import CageContact, power_slopes
 from bearingwear.kernels.dynamic.equilibrium import linearise_cage_forces
 from bearingwear.kernels.dynamic.quasistatic import K_11
 from bearingwear.kernels.layout import CENTRE, VELOCITY
+
+power_slopes, linearise_cage_forces = in_python(power_slopes), in_python(linearise_cage_forces)
 
 MU, V_R = 0.3, 1e-3
 
@@ -35,11 +37,6 @@ def by_vector(call, state, first, step):
 
 def close(found, expected, rtol=1e-5):
     assert_allclose(found, expected, rtol=rtol, atol=rtol * np.abs(expected).max())
-
-
-@jit
-def called(contact, mu, v_r, heat, loss):
-    power_slopes(contact, mu, v_r, heat, loss)
 
 
 def powers(velocity, place, n, stiffness, damping):
@@ -67,7 +64,7 @@ def test_power_slopes(speed):
         change=c,
     )
     heat, loss = np.empty((2, 6))
-    called(contact, MU, V_R, heat, loss)
+    power_slopes(contact, MU, V_R, heat, loss)
 
     def call():
         return powers(velocity, place, n, k, c)

@@ -9,7 +9,7 @@ from kernels.test_ellipse import CONTACT, R, placed
 from kernels.test_ellipse_friction import SCALE, SLIPS, STEPS, V_R, friction
 from numpy.testing import assert_allclose
 from scipy.special import ellipe
-from support import by_differences, scene_file
+from support import balance_of, by_differences, in_python, scene_file
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.friction import Law, friction_coefficients
@@ -17,12 +17,15 @@ from bearingwear.kernels.contact.points import Points, area_shares, point_buffer
 from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary
 from bearingwear.kernels.contact.traction import ellipse_slopes, ellipse_sums
 from bearingwear.kernels.contact.verification import friction_check
-from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL
 from bearingwear.scene.read import variant
 from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+
+friction_check = in_python(friction_check)
+motion_equilibrium = in_python(motion_equilibrium, thrust_equilibrium)
 
 MU_EVEN = 0.05
 FILM = CONTACT._replace(mu=0.07, mu_even=MU_EVEN)
@@ -129,7 +132,7 @@ def solved(request):
 def state_of(problem):
     case = problem.solve(problem.g.D0)
     assert case.status == code.OK
-    balance = problem.balance(problem.g.D0)
+    balance = balance_of(problem, problem.g.D0)
     u = np.append(case.u, [case.T_i, case.T_o])
     near = Seat(delta_a=case.delta_a, state=cold_start())
     return balance.bearing, motion_equilibrium(balance.bearing, u, near).state, u

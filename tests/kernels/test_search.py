@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support import benchmark
+from support import balance_of, benchmark, in_python
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.steady.balance import Seat
 from bearingwear.kernels.steady.search import balance_at_rate
 from bearingwear.solvers.bearing.parameters import ball_diameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, is_new
+
+balance_at_rate = in_python(balance_at_rate, thrust_equilibrium)
 
 # The size of a dental drill's bearing, at high friction (docs/verification.md, "Several answers").
 DRILL = {
@@ -44,7 +46,7 @@ def at_rate(problem, D, case, share, w=None, v_r=0.03):
     """F and its slope at a share of the state's orbit rate, and the motion there."""
     u = np.array([*(case.u[:3] if w is None else w), share * case.u[3]])
     near = Seat(delta_a=case.delta_a, state=cold_start())
-    return balance_at_rate(problem.balance(D), v_r, near, u, np.empty(3), 1e-10), u
+    return balance_at_rate(balance_of(problem, D), v_r, near, u, np.empty(3), 1e-10), u
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9, 1.0, 1.2, 2.0])

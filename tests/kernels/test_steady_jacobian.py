@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import balance_of, in_python
 
 from bearingwear.kernels.contact.friction import Law
 from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL
@@ -27,6 +28,7 @@ from bearingwear.kernels.equilibrium.thrust_loaded import (
     groove_distance,
     orbit_load,
     static_displacement,
+    thrust_equilibrium,
 )
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady.balance import (
@@ -37,6 +39,11 @@ from bearingwear.kernels.steady.balance import (
 )
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+
+full_jacobian, friction_balance = in_python(full_jacobian), in_python(friction_balance)
+orbit_equilibrium = in_python(orbit_equilibrium, thrust_equilibrium)
+race_forces = in_python(race_forces)
+pack_ball_state, unpack_ball_state = in_python(pack_ball_state), in_python(unpack_ball_state)
 
 
 @pytest.fixture(
@@ -58,7 +65,7 @@ def solved(request, scene):
     )
     case = problem.solve(problem.g.D0)
     assert case.status == OK
-    p = problem.balance(problem.g.D0)
+    p = balance_of(problem, problem.g.D0)
     seat = orbit_equilibrium(p.bearing, case.u[3], Seat(delta_a=case.delta_a, state=cold_start()))
     return p, seat, case.u
 

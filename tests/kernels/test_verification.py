@@ -2,15 +2,23 @@
 
 import numpy as np
 import pytest
+from support import balance_of, in_python
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.verification import friction_check, polygon_residual
-from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, groove_distance
+from bearingwear.kernels.equilibrium.thrust_loaded import (
+    cold_start,
+    groove_distance,
+    thrust_equilibrium,
+)
 from bearingwear.kernels.steady.balance import Seat, orbit_equilibrium
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, Residuals, case_status
 from bearingwear.solvers.bearing import thrust_problem
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.solve import solve
+
+friction_check, case_status = in_python(friction_check), in_python(case_status)
+orbit_equilibrium = in_python(orbit_equilibrium, thrust_equilibrium)
 
 DRAG = {"lubricant.drag_density_kg_m3": 300.0}
 
@@ -21,7 +29,7 @@ def solved(scene):
     problem = ThrustProblem.of(scene("gyro_s1", DRAG))
     case = problem.solve(problem.g.D0)
     assert case.status == code.OK
-    p = problem.balance(problem.g.D0)
+    p = balance_of(problem, problem.g.D0)
     seat = orbit_equilibrium(p.bearing, case.u[3], Seat(delta_a=case.delta_a, state=cold_start()))
     return p, seat.state, case
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from support import in_python
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
@@ -16,8 +17,10 @@ from bearingwear.kernels.worn.balance import (
     worn_force,
 )
 from bearingwear.kernels.worn.cells import contact_buffers
-from bearingwear.kernels.worn.pressure import contact_cells
+from bearingwear.kernels.worn.pressure import contact_cells, worn_pressure
 from bearingwear.solvers.worn.films import AS_WITH_FILM
+
+worn_force = in_python(worn_force, worn_pressure)
 
 D, ALPHA = 2e-3, math.radians(20.0)
 G = Geometry(

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from support import in_python
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.worn.friction import place_cells, worn_friction_balance
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.bearing import WornBearing
+
+place_cells, worn_friction_balance = in_python(place_cells), in_python(worn_friction_balance)
 
 LINE = {"model.quadrature": "gauss", "uncertainty": None, "lubricant.drag_density_kg_m3": 300.0}
 FILM = {

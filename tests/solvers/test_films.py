@@ -6,15 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from support import balance_of, in_python
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.friction import Law, law_coefficients
 from bearingwear.kernels.contact.verification import friction_check
-from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
-from bearingwear.kernels.steady.balance import (
-    Seat,
-    motion_equilibrium,
-)
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
+from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.life import life
 from bearingwear.lives.surfaces import surface_life
@@ -25,6 +23,9 @@ from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.state import State
+
+friction_check, law_coefficients = in_python(friction_check), in_python(law_coefficients)
+motion_equilibrium = in_python(motion_equilibrium, thrust_equilibrium)
 
 S_0, ALPHA_S = 24.8e6, 0.001  # MoS2, Singer et al. (1990)
 STEEL = "materials.bearing_steel"
@@ -108,7 +109,7 @@ def solved(scene, request):
     problem = ThrustProblem.of(scene("gyro_s1", changes))
     case = problem.solve(problem.g.D0)
     assert case.status == code.OK
-    p = problem.balance(problem.g.D0)
+    p = balance_of(problem, problem.g.D0)
     start = Seat(delta_a=case.delta_a, state=cold_start())
     u = np.append(case.u, [case.T_i, case.T_o])
     return p, motion_equilibrium(p.bearing, u, start), u

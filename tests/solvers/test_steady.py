@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support import benchmark
+from support import balance_of, benchmark, in_python
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.solvers.bearing.parameters import ball_diameters, ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.solve import solve
@@ -108,6 +109,8 @@ def test_balances_close(values, method, mu, loss, drag):
 def test_balls_settle_from_anywhere(scene):
     """Starts far apart end in the state that was followed down from viscous friction."""
     search = benchmark("search")
+    for name in ("balance_problem", "motion_equilibrium", "pseudo_transient", "unknowns"):
+        setattr(search, name, in_python(getattr(search, name), thrust_equilibrium))
     for method, loss in (("constant_force", 0.0), ("fixed_position", 0.5e-6)):
         changes = {"operation.preload_method": method, "friction.ball_race": 0.02}
         problem = ThrustProblem.of(scene("gyro_s1", changes))
@@ -122,7 +125,6 @@ def test_time_scales_agree_with_integration(scene):
     """A ball disturbed a little returns along the slow eigenvalue (SciPy Radau on the residual)."""
     from scipy.integrate import solve_ivp
 
-    from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
     from bearingwear.kernels.steady.balance import Seat, friction_balance, orbit_equilibrium
     from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
@@ -133,12 +135,14 @@ def test_time_scales_agree_with_integration(scene):
     inertia = np.array([0.1 * m * D * D] * 3 + [m * case.r**2])
     eigenvalues, vectors = np.linalg.eig(case.jacobian / inertia[:, None])
     slow = np.argmin(np.abs(eigenvalues))
-    p, out = problem.balance(D), np.empty(4)
-    seat = orbit_equilibrium(p.bearing, case.u[3], Seat(delta_a=case.delta_a, state=cold_start()))
+    p, out = balance_of(problem, D), np.empty(4)
+    equilibrium = in_python(orbit_equilibrium, thrust_equilibrium)
+    balance = in_python(friction_balance)
+    seat = equilibrium(p.bearing, case.u[3], Seat(delta_a=case.delta_a, state=cold_start()))
 
     def motion(_, u):
-        moved = orbit_equilibrium(p.bearing, u[3], seat)
-        friction_balance(p, p.bearing.op.v_r, moved.state, u, out, False)
+        moved = equilibrium(p.bearing, u[3], seat)
+        balance(p, p.bearing.op.v_r, moved.state, u, out, False)
         return out / inertia
 
     mode = vectors[:, slow].real

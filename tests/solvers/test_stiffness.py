@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import balance_of, in_python
 
 from bearingwear.api import new
-from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady.balance import Seat, friction_balance, motion_equilibrium
 from bearingwear.solvers.bearing.race_control_problem import RaceControlProblem
@@ -15,6 +16,9 @@ from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.race_control import solve_race_control
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.steady import axial_force
+
+friction_balance = in_python(friction_balance)
+motion_equilibrium = in_python(motion_equilibrium, thrust_equilibrium)
 
 N_UM = 1e-6
 AXIAL = ("axial_stiffness", "quasistatic_axial_stiffness")
@@ -104,7 +108,7 @@ def test_linear_response(scene, contact, method):
             moved[column] += step
         else:
             place += step
-        p = replace(problem, preload=held._replace(delta_a=place)).balance(problem.g.D0)
+        p = balance_of(replace(problem, preload=held._replace(delta_a=place)), problem.g.D0)
         state = motion_equilibrium(p.bearing, moved, Seat(place, cold_start())).state
         out = np.empty(k)
         assert friction_balance(p, problem.op.v_r, state, moved, out, False) == OK

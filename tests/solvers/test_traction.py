@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import balance_of, in_python
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import race_contact
@@ -26,6 +27,11 @@ from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.effects.motion import gyroscopic_share
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.steady import axial_force
+
+full_jacobian, friction_balance = in_python(full_jacobian), in_python(friction_balance)
+motion_equilibrium = in_python(motion_equilibrium, thrust_equilibrium)
+joined_equilibrium, load_rates = in_python(joined_equilibrium), in_python(load_rates)
+motion_jacobian, friction_check = in_python(motion_jacobian), in_python(friction_check)
 
 LINE = {
     "model.contact": "paper",
@@ -99,7 +105,7 @@ def solved(request, scene):
     problem = ThrustProblem.of(scene("gyro_s1", method | contact | drag))
     case = problem.solve(problem.g.D0)
     assert case.status == code.OK
-    p = problem.balance(problem.g.D0)
+    p = balance_of(problem, problem.g.D0)
     u = np.array([*case.u, case.T_i, case.T_o])
     seat = motion_equilibrium(p.bearing, u, Seat(delta_a=case.delta_a, state=cold_start()))
     return p, seat, u, case

@@ -11,12 +11,7 @@ from bearingwear.kernels.contact.friction import has_friction
 from bearingwear.kernels.contact.points import Rule, most_points
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.steady.balance import (
-    BalanceProblem,
-    Preload,
-    ThrustBearing,
-    balance_problem,
-)
+from bearingwear.kernels.steady.balance import Preload, ThrustBearing
 from bearingwear.kernels.steady.search import settled_elsewhere
 from bearingwear.kernels.steady.thrust import ThrustCase, thrust_case
 from bearingwear.scene.scene import Scene
@@ -61,10 +56,6 @@ class ThrustProblem:
         return ThrustBearing(
             g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
         )
-
-    def balance(self, D: float) -> BalanceProblem:
-        """The equations of motion of a ball of diameter D [m]."""
-        return balance_problem(self.bearing(D), self.rule, self.traction)
 
     def kinematic_start(self, kinematics_model: int) -> np.ndarray:
         """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
