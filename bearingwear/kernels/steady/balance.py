@@ -22,7 +22,12 @@ from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.kernels.contact.slip import LARGEST_AXIS, race_contacts, slip_coefficients
 from bearingwear.kernels.contact.traction import traction, traction_slope
 from bearingwear.kernels.equilibrium.ball_response import joined_equilibrium, load_rates
-from bearingwear.kernels.equilibrium.thrust_loaded import orbit_load, thrust_equilibrium
+from bearingwear.kernels.equilibrium.thrust_loaded import (
+    ball_equilibrium,
+    groove_distance,
+    orbit_load,
+    thrust_equilibrium,
+)
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.status import BEYOND_GROOVE, CONTACT_LOST, OK, OUTSIDE_HERTZ_RANGE
 
@@ -128,14 +133,19 @@ def motion_equilibrium(bearing, u, near):
 @jit
 def loaded_equilibrium(bearing, load, near):
     """Ball and race under the load of a ball, from the start `near`."""
-    preload = bearing.preload
+    g, D, preload = bearing.g, bearing.D, bearing.preload
     start = near.delta_a if preload.constant_force else preload.delta_a
-    args = bearing.g, bearing.D, load, preload.F_x, start, preload.constant_force, near.state
-    if bearing.traction and near.state.status == OK and near.state.Q_i > 0.0:
-        delta_a, state = joined_equilibrium(*args)
-        if state.status == OK:
-            return Seat(delta_a=delta_a, state=state)
-    delta_a, state = thrust_equilibrium(*args)
+    args = g, D, load, preload.F_x, start, preload.constant_force
+    if bearing.traction:
+        state = near.state
+        if state.status != OK:  # the ball alone first: both together take half as long then
+            A1, A2 = groove_distance(g, 0.0, start, 0.0, 0.0, 0.0)
+            state = ball_equilibrium(g, D, load, A1, A2, state)
+        if state.status == OK and state.Q_i > 0.0:
+            delta_a, state = joined_equilibrium(*args, state)
+            if state.status == OK:
+                return Seat(delta_a=delta_a, state=state)
+    delta_a, state = thrust_equilibrium(*args, near.state)
     return Seat(delta_a=delta_a, state=state)
 
 

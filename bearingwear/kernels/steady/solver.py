@@ -22,7 +22,6 @@ from bearingwear.kernels.status import (
 )
 from bearingwear.kernels.steady.balance import (
     Seat,
-    friction_balance,
     motion_equilibrium,
     orbit_equilibrium,
     usable,
@@ -193,17 +192,10 @@ def retry_level(v, reached, ratio, target, top):
 
 @jit
 def unknowns(p, motion):
-    """The unknowns of a balance at a motion (4,): with what friction there gives of tractions."""
+    """The unknowns of a balance at a motion (4,), its tractions zero, or (6,) with them."""
     u = np.zeros(p.step.size)
-    for i in range(4):
+    for i in range(min(u.size, motion.size)):
         u[i] = motion[i]
-    if u.size > 4:
-        seat = cold_seat(p.bearing, u)
-        if usable(seat.state) == OK:
-            status = friction_balance(p, p.bearing.op.v_r, seat.state, u, p.residual, False)
-            if status == OK:
-                for i in range(4, u.size):
-                    u[i] = p.residual[i] / (0.5 * p.bearing.D)
     return u
 
 

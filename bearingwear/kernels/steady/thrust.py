@@ -74,6 +74,11 @@ class ThrustCase(NamedTuple):
     residuals: Residuals
     held: bool  # points held at fixed places, since those of the split rule found no state
 
+    @property
+    def motion(self) -> np.ndarray:
+        """(w_x, w_y, w_z, Omega) [rad/s] and (T_i, T_o) [N]: the start of a solve nearby."""
+        return np.array([*self.u, self.T_i, self.T_o])
+
 
 @jit
 def skid_ratio(op, alpha_i, alpha_o, R, r, u):
@@ -231,8 +236,8 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     ----------
     rule, fine_rule : Rule
         For the ellipse; the fine one has four times the points.
-    start : ndarray (4,)
-        Start of (w_x, w_y, w_z, Omega).
+    start : ndarray (4,) or (6,)
+        Start of (w_x, w_y, w_z, Omega), or also of (T_i, T_o); see `unknowns`.
     v_start : float
         Regularisation of the first level, see `steady_state` [m/s].
     """

@@ -66,7 +66,10 @@ class ThrustProblem:
         )
 
     def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
-        """Steady state with balls of diameter D [m], from a state nearby or without one."""
+        """Steady state with balls of diameter D [m], from a state nearby or without one.
+
+        The start is a motion (4,), or (6,) with its tractions, see `ThrustCase.motion`.
+        """
         case = self._solve(D, start, self.rule, self.fine_rule)
         if self.rule.split and case.status in UNSETTLED:
             # With a tiny v_r the sums jump where points gather anew: no state may fit them.
@@ -122,7 +125,7 @@ class ThrustProblem:
         if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
             return True
         many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
-        again = replace(self, rule=many, fine_rule=many).solve(D, start=case.u)
+        again = replace(self, rule=many, fine_rule=many).solve(D, start=case.motion)
         same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
         return bool(
             again.status == code.OK and same and self.time_scales(D, again).real.max() < 0.0

@@ -95,7 +95,7 @@ def thrust_part(scene: Scene, start: Start) -> np.ndarray:
     problem = parameters.where_bare(ThrustProblem.of(thrust), scene, start.bare)
     D = float(parameters.ball_diameters(scene).mean())
     halved, _ = problem.perturbed(thrust)
-    other = halved.solve(D, start=case.u)
+    other = halved.solve(D, start=case.motion)
     if other.status != code.OK:
         return np.zeros(MEASURED)
     return halved_part(*steady_answers(thrust, problem, D, [case, other]))
