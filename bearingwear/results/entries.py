@@ -217,7 +217,7 @@ def _entry(
 
 def stored_data(variable: Variable, value: Any) -> np.ndarray:
     """Values as they stand in a file."""
-    data = np.array(value, dtype=variable.dtype)
+    data = np.array(value, dtype=variable.stored_type)
     if variable.scale != 1.0 and data.dtype.kind == "f":
         data = np.asarray(data * data.dtype.type(variable.scale))
     return data

@@ -11,14 +11,14 @@ import functools
 import itertools
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from bearingwear.atomic import SIGNATURE, reason, whole_file
 from bearingwear.results.entries import ALL_COORDINATES, SOURCE, Entry, entries_of, stacked_entries
 from bearingwear.results.labels import named_data
-from bearingwear.results.variables import STRIP_POSITION, TIME
+from bearingwear.results.variables import TIME
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,10 +107,7 @@ def _shapes(result: Result) -> tuple[Any, ...]:
 
 def _dataset(entries: dict[str, Entry], attrs: dict[str, Any], by_name: bool = False) -> xr.Dataset:
     own = {name: entries.pop(name) for name in ALL_COORDINATES if name in entries}
-    made = _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)
-    if STRIP_POSITION.name in own:  # no index, so it may be written to: each has its own
-        made.variables[STRIP_POSITION.name].data = own[STRIP_POSITION.name].data
-    return made
+    return _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)
 
 
 def _unchecked(
@@ -119,11 +116,6 @@ def _unchecked(
     made = object.__new__(kind)
     made._dims, made._data, made._attrs, made._encoding = dims, data, attrs, encoding
     return made
-
-
-def _copied(one: xr.Variable) -> xr.Variable:
-    """A coordinate with attributes of its own; its data cannot be written to."""
-    return _unchecked(type(one), one._dims, one._data, dict(one.attrs), dict(one.encoding))
 
 
 def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Variable]:
@@ -141,8 +133,16 @@ def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Vari
     return made
 
 
+class _Indexed(NamedTuple):
+    """Coordinates, and what is asked of them each time; shared, so do not write to them."""
+
+    coordinates: xr.Coordinates
+    variables: Mapping[Any, xr.Variable]
+    indexes: Mapping[Any, xr.Index]
+
+
 def _joined(
-    variables: dict[str, xr.Variable], coordinates: xr.Coordinates, attrs: dict[str, Any]
+    variables: dict[str, xr.Variable], indexed: _Indexed, attrs: dict[str, Any]
 ) -> xr.Dataset:
     """A dataset of variables that are known to fit together.
 
@@ -152,33 +152,40 @@ def _joined(
 
     construct = getattr(xr.Dataset, "_construct_direct", None)
     if construct is None or set(xr.Variable.__slots__) != _SLOTS:
-        return xr.Dataset(variables, coordinates, attrs)
-    own = {name: _copied(one) for name, one in coordinates.variables.items()}
-    every: dict[Any, xr.Variable] = {**variables, **own}
+        return xr.Dataset(variables, indexed.coordinates.copy(deep=True), attrs)
+    every: dict[Any, xr.Variable] = {**variables}
+    for name, one in indexed.variables.items():
+        data = one._data if name in indexed.indexes else one.values.copy()  # an index is immutable
+        every[name] = _unchecked(type(one), one._dims, data, dict(one.attrs), dict(one.encoding))
     sizes: dict[Any, int] = {}
     for dims, shape in {one._dims: one._data.shape for one in every.values()}.items():
         sizes.update(zip(dims, shape, strict=True))
-    indexes = dict(coordinates.xindexes)
-    return construct(every, coord_names=set(own), dims=sizes, attrs=attrs, indexes=indexes)
+    names, indexes = set(indexed.variables), dict(indexed.indexes)
+    return construct(every, coord_names=names, dims=sizes, attrs=attrs, indexes=indexes)
 
 
-_KNOWN_COORDINATES: dict[Any, xr.Coordinates] = {}
+_KNOWN_COORDINATES: dict[Any, _Indexed] = {}
 """Of steady cases and the like, which all have the same; to index them takes half a millisecond."""
 
 
-def _indexed(entries: Mapping[str, Entry], by_name: bool) -> xr.Coordinates:
-    import xarray as xr
-
+def _indexed(entries: Mapping[str, Entry], by_name: bool) -> _Indexed:
     if sum(entry.data.size for entry in entries.values()) > LONG_COORDINATES:
-        return xr.Coordinates(_variables(entries, by_name))
+        return _newly_indexed(entries, by_name)
     # the other attributes are those of the table
     contents = ((e.data.tobytes(), e.attrs.get("represents")) for e in entries.values())
     key = by_name, tuple(zip(entries, contents, strict=True))
     if key not in _KNOWN_COORDINATES:
         if len(_KNOWN_COORDINATES) >= MOST_KNOWN:
             _KNOWN_COORDINATES.clear()
-        _KNOWN_COORDINATES[key] = xr.Coordinates(_variables(entries, by_name))
+        _KNOWN_COORDINATES[key] = _newly_indexed(entries, by_name)
     return _KNOWN_COORDINATES[key]
+
+
+def _newly_indexed(entries: Mapping[str, Entry], by_name: bool) -> _Indexed:
+    import xarray as xr
+
+    made = xr.Coordinates(_variables(entries, by_name))
+    return _Indexed(made, dict(made.variables), dict(made.xindexes))
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -39,10 +39,15 @@ class Variable:
     shown: str = ""  # what it is shown as (`units.SCALES`), where its unit does not say
 
     @functools.cached_property
+    def stored_type(self) -> np.dtype[Any]:
+        """`dtype`, which takes NumPy as long to read as to store a number."""
+        return np.dtype(self.dtype)
+
+    @functools.cached_property
     def missing(self) -> np.generic:
         """Its value where it was not solved."""
         # a last flag says "none"
-        return np.dtype(self.dtype).type(len(self.flags) - 1 if self.flags else np.nan)
+        return self.stored_type.type(len(self.flags) - 1 if self.flags else np.nan)
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -11,6 +11,7 @@ The parts are added without sign. Errors of the model (race control, no cage, ..
 docs/accuracy.md says how often the estimate exceeds the true error.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -61,14 +62,14 @@ def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:
 
     Torque and power may be unknown where the others are not, and are then left out alone.
     """
-    total = sum(parts, start=np.full(MEASURED, ROUNDING))
+    total = sum(parts, start=np.full(MEASURED, ROUNDING)).tolist()
     qv, preload, balls, balls_and_races, torque, power = total
-    if not np.isfinite(total[:4]).all():
+    if not all(map(math.isfinite, total[:4])):
         return {}
     found = {
         "qv_error_estimate": qv,
         "residual_preload_error_estimate": preload,
-        "wear_rate_error_estimate": np.array([balls, balls_and_races]),
+        "wear_rate_error_estimate": [balls, balls_and_races],
     }
     more = {"shaft_torque_error_estimate": torque, "friction_power_error_estimate": power}
-    return found | {name: value for name, value in more.items() if np.isfinite(value)}
+    return found | {name: value for name, value in more.items() if math.isfinite(value)}

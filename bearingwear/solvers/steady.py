@@ -26,7 +26,6 @@ from bearingwear.solvers.bearing.outputs import (
     slips_across,
     stiffness_of_loads,
     unworn_factors,
-    wear_rates,
 )
 from bearingwear.solvers.bearing.stiffness import quasistatic_matrix
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, time_scale_values
@@ -77,7 +76,7 @@ class Steady:
         status = problem.undetermined()
         if status != code.OK:
             return SolvedBearing(status, condition, self.scene, problem=problem)
-        start = None if near is None else near.answer.u
+        start = None if near is None else near.answer.motion
         case = problem.solve(problem.g.D0 - condition.loss, start)
         n = problem.g.n_balls
         return SolvedBearing(
@@ -113,16 +112,13 @@ class Steady:
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
         g, c = problem.g, case.contacts
-        D, contacts = float(g.D0 - loss), c.T.tolist()  # numbers: NumPy takes ten times as long
-        qv, major = contacts[summary.QV], contacts[summary.MAJOR]
-        factors = unworn_factors(self.scene, self.films, c[:, summary.MAJOR])
-        ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
-        rates = ball_rate, race_rate, major, contacts[summary.TRACK]
+        D, qv = float(g.D0 - loss), c[:, summary.QV].tolist()
+        ball_rate, race_rate, losses = rates_when_new(self.scene, self.films, g.n_balls, D, c)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
         used = friction_used(c[:, summary.FRICTION], D, gyroscopic, c[:, summary.LOAD])
         values = {
             "ball_diameter_loss": loss,
-            "ball_diameter_loss_rate": np.array(diameter_loss_rates(g.n_balls, D, *rates)),
+            "ball_diameter_loss_rate": np.array(losses),
             "residual_preload": solution.force,
             "contact_load": c[:, summary.LOAD],
             "contact_angle": c[:, summary.ANGLE],
@@ -131,7 +127,7 @@ class Steady:
             "total_qv": g.n_balls * sum(qv),
             "gyroscopic_slip_share": c[:, summary.SHARE],
             "skid_ratio": case.skid,
-            "maximum_pressure": max(contacts[summary.PRESSURE]),
+            "maximum_pressure": max(c[:, summary.PRESSURE].tolist()),
             "axial_stiffness": solution.stiffness,
             "quasistatic_axial_stiffness": solution.quasistatic,
             "friction_power": self.heat(solution).total,
@@ -206,7 +202,7 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
     """Estimated numerical errors of a solved state; empty where none can be found."""
     cases = [case]
     for other in problem.perturbed(scene):
-        near = other.solve(D, start=case.u)
+        near = other.solve(D, start=case.motion)
         if near.status != code.OK:
             return {}
         cases.append(near)
@@ -218,15 +214,28 @@ def steady_answers(
     scene: Scene, problem: ThrustProblem, D: float, cases: list[ThrustCase]
 ) -> np.ndarray:
     """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
-    n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
-    rates = wear_rates(scene, c[..., summary.QV], c[..., summary.MAJOR])
-    each = *rates, c[..., summary.MAJOR], c[..., summary.TRACK]
-    losses = diameter_loss_rates(n, D, *(one.T for one in each))
-    force = [axial_force(case, n) for case in cases]
-    drag = [drag_power(problem, D, case) for case in cases]
-    of_both = n * c.sum(axis=1)
-    torque, power = n * c[:, 0, summary.TORQUE], of_both[:, summary.HEAT] + drag
-    return np.array([of_both[:, summary.QV], force, *losses, torque, power]).T
+    n, films, found = problem.g.n_balls, Films.of(scene), []
+    for case in cases:
+        contacts = case.contacts.T.tolist()
+        qv, heat = (n * sum(contacts[column]) for column in (summary.QV, summary.HEAT))
+        *_, losses = rates_when_new(scene, films, n, D, case.contacts)
+        torque, power = n * contacts[summary.TORQUE][0], heat + drag_power(problem, D, case)
+        found.append([qv, axial_force(case, n), *losses, torque, power])
+    return np.array(found)
+
+
+def rates_when_new(
+    scene: Scene, films: Films, n: int, D: float, c: np.ndarray
+) -> tuple[list[float], list[float], tuple[float, float]]:
+    """Wear rates of ball and race in both contacts [m3/s], and `diameter_loss_rates` [m/s].
+
+    Of n balls alike, from a summary (2, COLUMNS). Numbers, since NumPy takes ten times as long.
+    """
+    major, track = c[:, summary.MAJOR], c[:, summary.TRACK].tolist()
+    factors = unworn_factors(scene, films, major)
+    ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
+    losses = diameter_loss_rates(n, D, ball_rate, race_rate, major.tolist(), track)
+    return ball_rate, race_rate, losses
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
