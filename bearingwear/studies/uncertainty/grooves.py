@@ -73,9 +73,9 @@ def found_lives(
 ) -> FoundLives:
     """Lives of a scene at values (n, names), with the grooves that `life` would follow."""
     ahead = {"quantiles": (1.0, _QUANTILES_COST * len(places))}
-    ahead[_QUICK] = LEAST_SOUGHT + fewest(len(places), *HERTZIAN), 1.0
+    ahead[_QUICK] = LEAST_SOUGHT + fewest(places, *HERTZIAN), 1.0
     if grooves_followed(scene, "steady")[0] is not None:
-        ahead[_WORN] = LEAST_SOUGHT + fewest(len(places), *FOLLOWED), _WORN_COST
+        ahead[_WORN] = LEAST_SOUGHT + fewest(places, *FOLLOWED), _WORN_COST
     left = TimeLeft(ahead)
     with processes(workers, "uncertainty") as each:
 

@@ -48,6 +48,10 @@ PER_ROOT = 3.0
 """Random places solved over the root of their number, if the most allows: what may be worse is then
 a share no larger than the error of the sample itself."""
 
+ALONG_PER_ROOT = 2.0
+"""Evenly spread places along one coordinate over the root of their number, likewise: what may be
+worse is a gap between two of them."""
+
 SMOOTHING = 1e-6
 """On the diagonal, so that places which nearly coincide do no harm."""
 
@@ -184,7 +188,9 @@ def relative_error(log: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 
 class Stated(NamedTuple):
-    """All but a share of places are known within a relative error, with `CONFIDENCE`."""
+    """All but a share of places are known within a relative error, with `CONFIDENCE` from random
+    places, or as estimated along a line.
+    """
 
     error: float
     share: float
@@ -214,9 +220,12 @@ class Interpolated(NamedTuple):
     stated: Stated  # of all; zero where all are solved
 
 
-def fewest(count: int, first: int, most: int) -> int:
-    """Random places of so many that are solved at least."""
-    return min(max(2 * first, math.ceil(PER_ROOT * math.sqrt(count))), most, count)
+def fewest(places: np.ndarray, first: int, most: int) -> int:
+    """How many of the places (n, values) are solved at least: random ones, or along a line."""
+    root = math.sqrt(len(places))
+    if np.count_nonzero(np.ptp(places, axis=0)) == 1:
+        return min(max(first, math.ceil(ALONG_PER_ROOT * root) + 1), most // 2, len(places))
+    return min(max(2 * first, math.ceil(PER_ROOT * root)), most, len(places))
 
 
 def interpolated(
@@ -231,20 +240,21 @@ def interpolated(
     Those at the ends of each coordinate are solved and random ones, twice as many each time, until
     their error is small: of the last ones by the fit before they were solved, and of each by a fit
     to all others. Some of those whose kind is doubtful are solved, too. Once half of all places are
-    solved and more are needed, all are.
+    solved and more are needed, all are. Where one coordinate alone varies, see `_along`.
 
     solve: from numbers of places (k,) to logarithms (k, m), which need not be finite, and kinds (k,
         kinds), whole numbers. The function is smooth within a kind.
     first, most: random places solved at least, and all that are solved at most.
     known_to: relative error of 95 in 100 for which no more are solved, but for kinks.
     """
-    count = len(places)
+    count, checked = len(places), fewest(places, first, most)
     varied = np.ptp(places, axis=0) > 0.0
     x = (places[:, varied] - places[:, varied].mean(axis=0)) / places[:, varied].std(axis=0)
+    if x.shape[1] == 1:
+        return _along(x, solve, checked, most, known_to)
     ends = np.unique([x.argmin(axis=0), x.argmax(axis=0)]).astype(int)
     others = np.random.default_rng(_SEED).permutation(count)
     others = others[~np.isin(others, ends)]
-    checked = fewest(count, first, most)
     log = kind = np.empty(0)
     known, hard = np.zeros((2, count), dtype=bool)
     error = np.full(count, np.nan)  # of drawn ones, by a fit without them
@@ -262,9 +272,8 @@ def interpolated(
         others = others[~known[others]]
         if not others.size:
             return Interpolated(log, kind, count, EXACT)
-        marks = np.column_stack([kind[known], np.isfinite(log[known]).all(axis=1)])
-        every, labels = np.unique(marks, axis=0, return_inverse=True)
-        branches = Branches(x[known], log[known], labels.ravel())
+        every, labels = _labelled(log[known], kind[known])
+        branches = Branches(x[known], log[known], labels)
         left_out, checks = np.full(count, np.nan), ~np.isnan(error)
         left_out[known], hard[known] = branches.left_out, branches.doubtful
         error[before] = left_out[before]
@@ -291,6 +300,61 @@ def interpolated(
     found = stated(error[checks])
     share = found.share * others.size / count
     return Interpolated(log, kind, count - others.size, found._replace(share=share))
+
+
+def _along(
+    x: np.ndarray,
+    solve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    evenly: int,
+    most: int,
+    known_to: float,
+) -> Interpolated:
+    """`interpolated` over one coordinate x (n, 1), along which places are known to lie close.
+
+    After evenly spread places, the middle between two neighbours is solved if they differ in kind,
+    or if either has a large error when it is left out. The error between them is smaller than that.
+    What lies between two neighbours and shows at neither goes unseen: the widest gap is a share.
+
+    evenly: places solved at first.
+    """
+    count, order = len(x), np.argsort(x[:, 0])
+    x, known = x[order], np.zeros(count, dtype=bool)
+    new = np.unique(np.linspace(0, count - 1, evenly).round().astype(int))
+    log = kind = np.empty(0)
+    while True:
+        logs, kinds = solve(order[new])
+        if not known.any():
+            log = np.full((count, logs.shape[1]), np.nan)
+            kind = np.zeros((count, kinds.shape[1]), dtype=int)
+        log[new], kind[new], known[new] = logs, kinds, True
+        solved = np.flatnonzero(known)
+        gaps = np.diff(solved) - 1
+        every, labels = _labelled(log[solved], kind[solved])
+        branches = Branches(x[solved], log[solved], labels)
+        error = np.fmax(branches.left_out[1:], branches.left_out[:-1])
+        error[labels[1:] != labels[:-1]] = 1.0
+        known_between = (gaps == 0) | (error <= known_to)
+        wide = np.flatnonzero(~known_between)
+        wide = wide[np.argsort(-gaps[wide], kind="stable")][: max(most - solved.size, 0)]
+        if not wide.size:
+            break
+        new = np.sort((solved[1:] + solved[:-1])[wide] // 2)
+    others, back = np.flatnonzero(~known), np.argsort(order)
+    found = EXACT
+    if others.size:
+        log[others], label, _ = branches.at(x[others])
+        kind[others] = every[label, :-1]
+        most_error = error[known_between & (gaps > 0)].max(initial=0.0)
+        share = (gaps[~known_between].sum() + gaps.max()) / count
+        found = Stated(float(most_error), min(float(share), 1.0))
+    return Interpolated(log[back], kind[back], solved.size, found)
+
+
+def _labelled(log: np.ndarray, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Kinds that differ, or in whether values are finite (kinds, m), and the number of each."""
+    marks = np.column_stack([kind, np.isfinite(log).all(axis=1)])
+    every, labels = np.unique(marks, axis=0, return_inverse=True)
+    return every, labels.ravel()
 
 
 def _rms(values: np.ndarray) -> float:

@@ -31,8 +31,8 @@ ANALYSED = table(
     Variable("solved_lives", (), "1", "lives that were solved, with Hertzian grooves"),
     Variable("interpolation_error", (), "1",
         "maximum relative error of the interpolated lives, except for interpolation_share of them",
-        comment="with 95 % confidence, from solved lives that were not used in the fit; 0: all "
-        "lives were solved"),
+        comment="from solved lives that were not used in the fit, with 95 % confidence if several "
+        "values vary; 0: all lives were solved"),
     Variable("interpolation_share", (), "1",
         "share of the interpolated lives whose error may be larger"),
     Variable("followed_lives", (), "1", "lives solved with worn grooves"),

@@ -79,6 +79,28 @@ def test_kinks_jumps_and_zeros_are_resolved():
     assert_allclose(found.log[known, 0], log[known], atol=3e-3)  # beyond the ends of branches
 
 
+def test_along_a_line_all_errors_are_below_the_one_stated():
+    places = np.random.default_rng(3).normal(size=(4000, 1))
+    log, kind = np.sin(2.0 * places), np.zeros((4000, 1), dtype=int)
+    found = interpolated(places, of_function(places, log, kind), 16, 512, 1e-3)
+    assert found.solved < 3.0 * np.sqrt(4000)  # as many as are random where several values vary
+    assert 0.0 < relative_error(found.log, log).max() < found.stated.error <= 1e-3
+
+
+def test_a_jump_between_solved_places_of_a_line_is_within_the_share():
+    places = np.sort(np.random.default_rng(3).normal(size=(1000, 1)), axis=0)
+    log, kind, asked = np.sin(places), np.zeros((1000, 1), dtype=int), []
+    interpolated(places, of_function(places, log, kind, asked), 16, 512, 1e-3)
+    known = np.sort(asked)
+    k = np.argmax(np.diff(known))
+    log[known[k] + 1 : known[k + 1]] += 1.0
+    again = []
+    found = interpolated(places, of_function(places, log, kind, again), 16, 512, 1e-3)
+    assert again == asked
+    wrong = np.mean(relative_error(found.log, log) > 1e-3)
+    assert 0.01 < wrong <= found.stated.share < 0.05
+
+
 def test_few_places_are_all_solved():
     places = np.arange(5.0)[:, None]
     log, kind = smooth(np.hstack([places, places])), np.zeros((5, 1), dtype=int)
@@ -87,8 +109,9 @@ def test_few_places_are_all_solved():
     assert_allclose(found.log, log, rtol=0.0)
 
 
-def test_a_function_without_smoothness_states_a_large_error():
-    places = np.random.default_rng(3).normal(size=(400, 3))
+@pytest.mark.parametrize("coordinates", [1, 3])
+def test_a_function_without_smoothness_states_a_large_error(coordinates):
+    places = np.random.default_rng(3).normal(size=(400, coordinates))
     log, kind = np.random.default_rng(4).normal(size=(400, 1)), np.zeros((400, 1), dtype=int)
     found = interpolated(places, of_function(places, log, kind), 16, 64, 1e-3)
     assert found.solved == 64 and sum(found.stated) > 0.8
