@@ -82,6 +82,7 @@ ABSURD = {
     ),
     "twenty kilonewtons": ({"operation.preload_N": 20_000}, {"pressure_above_practice"}),
     "kN typed for N": ({"operation.preload_N": 0.14}, {"preload_too_small", "inner_load_lost"}),
+    "radians typed for degrees": ({"bearing.contact_angle_deg": 0.26}, {"contact_angle_too_small"}),
     "one newton at rest": (
         {"operation.preload_N": 1.0, "operation.shaft_speed_rpm": 100},
         {"preload_too_small", "slip_rounded"},

@@ -4,11 +4,13 @@ Each limit has a source or is called assumed, or a rule of thumb. The sentences 
 """
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
+from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence, Finding
 
 LONG_LIVED = 2.0 / STEEL_YIELD
@@ -63,6 +65,10 @@ twice to three times."""
 MOST_TILT = 2.9
 """Tilt of the rings [mrad]: 10 minutes of arc, the most that catalogues allow a single-row ball
 bearing; one with angular contact is allowed 2 to 4."""
+
+LARGEST_RADIANS = math.pi / 2.0
+"""Contact angle [degree] below which it may have been given in radians; so small an angle needs a
+clearance below 1e-4 of the ball diameter."""
 
 _GPA, _MPA, _MM = 1e9, 1e6, 1e-3
 _CONTACT = "contact_angle", "contact_load", "semi_major_axis"
@@ -235,3 +241,20 @@ def tilt_beyond(e: Evidence) -> Finding:
     value = abs(e.scene.operation.tilt_mrad)
     minutes = math.degrees(1e-3 * value) * 60.0
     return {"value": value, "minutes": minutes, "limit": MOST_TILT}
+
+
+def angle_in_radians(e: Evidence) -> Finding | None:
+    angle = e.scene.bearing.contact_angle_deg
+    if not angle:
+        return None
+    excess = LARGEST_RADIANS / angle
+    return {"value": angle, "degrees": math.degrees(angle), "excess": excess}
+
+
+def angle_before_solve(chosen: Choice) -> Iterator[str]:
+    angle = chosen.scene.bearing.contact_angle_deg
+    if 0.0 < angle < LARGEST_RADIANS:
+        yield (
+            f"contact angle: {angle:g} degrees; check its unit ({angle:g} rad would be "
+            f"{math.degrees(angle):.3g} degrees)"
+        )

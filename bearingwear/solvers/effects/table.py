@@ -224,6 +224,14 @@ EFFECTS = (
         "pressure, slip and wear are estimates",
     ),
     Effect("model", modelled=lambda chosen: [f"{chosen.fidelity}: {chosen.why}"]),
+    Effect(
+        "contact_angle_too_small",
+        practice.angle_in_radians,
+        "a contact angle of {value:.3g} degrees is too small for any real clearance",
+        "check its unit: {value:.3g} rad would be {degrees:.3g} degrees",
+        impractical=True,
+        modelled=practice.angle_before_solve,
+    ),
     Effect("pair", modelled=motion.pair),
     Effect(
         "film_worn",
