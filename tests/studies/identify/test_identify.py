@@ -3,6 +3,7 @@
 import json
 from dataclasses import asdict, replace
 
+import numpy as np
 import pytest
 import yaml
 from support import ROOT, scene_file
@@ -11,6 +12,7 @@ from bearingwear.cli import main
 from bearingwear.results.netcdf import load
 from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import write_dataset
+from workflow.studies.identify import search
 from workflow.studies.identify.plan import IdentifyPlan
 from workflow.studies.identify.search import FIT_RESULTS, identified
 
@@ -27,6 +29,20 @@ def test_a_scene_that_is_not_there_is_told():
     plan = replace(read_record(IdentifyPlan, PLAN_FILE), marks=("nobody",))
     with pytest.raises(ValueError, match="got the scene nobody"):
         plan.check_scenes(ROOT / "config" / "scenes")
+
+
+def test_an_angle_without_a_state(scene, monkeypatch):
+    """The loss changes its sign twice, the first time where no state is found."""
+    stated = read_record(IdentifyPlan, PLAN_FILE)
+    plan = replace(stated, contact_angle_deg=(10.0, 20.0, 30.0))
+
+    def loss(turned, statements):
+        angle = turned.bearing.contact_angle_deg
+        miss = 0.01 * (angle - 14.0) * (26.0 - angle)
+        return np.nan if 10.0 < angle < 20.0 else statements.preload_loss + miss
+
+    monkeypatch.setattr(search, "preload_loss", loss)
+    assert search.angles_of(scene(), plan) == pytest.approx([26.0])
 
 
 def test_the_scene_is_found_among_the_bearings(tmp_path):

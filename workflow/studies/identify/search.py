@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 16.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 from collections.abc import Mapping, Sequence
@@ -91,6 +92,10 @@ def preload_loss(scene: Scene, stated: Statements) -> float:
     )
 
 
+class _NotSolved(Exception):
+    """No state at an angle between two that have one."""
+
+
 def angles_of(scene: Scene, plan: IdentifyPlan) -> list[float]:
     """Free contact angles [degree] with the stated loss of preload.
 
@@ -102,13 +107,22 @@ def angles_of(scene: Scene, plan: IdentifyPlan) -> list[float]:
         turned = replace(scene, bearing=replace(scene.bearing, contact_angle_deg=angle))
         return preload_loss(turned, plan.statements) - plan.statements.preload_loss
 
+    def solved_miss(angle: float) -> float:
+        found = miss(angle)
+        if np.isnan(found):
+            raise _NotSolved
+        return found
+
     angles = plan.contact_angle_deg
     misses = [miss(angle) for angle in angles]
-    return [
-        float(brentq(miss, angles[k], angles[k + 1], xtol=1e-6))
-        for k in range(len(angles) - 1)
-        if misses[k] * misses[k + 1] < 0.0 or misses[k] == 0.0  # not where one of them is NaN
-    ]
+    found = []
+    for (low, at_low), (high, at_high) in itertools.pairwise(zip(angles, misses, strict=True)):
+        if at_low == 0.0:
+            found.append(float(low))
+        elif at_low * at_high < 0.0:  # not where one of them is NaN
+            with contextlib.suppress(_NotSolved):
+                found.append(float(brentq(solved_miss, low, high, xtol=1e-6)))
+    return found
 
 
 def spins_outside(scene: Scene, stated: Statements) -> int:
