@@ -191,7 +191,6 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset whole or not at all; the same dataset gives the same bytes."""
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
-        variable.encoding.clear()
         encoding[str(name)] = {"_FillValue": None}
         if name in dataset.coords:
             continue
@@ -203,7 +202,7 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
             encoding[str(name)] = {"_FillValue": np.nan}
     # an interrupted xarray may wait forever for its own lock
     with whole_file(path) as part, Interrupt():
-        dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)
+        dataset.drop_encoding().to_netcdf(part, engine="netcdf4", encoding=encoding)
 
 
 def pareto(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -39,7 +39,9 @@ def test_what_a_row_lacks_is_missing(tmp_path):
     assert np.isnan(found["shear"].values).all() and found["shear"].shape == (2, 2)
     np.testing.assert_array_equal(found["side"], [1.0, np.nan])
     assert "row" not in found.coords
+    found["shear"].encoding["dtype"] = np.dtype("f4")
     write_dataset(found, tmp_path / "sides.nc")
+    assert found["shear"].encoding == {"dtype": np.dtype("f4")}  # is the caller's
 
 
 def test_rows_over_two_axes_are_in_c_order():
