@@ -34,7 +34,9 @@ def processes(
     first_here: whether the first job is done in this process, before others are forked: they have
         the kernels and modules that it loads.
     """
-    if workers <= 1:
+    if workers < 1:
+        raise ValueError(f"{caller}: workers: got {workers}, expected 1 or more")
+    if workers == 1:
         yield map
         return
     # a terminal signals them, too; this process ends them

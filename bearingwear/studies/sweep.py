@@ -93,6 +93,8 @@ def sweep(
     """
     if what not in ("solve", "life"):
         raise ValueError(f"what: got {what!r}, expected solve, life")
+    if not changes:
+        raise SceneError("", "got no key, expected one or more", source="changes")
     base = as_scene(scene)
     axes = {key: _values(key, values) for key, values in changes.items()}
     points = _points(base, axes, what, fidelity)

@@ -87,6 +87,7 @@ def test_a_point_that_fails(coarse):
     ("changes", "said"),
     [
         ({PRELOAD: [5, -1]}, "operation.preload_N: got -1, expected"),
+        ({}, "changes: got no key, expected one or more"),
         ({PRELOAD: 5}, "operation.preload_N: got 5, expected a list of values"),
         ({METHOD: "constant_force"}, "operation.preload_method: got 'constant_force', expected a"),
         ({PRELOAD: []}, "operation.preload_N: got no value, expected one or more"),
@@ -108,6 +109,8 @@ def test_a_model_that_cannot_solve_a_point(coarse, monkeypatch):
         bearingwear.sweep(coarse, changes, fidelity="steady", workers=1)
     with pytest.raises(ValueError, match="solve, life"):
         bearingwear.sweep(coarse, {PRELOAD: [5]}, what="lives")
+    with pytest.raises(ValueError, match="sweep: workers: got -1, expected 1 or more"):
+        bearingwear.sweep(coarse, {PRELOAD: [5]}, workers=-1)
 
 
 def test_names_of_the_dimensions():
