@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -243,8 +244,15 @@ def frame(figure: Figure, title: str, handles: Sequence[Artist], columns: int) -
         figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:%|µm|mm|N|h|r/min|kg/m³)(?!\w))")
+
+
 def lines_of_a_title(title: str, width: int) -> list[str]:
-    """As few lines as the width allows, and as even as they can be: no single word is left over."""
+    """As few lines as the width allows, and as even as they can be: no single word is left over.
+
+    A number and its unit are on one line.
+    """
+    title = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title)
 
     def lines(width: int) -> list[str]:
         return textwrap.wrap(title, width, break_long_words=False)

@@ -33,7 +33,9 @@ MAPPED = {
     "time_to_slip_limit": Mapped("time to the required\ngyroscopic slip", "h", "viridis"),
     "residual_preload_at_end": Mapped("residual preload\nat end of life", "N", "cividis"),
     "friction_power": Mapped("maximum friction\npower", "W", "magma"),
-    "axial_stiffness": Mapped("minimum dynamic\nstiffness,\none bearing", "N m-1", "cividis"),
+    "system_axial_stiffness": Mapped(
+        "minimum dynamic\nstiffness,\narrangement", "N m-1", "cividis"
+    ),
 }
 
 

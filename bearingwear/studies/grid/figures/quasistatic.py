@@ -30,7 +30,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
     race_keys,
 )
-from bearingwear.results.pair_variables import method_words
+from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spreads_of
 from bearingwear.results.units import Display, Interval, Rough, display
 from bearingwear.results.words import methods, mu_is, percent, scene_of
@@ -163,7 +163,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     frame(
         figure,
         (f"{bearing}: " if columns == 1 else "")
-        + f"QV in {method_words(scene, name)} after {loss:g}\N{NO-BREAK SPACE}µm of wear, "
+        + f"QV in {'a ' * is_pair(scene)}{method_words(scene, name)} after {loss:g} µm of wear, "
         "relative to new: " + ", ".join(shares),
         method_keys((name for name, _ in states), scene_of(studies[0]))
         + race_keys()
