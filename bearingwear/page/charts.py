@@ -150,6 +150,11 @@ def _unit(label: str) -> str:
     return f" {unit[:-1]}" if label.endswith(")") else ""
 
 
+def _named_once(chart: Chart) -> str:
+    """The label of the ordinate; its unit alone where the title has the rest."""
+    return _unit(chart.y_label).strip() if chart.y_label.startswith(chart.title) else chart.y_label
+
+
 def _axes(chart: Chart) -> tuple[ChartAxis, ChartAxis]:
     points = [point for line in chart.lines for point in line.points]
     heights = [y for _, y in points if y is not None]
@@ -196,7 +201,7 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
         f'<text x="{_LEFT + width / 2:g}" y="{size[1] - 6:g}" class="x" text-anchor="middle">'
         f"{escape(chart.x_label)}</text>"
         f'<text transform="translate(13 {_TOP + height / 2:g}) rotate(-90)" class="y" '
-        f'text-anchor="middle">{escape(chart.y_label)}</text>'
+        f'text-anchor="middle">{escape(_named_once(chart))}</text>'
         f'<svg class="field" x="{_LEFT:g}" y="{_TOP:g}" width="{width:g}" height="{height:g}">'
         f'{"".join(marks)}<path class="cursor" d=""/></svg>'
     )

@@ -201,7 +201,7 @@ EFFECTS = (
         practice.grown_preload,
         "with fixed position, the running preload of {value:.3g} N is {ratio:.2g} times the "
         "initial {preload:.4g} N (rule of thumb: at most three times)",
-        "the results include its pressure, friction and wear; a spring keeps the preload constant",
+        "the results include this; a spring keeps the preload constant",
     ),
     Effect(
         "temperature_beyond_practice",
