@@ -67,7 +67,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
     check = command("check", "check a scene and report which model would be used, and why")
     solve = command("solve", "solve a scene and print the sheet; -o writes a case file")
-    launch = command("launch", "compute whether the bearings of a rotor open or dent at launch")
+    launch = command("launch", "determine whether the bearings of a rotor open or dent at launch")
     life = command("life", "compute the wear life and print the sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
@@ -153,7 +153,7 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
         help="the scene file to write, named after the designation if omitted; an existing file is "
         "never replaced. Designations: 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, "
-        "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any bearing of its catalogue")
+        "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any in its catalogue")
     new.add_argument("--maker", choices=tuple(MAKERS),
         help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),

@@ -238,8 +238,8 @@ MEASURES = (
         end=("Axial stiffness of the arrangement (a single bearing counts as half of a symmetric "
             "pair) at or below which life ends", "(0, 1e6]"),
         limit=("Minimum axial stiffness of the arrangement", "(0, inf)"),
-        note="a single bearing counts as half of a symmetric pair (a rigid pair if the preload is "
-            "by fixed position)",
+        note="a single bearing counts as half of a symmetric pair: of a spring pair or, with "
+            "fixed-position preload, of a rigid pair",
         means="of both bearings at a fixed position, of one under a constant force",
         option="--stiffness", mark="d", letter="A", brief=True),
     Measure(key="axial_stiffness_N_um", words="axial stiffness of one bearing",

@@ -42,7 +42,7 @@ GLOSSARY = {
     "QV": "Load times slip speed, integrated over a contact (W). Wear is proportional to QV.",
     "constant force (spring pair), fixed position (rigid pair)": "Preload by a spring, whose force "
     "remains constant as parts wear, or by a spacer, whose force decreases with wear. With a "
-    "spring, only one bearing of the arrangement is stiff.",
+    "spring, only one bearing of the arrangement supports the rotor axially.",
     "residual preload": "The axial force that remains at speed and after wear.",
     "gyroscopic slip share": "The share of a ball's sliding that is perpendicular to its "
     "rolling direction and driven by the gyroscopic moment.",

@@ -38,7 +38,11 @@ class RunningIn:
         "Wear coefficient of the new surface, which approaches the value of the material", "1",
         _SHARE)
     # fmt: on
-    depth_um: float = setting("Wear depth at which 1/e of the difference remains", "um", _THICKNESS)
+    depth_um: float = setting(
+        "Wear depth at which 1/e of the difference from the value of the material remains",
+        "um",
+        _THICKNESS,
+    )
 
 
 @keyed
@@ -117,11 +121,11 @@ def check_films(scene: Scene) -> None:
         )
     parts = (b.ball_material, b.race_material)
     for name, material in scene.materials.items():
-        for key in ("film", "running_in"):
+        for key, what in (("film", "a film"), ("running_in", "running-in")):
             if getattr(material, key) is not None and name not in parts:
                 raise SceneError(
                     f"materials.{name}.{key}",
-                    "got a film on a material of neither balls nor races, expected it on "
+                    f"got {what} on a material used for neither balls nor races, expected it on "
                     + " and ".join(dict.fromkeys(parts)),
                     ("bearing.ball_material", "bearing.race_material"),
                 )

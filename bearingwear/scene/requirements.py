@@ -29,8 +29,8 @@ class Launch:
         "Spectral density of random radial acceleration at the rotor's radial frequency", "1/Hz",
         _DENSITY, default=None)
     amplification: float = setting(
-        "Amplification Q = 1/(2 damping ratio) at these frequencies (default: 10, assumed)", "1",
-        "[0.5, 1000]", default=10.0)
+        "Amplification Q = 1/(2 damping ratio) at the rotor's natural frequencies (default: 10, "
+        "assumed)", "1", "[0.5, 1000]", default=10.0)
     # fmt: on
 
     def __post_init__(self) -> None:

@@ -36,7 +36,7 @@ class Sampling:
     samples: int = setting(
         "Base samples, a power of two", within="[1, 1048576]", default=INDEX_SAMPLES
     )
-    chunks: int = setting("Jobs that share them", within="[1, inf)", default=1)
+    chunks: int = setting("Number of jobs that share the samples", within="[1, inf)", default=1)
     seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:

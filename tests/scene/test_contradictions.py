@@ -31,7 +31,7 @@ FRICTION = [
     (ON_STEEL, f"{STEEL}.film.wear_coefficient: got nothing"),
     ({f"{STEEL}.film.wear_coefficient": 1e-7}, f"{STEEL}.film.thickness_um: got nothing"),
     ({"materials.phenolic.film": {"thickness_um": 1, "wear_coefficient": 1e-7}},
-     "materials.phenolic.film: got a film on a material of neither balls nor races"),
+     "materials.phenolic.film: got a film on a material used for neither balls nor races"),
     ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5}}, f"{STEEL}.running_in.depth_um: got no"),
     ({"wear.end_of_life.film_worn_share": 0.5}, "wear.end_of_life.film_worn_share: got 0.5; only"),
 ]  # fmt: skip

@@ -65,7 +65,7 @@ def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
             data = file.read(LARGEST_FILE + 1)
         if len(data) <= LARGEST_FILE:
             return data.decode("utf-8-sig")
-        problem = f"got more than {LARGEST_FILE} bytes, expected at most that"
+        problem = f"got more than {LARGEST_FILE} bytes, expected at most that many"
     except UnicodeDecodeError as error:
         problem = f"got bytes that are not text (byte {error.start}), expected UTF-8"
     except (OSError, ValueError) as error:
@@ -114,9 +114,9 @@ def _check_events(text: str, anchors: bool) -> None:
         elif documents > 1:
             what, allowed = "a second document", "one"
         elif values > MOST_VALUES:
-            what, allowed = f"more than {MOST_VALUES} keys and values", "at most that"
+            what, allowed = f"more than {MOST_VALUES} keys and values", "at most that many"
         elif depth > DEEPEST:
-            what, allowed = f"more than {DEEPEST} nested blocks", "at most that"
+            what, allowed = f"more than {DEEPEST} nested blocks", "at most that many"
         else:
             continue
         line = event.start_mark.line + 1

@@ -183,11 +183,11 @@ def quiet_region(motions: xr.Dataset) -> str:
     """Region of quiet cages, in a sentence."""
     every = designs(motions)
     quiet = [one for one in every if one.quiet >= MOSTLY]
-    gravity = "at every gravity of the map" if motions.sizes["gravity"] > 1 else "here"
+    gravity = "at every gravity in the map" if motions.sizes["gravity"] > 1 else "here"
     if not quiet:
-        return f"No cage of the map is quiet {gravity}"
+        return f"No cage in the map is quiet {gravity}"
     if len(quiet) == len(every):
-        return f"Every cage of the map is quiet {gravity}"
+        return f"Every cage in the map is quiet {gravity}"
     parts = []
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     for values in itertools.product(*(motions[axis].values.tolist() for axis in varied)):
@@ -211,12 +211,12 @@ def recommended_cage(motions: xr.Dataset) -> str:
     every = designs(motions)
     own = own_design(motions, every)
     if own is None:
-        return "No cage of the map could be solved"
+        return "No cage in the map could be solved"
     calm = [one for one in every if one.quiet >= MOSTLY] or every
     best = min(calm, key=lambda one: one.high if math.isfinite(one.high) else math.inf)
     own_words = f"the cage as it is ({shares_in_words(own.shares)})"
     if best.at == own.at or not best.high < own.low:
-        return f"Keep {own_words}: no quieter cage of the map wears significantly less"
+        return f"Keep {own_words}: no quieter cage in the map wears significantly less"
     changes = ", ".join(
         f"{in_design_words(axis, best.at[axis])} (now {_short(axis, own.at[axis])})"
         for axis in DESIGN

@@ -156,9 +156,9 @@ def test_what_cannot_be_improved_is_kept(small):
     _, motions = small
     less = motions.sel(cage_friction=[0.05, 0.1])
     assert recommended_cage(less).startswith("Keep the cage as it is (whirls 100 %): no quieter")
-    assert quiet_region(less) == "No cage of the map is quiet at every gravity of the map"
+    assert quiet_region(less) == "No cage in the map is quiet at every gravity in the map"
     failed = motions.map(lambda one: one * np.nan).assign_attrs(motions.attrs)
-    assert recommended_cage(failed) == "No cage of the map could be solved"
+    assert recommended_cage(failed) == "No cage in the map could be solved"
 
 
 def test_figure_and_table_of_a_map(small, tmp_path):

@@ -159,8 +159,8 @@ class CageRow:
 
     text: str = setting("First cell")
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
-    least_turns: int = setting("Key of the same name of an ensemble", default=Ensemble.least_turns)
-    most_turns: int = setting("Key of the same name of an ensemble", default=Ensemble.most_turns)
+    least_turns: int = setting("As in `cage.yaml`", default=Ensemble.least_turns)
+    most_turns: int = setting("As in `cage.yaml`", default=Ensemble.most_turns)
 
 
 @keyed

@@ -20,7 +20,7 @@ class Statements:
     high_friction: float = setting("High friction coefficient", within="(0, inf)")
     low_friction: float = setting("Low friction coefficient", within="(0, inf)")
     qv_least_um: tuple[float, float] = setting(
-        "QV has its minimum between these losses, at the low friction", "um", "(0, inf)"
+        "Losses between which QV has its minimum at low friction", "um", "(0, inf)"
     )
     qv_rise: float = setting("Minimum share by which QV then rises", within="(0, inf)")
     qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", "(0, inf)")

@@ -67,8 +67,8 @@ def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None
 class Draw:
     """Where a value is drawn from: between two ends, or from a list."""
 
-    log: tuple[float, float] | None = setting("Lower and upper end", default=None)
-    even: tuple[float, float] | None = setting("Lower and upper end", default=None)
+    log: tuple[float, float] | None = setting("Ends of a log-uniform range", default=None)
+    even: tuple[float, float] | None = setting("Ends of a uniform range", default=None)
     of: tuple[Any, ...] = setting("Values, one of which is drawn", default=())
     share: float | None = setting(
         "Share of the scenes that draw from `of` (if omitted, all)", within="[0, 1]", default=None
@@ -95,7 +95,7 @@ class SceneClass:
     """Random scenes of one kind."""
 
     fidelity: str = setting("Model that solves them", choices=RANDOM_FIDELITIES)
-    scenes: int = setting("How many", within="[1, inf)")
+    scenes: int = setting("Number of scenes", within="[1, inf)")
     draw: Mapping[str, Any] = setting(
         "Quantities to draw: keys of a scene, and values from which other keys follow"
     )
@@ -131,9 +131,9 @@ class KeyAxis:
     """Points along a key of a scene."""
 
     key: str = setting("A key of the scene")
-    log: tuple[float, float] | None = setting("Lower and upper end", default=None)
-    even: tuple[float, float] | None = setting("Lower and upper end", default=None)
-    points: int = setting("How many", within="[2, inf)")
+    log: tuple[float, float] | None = setting("Ends of a logarithmic axis", default=None)
+    even: tuple[float, float] | None = setting("Ends of a linear axis", default=None)
+    points: int = setting("Number of points", within="[2, inf)")
 
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)

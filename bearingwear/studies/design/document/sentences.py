@@ -372,7 +372,7 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in "
                 f"{Rough(mine.longest_share).text} % of the sampled bearings "
-                f"({mine.longest.text} % in view of their number and of numerical errors)."
+                f"({mine.longest.text} % allowing for sample size and numerical errors)."
             )
     else:
         band, taken = band_by_wear(scene, life)

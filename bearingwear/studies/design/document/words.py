@@ -13,7 +13,7 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "end_of_range": "no requirement",
     "not_solved": "an unsolved neighbouring point",
     "no_preload_within_limits": "no preload satisfies all requirements",
-    "end_of_life": "a change of the end-of-life criterion",
+    "end_of_life": "a switch to another end-of-life criterion",
     "impractical": "a warning: impractical design",
     "cliff": "a sudden drop in life",
 }

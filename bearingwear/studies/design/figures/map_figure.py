@@ -30,7 +30,7 @@ class Mapped(NamedTuple):
 
 MAPPED = {
     "life": Mapped("wear life", "h", "viridis"),
-    "time_to_slip_limit": Mapped("time to the required\ngyroscopic slip", "h", "viridis"),
+    "time_to_slip_limit": Mapped("time to the permitted\ngyroscopic slip", "h", "viridis"),
     "residual_preload_at_end": Mapped("residual preload\nat end of life", "N", "cividis"),
     "friction_power": Mapped("maximum friction\npower", "W", "magma"),
     "system_axial_stiffness": Mapped(
@@ -64,7 +64,7 @@ def map_overview(design: xr.Dataset) -> Figure:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
     blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: reached when new")]
-    grey = [Patch(color="0.87", label="required slip share not exceeded during the life")]
+    grey = [Patch(color="0.87", label="permitted slip share not exceeded during the life")]
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min: life and requirements over preload and friction; "
