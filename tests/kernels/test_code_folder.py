@@ -1,25 +1,16 @@
 """Compiled code is loaded from a folder that nobody but its user can write to."""
 
 import os
-import pickle
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from bearingwear.kernels.build import folder as place
 from bearingwear.kernels.build.folder import code_folder, is_private
-from bearingwear.kernels.build.versions import SWITCH
 
 ELSE = 54321  # a user's number that is nobody's here
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
-
-PROGRAM = """
-from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
-print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
-"""
 
 
 @pytest.fixture
@@ -112,37 +103,3 @@ def test_a_name_taken_in_the_folder_for_temporary_files(chosen, tmp_path, spoil)
     other, _ = chosen()
     assert other not in (folder, folder.resolve()) and is_private(other)
     assert mode_of(other) == 0o700
-
-
-def test_planted_code_is_not_run(tmp_path):
-    """An index of numba's cache is a pickle, which runs whatever it says."""
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "jit"), SWITCH: ""}
-
-    def run():
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True
-        )
-        return done.stdout
-
-    class Planted:
-        def __reduce__(self):
-            return os.mkdir, (str(tmp_path / "planted"),)
-
-    numbers = run()
-    assert numbers
-    (folder,) = (tmp_path / "jit").iterdir()
-    indices = list(folder.rglob("*rolling_orbit*.nbi"))
-    assert indices
-
-    def plant():
-        for index in indices:
-            index.write_bytes(pickle.dumps(Planted()))
-
-    plant()
-    folder.chmod(0o777)
-    assert run() == numbers
-    assert not (tmp_path / "planted").exists()
-    folder.chmod(0o700)
-    plant()
-    run()
-    assert (tmp_path / "planted").exists()  # it would have run

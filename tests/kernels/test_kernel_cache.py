@@ -1,6 +1,7 @@
 """Compiled code never outlives its sources, and results name the sources they came from."""
 
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -11,12 +12,9 @@ import pytest
 import bearingwear
 from bearingwear import provenance
 from bearingwear.kernels.build.folder import code_folder
+from bearingwear.kernels.build.versions import SWITCH
 
 PACKAGE = Path(bearingwear.__file__).parent
-SMALL = """
-from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
-print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
-"""
 PROGRAM = """
 import math
 from bearingwear.kernels.equilibrium.body_forces import body_forces
@@ -29,33 +27,49 @@ print(source_hash(), repr(forces[1]))
 """
 
 
-def run(folder, program=PROGRAM, **options):
-    environment = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "jit")}
+def run(folder, **options):
+    """What the program prints with the package and the compiled code in a folder."""
+    jit = {"NUMBA_CACHE_DIR": str(folder / "jit"), SWITCH: ""}
     done = subprocess.run(
-        [sys.executable, "-c", program],
+        [sys.executable, "-c", PROGRAM],
         capture_output=True,
         text=True,
-        check=True,
         cwd=folder,
-        env=environment,
+        env=os.environ | {"PYTHONPATH": str(folder)} | jit,
         **options,
     )
     return done.stdout.split()
 
 
-def test_edited_callee_gives_new_numbers(tmp_path):
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """A copy of the package with compiled code, and what its program prints."""
+    folder = tmp_path_factory.mktemp("cached")
+    shutil.copytree(PACKAGE, folder / "bearingwear", ignore=shutil.ignore_patterns("__pycache__"))
+    said = run(folder)
+    assert len(said) == 2
+    return folder, said
+
+
+@pytest.fixture
+def cached(first, tmp_path):
+    """The same, to be changed."""
+    folder, said = first
+    return shutil.copytree(folder, tmp_path / "copy"), said
+
+
+def test_edited_callee_gives_new_numbers(cached):
     """numba itself would not notice: the caller's file is unchanged."""
-    ignore = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(PACKAGE, tmp_path / "bearingwear", ignore=ignore)
-    first = run(tmp_path)
-    callee = tmp_path / "bearingwear" / "kernels" / "equilibrium" / "kinematics.py"
+    folder, first = cached
+    callee = folder / "bearingwear" / "kernels" / "equilibrium" / "kinematics.py"
     text = callee.read_text()
     assert "math.cos(alpha_o) + gamma" in text
     callee.write_text(text.replace("math.cos(alpha_o) + gamma", "math.cos(alpha_o) - gamma"))
-    second = run(tmp_path)
+    second = run(folder)
+    assert len(second) == 2
     assert second[0] != first[0]
     assert second[1] != first[1]
-    assert len(list((tmp_path / "jit").glob("numba-*"))) == 2
+    assert len(list((folder / "jit").glob("numba-*"))) == 2
 
 
 def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, monkeypatch):
@@ -80,24 +94,16 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
         code_folder.cache_clear()
 
 
-@pytest.fixture(scope="module")
-def cached(tmp_path_factory):
-    """A copy of the package with compiled code, and what its program says."""
-    folder = tmp_path_factory.mktemp("cached")
-    shutil.copytree(PACKAGE, folder / "bearingwear", ignore=shutil.ignore_patterns("__pycache__"))
-    return folder, run(folder, SMALL)
-
-
 @pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])
-def test_damaged_cache_is_compiled_anew(cached, suffix, length):
+def test_damaged_cache_is_compiled_anew(first, suffix, length):
     """A full disk or a crash of the machine leaves such files."""
-    folder, said = cached
+    folder, said = first
     files = list((folder / "jit").rglob(f"*.{suffix}"))
     sizes = [file.stat().st_size for file in files]
     assert files and min(sizes) > length
     for file in files:
         os.truncate(file, length)
-    assert run(folder, SMALL) == said
+    assert run(folder) == said
     assert [file.stat().st_size for file in files] == sizes
 
 
@@ -110,5 +116,26 @@ def test_cache_that_cannot_be_written(cached):
     def no_room():
         resource.setrlimit(resource.RLIMIT_FSIZE, (1, 1))
 
-    assert run(folder, SMALL, preexec_fn=no_room) == said
+    assert run(folder, preexec_fn=no_room) == said
     assert not [file for file in (folder / "jit").rglob("*.nb?") if file.stat().st_size]
+
+
+def test_planted_code_is_not_run(cached):
+    """An index of numba's cache is a pickle, which runs whatever it says."""
+    folder, said = cached
+    planted = folder / "planted"
+
+    class Planted:
+        def __reduce__(self):
+            return os.mkdir, (str(planted),)
+
+    (jit,) = (folder / "jit").iterdir()
+    indices = list(jit.rglob("*body_forces*.nbi"))
+    assert indices
+    for index in indices:
+        index.write_bytes(pickle.dumps(Planted()))
+    jit.chmod(0o777)
+    assert run(folder) == said and not planted.exists()
+    jit.chmod(0o700)
+    run(folder)
+    assert planted.exists()  # it would have run
