@@ -13,6 +13,9 @@ from support import ROOT, scene_file
 SPREAD_OUT = ROOT / "tests" / "workflow"
 """Tests of one file here need not run in one process: what they share is made once for all."""
 
+OF_SOURCES = {"test_imports.py", "test_names.py", "test_provenance.py"}
+"""Files whose tests go through the sources of the whole package, which one process parses once."""
+
 LONGEST_FIRST = "workflow", "studies", "lives", "solvers", "kernels"
 """Folders whose files take seconds to half a minute: a process has no work beside a late one."""
 
@@ -69,6 +72,8 @@ def pytest_xdist_make_scheduler(config, log):
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file, _, _ = nodeid.partition("::")
+            if Path(file).name in OF_SOURCES:
+                return "sources"
             return nodeid if SPREAD_OUT in (ROOT / file).parents else file
 
     return ByFile(config, log)

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from scipy.special import ellipe
-from support import by_differences
+from support import by_differences, in_python
 
 from bearingwear.kernels.contact.friction import potential
 from bearingwear.kernels.contact.points import (
@@ -29,6 +29,10 @@ from bearingwear.kernels.contact.traction import (
 from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.quadrature import chebyshev, chebyshev_halves, gauss_halves
+
+dissipation, traction, strip_slopes = map(in_python, (dissipation, traction, strip_slopes))
+half_width, slip_velocity, strip_sums = map(in_python, (half_width, slip_velocity, strip_sums))
+surface_height = in_python(surface_height)
 
 R, MU, V_R = 1e-3, 0.07, 2e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, MU)

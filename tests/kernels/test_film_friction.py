@@ -24,7 +24,7 @@ from bearingwear.scene.read import variant
 from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
-friction_check = in_python(friction_check)
+friction_check, area_shares = in_python(friction_check), in_python(area_shares)
 motion_equilibrium = in_python(motion_equilibrium, thrust_equilibrium)
 
 MU_EVEN = 0.05

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support import in_python
 
 from bearingwear.kernels.contact.points import FAR, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.contact.slip import slip_velocity, surface_height
@@ -16,6 +17,9 @@ from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.dynamic.system import DynamicSystem
+
+rolling_points, surface_height = in_python(rolling_points), in_python(surface_height)
+slip_velocity = in_python(slip_velocity)
 
 R = 1e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, 0.1)
