@@ -26,13 +26,13 @@ def to_stderr(text: str) -> None:
 
 @contextlib.contextmanager
 def processes(
-    workers: int, caller: str, first_here: bool = False
+    workers: int, caller: str, some_here: bool = False
 ) -> Iterator[Callable[..., Iterator[Any]]]:
     """A `map` whose calls share processes; with one worker in this process.
 
     caller: what has `workers`, for the message where processes cannot be started.
-    first_here: whether the first job is done in this process, before others are forked: they have
-        the kernels and modules that it loads.
+    some_here: whether this process does some jobs: the first one, before others are forked, which
+        then have the kernels and modules that it loads; and those that find all others busy.
     """
     if workers < 1:
         raise ValueError(f"{caller}: workers: got {workers}, expected 1 or more")
@@ -42,7 +42,7 @@ def processes(
     # a terminal signals them, too; this process ends them
     pool = ProcessPoolExecutor(workers, None, signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
-        yield partial(_mapped, pool) if first_here else pool.map
+        yield partial(_mapped, pool, workers) if some_here else pool.map
     except BrokenProcessPool:
         raise RuntimeError(
             f"{caller}: a process has ended unexpectedly. Call this below `if __name__ == "
@@ -57,9 +57,14 @@ def processes(
         pool.shutdown(cancel_futures=True)
 
 
-def _mapped(pool: ProcessPoolExecutor, function: Callable[..., Any], *jobs: Any) -> Iterator[Any]:
+def _mapped(
+    pool: ProcessPoolExecutor, workers: int, function: Callable[..., Any], *jobs: Any
+) -> Iterator[Any]:
     calls = list(zip(*jobs, strict=True))
-    here = [function(*calls.pop(0))] if calls and not pool._processes else []
+    is_busy = len(pool._pending_work_items) >= workers
+    count = len(calls) if is_busy else 0 if pool._processes else 1
+    here = [function(*call) for call in calls[:count]]
+    calls = calls[count:]
     return chain(here, pool.map(function, *zip(*calls, strict=True)) if calls else ())
 
 

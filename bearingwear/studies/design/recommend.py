@@ -115,10 +115,10 @@ _EXACT = 2.7  # time of an exact life over that of a quick one
 def _usual_work(methods: int, limits: int) -> dict[str, tuple[float, float]]:
     """How many quick lives the stages of a recommendation usually take, and the time of each.
 
-    The limits are one job, beside which the ends of friction are solved: their lives wait for each
-    other, which tells nothing of the pace. What stands beside the preloads is four jobs.
+    The limits are one job: their lives wait for each other, which tells nothing of the pace. The
+    six jobs of what stands beside the preloads are solved meanwhile.
     """
-    found = {_MAP: (0.0, _EXACT), _BESIDE: (4.0, 5.5)}
+    found = {_MAP: (0.0, _EXACT), _BESIDE: (6.0, 2.0)}
     if limits:
         found |= {_SEARCH: (18.0 * methods, 1.0), _LIMITS: (1.0, 16.0 + 13.0 * limits)}
     return found
@@ -178,7 +178,7 @@ def mapped(
         workers, tell = 1, None
     waiting = tell if isinstance(tell, ProgressLines) else None
     left = TimeLeft(_usual_work(len(axes.preload_method), len(limits.given)))
-    with processes(workers, "recommend", first_here=True) as each:
+    with processes(workers, "recommend", some_here=True) as each:
         lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
         if not quick:
             lives = each(_followed, [(one, slip_limit, False) for one in scenes])
@@ -277,12 +277,12 @@ class Search:
         for _ in range(STEPS_BEYOND):
             if found is None or held_back_by(line, found, self.limits) != END_OF_RANGE:
                 break
-            end, best = found.best.preload, found.best.life
+            end, best = found.best.preload, found.best.life / found.best.scale  # quick
             step = STEP_BEYOND if end == max(line.tried) else 1.0 / STEP_BEYOND
             *between, far = (float(f"{end * step ** (k / 3):.3g}") for k in (1, 2, 3))
             if far > most_preload():
                 break
-            yield [(line, far, True)]
+            yield [(line, far, False)]
             one = line.tried[far]
             if one.is_allowed(self.limits) and best <= one.life < LITTLE_LONGER * best:
                 return replace(found, beyond=line.leave_out(far))
@@ -370,25 +370,28 @@ class Search:
         first = longer(np.nan_to_num(lives).tolist()) if len(lives) == 2 else None
         compared = given_scenes, lives, self.basis, first or 0
         both = first is not None and len(given_scenes) == 2
-        ways = _WAYS if both else ()
-        # one life after the other, so it is begun first
-        friction = self.each(_called, [partial(friction_end, *compared, up) for up in ways])
-        room = [] if first is None else self._limits_room(lines, first)
-        self.left.done(_LIMITS, 1.0)
-        asked: list[Callable[[], Any]] = [partial(criteria_room, *compared)] if both else []
+        # begun before the lives of the limits, which wait for each other
+        asked: list[Callable[[], Any]] = []
+        if both:
+            asked += [partial(friction_end, *compared, up) for up in _WAYS]
+            asked.append(partial(criteria_room, *compared))
+        asked.append(partial(lives_by_track, scenes, lives, self.basis))
         asked += [
             partial(_printed, scene, row)
             for scene, row in zip(scenes, rows, strict=True)
             if scene is not None
         ]
-        asked.append(partial(lives_by_track, scenes, lives, self.basis))
+        answers = self.each(_called, asked)
+        room = [] if first is None else self._limits_room(lines, first)
+        self.left.done(_LIMITS, 1.0)
         found = []
-        for one in self.each(_called, asked):
+        for one in answers:
             found.append(one)
             self.left.done(_BESIDE, 1.0)
-        tracks = found.pop()
         if both:
-            room += [*found.pop(0), *friction_room(given_scenes[0], *friction)]
+            low, high, ends, *found = found
+            room += [*ends, *friction_room(given_scenes[0], low, high)]
+        tracks, *found = found
         beside = [{} if scene is None else found.pop(0) for scene in scenes]
         errors = [one.get("life_error_estimate", NO_ERRORS)[self.basis] for one in beside]
         return held(room, tracks, verdict_on(lives, errors, room, tracks)), beside
@@ -453,7 +456,7 @@ def _row(line: PreloadLine, found: Found, limits: DesignLimits) -> dict[str, Any
             row |= {f"{name}_preload": one.preload, f"{name}_life": one.life}
     if one := found.beyond:
         running = one.values["residual_preload_at_start"]
-        row |= {"beyond_preload": one.preload, "beyond_life": one.life}
+        row |= {"beyond_preload": one.preload, "beyond_life": found.best.scale * one.life}
         row |= {"beyond_running_preload": running}
     return row
 

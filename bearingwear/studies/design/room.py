@@ -6,9 +6,10 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from bisect import bisect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import xarray as xr
@@ -47,6 +48,7 @@ _GUIDED = 5  # of the steps of a limit, where quick lives show what the coarse m
 _NEAREST = 2e-2  # width in log preload, within which there is an exact life
 _MOST = 40
 _ALIKE = 0.05  # lives that differ by less of the longer one: between them is none to solve
+_NO_DOUBT = 2.0 * _ALIKE  # logarithm of a ratio of lives, one of them between two alike
 _NO_CHANCE = 50.0  # logarithm of a ratio of lives of which one is nothing
 SHARES_OF_ENDS = ("preload_fraction", "gyroscopic_slip_share", "skid_ratio")
 _LARGEST_SHARE = 0.999
@@ -288,28 +290,42 @@ def friction_end(
         return replace(one, friction=replace(one.friction, ball_race=factor * mu))
 
     @cache
-    def exact(factor: float) -> float:
-        return advantage([printed_life(with_friction(o, factor), basis) for o in scenes], first)
+    def exact(k: int, factor: float) -> float:
+        return printed_life(with_friction(scenes[k], factor), basis)
 
     known = [{1.0: life} for life in lives]
 
-    def quick(factor: float) -> float:
-        return advantage([guessed(k, factor) for k in range(len(scenes))], first)
-
-    def guessed(k: int, factor: float) -> float:
-        """A quick life [s], or one between two that hardly differ."""
-        below = max((f for f in known[k] if f < factor), default=None)
-        above = min((f for f in known[k] if f > factor), default=None)
-        if below is not None and above is not None:
-            a, b = known[k][below], known[k][above]
-            if abs(a - b) < _ALIKE * max(a, b):
-                return float(np.interp(factor, (below, above), (a, b)))
+    def quick(k: int, factor: float) -> float:
         known[k][factor] = printed_life(with_friction(scenes[k], factor), basis, quick=True)
         return known[k][factor]
 
+    def ahead(solved: Callable[[int, float], float], factor: float) -> float:
+        """By lives that are solved, or that lie between two quick ones which hardly differ."""
+        found = [_between(one, factor) or solved(k, factor) for k, one in enumerate(known)]
+        return advantage(found, first)
+
+    def confirmed(factor: float) -> float:
+        """By exact lives; between quick ones only where these leave no doubt."""
+        guess = ahead(exact, factor)
+        if abs(guess) > _NO_DOUBT:
+            return guess
+        return advantage([exact(k, factor) for k in range(len(scenes))], first)
+
     even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
     factors = most**even if up else CRITERIA_FARTHEST**-even
-    return reversal(quick, exact, factors.tolist(), FOUND_TO, advantage(lives, first))
+    now = advantage(lives, first)
+    return reversal(partial(ahead, quick), confirmed, factors.tolist(), FOUND_TO, now)
+
+
+def _between(lives: Mapping[float, float], factor: float) -> float:
+    """A life between two that hardly differ [s]; 0 where there is none."""
+    factors = sorted(lives)
+    k = bisect(factors, factor)
+    if 0 < k < len(factors):
+        a, b = factors[k - 1], factors[k]
+        if abs(lives[a] - lives[b]) < _ALIKE * max(lives[a], lives[b]):
+            return float(np.interp(factor, (a, b), (lives[a], lives[b])))
+    return 0.0
 
 
 def warm_end(scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int) -> float:
@@ -368,7 +384,9 @@ def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
 def lives_by_track(
     scenes: Sequence[Scene | None], lives: Sequence[float], basis: int
 ) -> np.ndarray:
-    """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove."""
+    """Lives (scenes, `BALL_TRACKS`) [s], quick ones where the track is not that of the scene; all
+    NaN where none follows a groove.
+    """
     found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
     tracks = [
         [replace(one, wear=replace(one.wear, ball_track=track)) for track in BALL_TRACKS]
@@ -380,7 +398,7 @@ def lives_by_track(
         return found
     for i, each in enumerate(tracks):
         for k, one in enumerate(each):
-            found[i, k] = lives[i] if one == scenes[i] else printed_life(one, basis)
+            found[i, k] = lives[i] if one == scenes[i] else printed_life(one, basis, quick=True)
     return found
 
 
