@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -50,12 +49,31 @@ _GIVEN = np.empty(0)
 
 
 class Entry(NamedTuple):
-    """A variable as it stands in a file."""
+    """A variable of a file, apart from its data."""
 
     dims: tuple[str, ...]
-    data: np.ndarray
     attrs: dict[str, Any]
     fill: np.generic | None
+    default: np.ndarray  # where a result has no value
+
+
+class Layout(NamedTuple):
+    """The variables of a file; shared by results with values of the same shapes."""
+
+    coordinates: Mapping[str, Entry]
+    variables: Mapping[str, Entry]
+
+    @property
+    def every(self) -> dict[str, Entry]:
+        return {**self.coordinates, **self.variables}
+
+
+class Contents(NamedTuple):
+    """Contents of a file: layout, data by the names of variables, and global attributes."""
+
+    layout: Layout
+    data: dict[str, np.ndarray]
+    attrs: dict[str, Any]
 
 
 def common_attributes() -> dict[str, Any]:
@@ -75,9 +93,9 @@ def common_attributes() -> dict[str, Any]:
     }
 
 
-def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
-    """Variables and global attributes of a result, in the order of the table."""
-    values, scene = result.values, _scene(result.attrs.get("scene", "{}"))
+def contents_of(result: Result) -> Contents:
+    """Contents of the file of a result, in the order of the table."""
+    values, scene = result.values, result.scene
     is_life, fidelity = "end_criterion" in values, result.attrs.get("fidelity")
     table = _table(is_life, is_pair(scene))
     require_known(values, table)
@@ -90,29 +108,30 @@ def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
         strips=scene.get("model", {}).get("strips", STANDARD.strips),
         balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
     )
-    entries = {
-        name: Entry(dims, given[name] if name in given else data.copy(), attrs.copy(), fill)
-        for name, (dims, data, attrs, fill) in layout.items()
+    data = {
+        name: given[name] if name in given else entry.default.copy()
+        for name, entry in layout.every.items()
     }
     kind = "wear life" if is_life else "case"
     title = {"title": f"{kind} of {scene['name']}" if "name" in scene else kind}
     attrs = common_attributes() | title | result.attrs
-    return entries, {key: _attribute(value) for key, value in attrs.items()}
+    return Contents(layout, data, {key: _attribute(value) for key, value in attrs.items()})
 
 
-def stacked_entries(results: Sequence[Result], dim: str) -> tuple[dict[str, Entry], dict[str, Any]]:
-    """`entries_of` results of the same shapes, variables along a new first dimension."""
-    entries, attrs = entries_of(results[0])
+def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
+    """`contents_of` results of the same shapes, variables along a new first dimension."""
+    layout, data, attrs = contents_of(results[0])
     given = results[0].values
-    table = _table("end_criterion" in given, is_pair(_scene(results[0].attrs.get("scene", "{}"))))
-    for name, (dims, data, attributes, fill) in entries.items():
-        if name not in ALL_COORDINATES:
-            if name in given:
-                data = stored_data(table[name], [result.values[name] for result in results])
-            else:
-                data = np.repeat(data[None], len(results), axis=0)
-            entries[name] = Entry((dim, *dims), data, attributes, fill)
-    return entries, attrs
+    table = _table("end_criterion" in given, is_pair(results[0].scene))
+    for name in layout.variables:
+        if name in given:
+            data[name] = stored_data(table[name], [result.values[name] for result in results])
+        else:
+            data[name] = np.repeat(data[name][None], len(results), axis=0)
+    along = {
+        name: entry._replace(dims=(dim, *entry.dims)) for name, entry in layout.variables.items()
+    }
+    return Contents(layout._replace(variables=along), data, attrs)
 
 
 @functools.cache
@@ -120,12 +139,6 @@ def _table(is_life: bool, of_two: bool) -> Mapping[str, Variable]:
     """Variables of a file, its coordinates first."""
     table = LIFE if is_life else CASE
     return ALL_COORDINATES | (of_pair(table) if of_two else table)
-
-
-@functools.lru_cache(maxsize=4)
-def _scene(text: str) -> Mapping[str, Any]:
-    """The scene of a result; shared, so do not write to it."""
-    return json.loads(text)
 
 
 def require_known(values: Iterable[str], known: Container[str]) -> None:
@@ -141,11 +154,8 @@ def _layout(
     shapes: tuple[tuple[str, tuple[int, ...]], ...],
     strips: int,
     balls: int,
-) -> dict[str, Entry]:
-    """Entries of a result whose values have these shapes, with data where there is no value.
-
-    Shared, so do not write to it.
-    """
+) -> Layout:
+    """Layout of a result whose values have these shapes; shared, so do not write to it."""
     table, given = _table(is_life, of_two), dict(shapes)
     sizes = {
         "ball": 1,
@@ -174,7 +184,7 @@ def _layout(
     coordinates = _coordinates({dim for e in solved.values() for dim in e.dims}, given, sizes)
     if balls and "ball" in coordinates and sizes["ball"] == 1:
         coordinates["ball"].attrs["represents"] = np.int32(balls)
-    return coordinates | solved
+    return Layout(coordinates, solved)
 
 
 def _coordinates(
@@ -201,7 +211,7 @@ def _entry(
     variable: Variable,
     given: tuple[int, ...] | None,
     sizes: Mapping[str, int],
-    data: np.ndarray | None = None,
+    default: np.ndarray | None = None,
 ) -> Entry:
     dims = variable.dims
     shape = tuple(map(sizes.__getitem__, dims))
@@ -210,9 +220,9 @@ def _entry(
     attrs = variable.attributes
     if len(dims) > 1 and "strip" in dims:
         attrs["coordinates"] = STRIP_POSITION.name
-    if data is None:
-        data = _GIVEN if given is not None else np.full(shape, variable.missing)
-    return Entry(dims, data, attrs, None if variable.dtype[0] == "i" else variable.missing)
+    if default is None:
+        default = _GIVEN if given is not None else np.full(shape, variable.missing)
+    return Entry(dims, attrs, None if variable.dtype[0] == "i" else variable.missing, default)
 
 
 def stored_data(variable: Variable, value: Any) -> np.ndarray:

@@ -16,7 +16,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear.atomic import SIGNATURE, reason, whole_file
-from bearingwear.results.entries import ALL_COORDINATES, SOURCE, Entry, entries_of, stacked_entries
+from bearingwear.results.entries import (
+    SOURCE,
+    Contents,
+    Entry,
+    contents_of,
+    stacked_contents,
+)
 from bearingwear.results.labels import named_data
 from bearingwear.results.variables import TIME
 
@@ -45,10 +51,9 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
     """
     import netCDF4
 
-    entries, attrs = entries_of(result)
+    contents = contents_of(result)
     with whole_file(path) as part, netCDF4.Dataset(part, "w", format="NETCDF4") as file:
-        file.setncatts(attrs)
-        _fill(file, entries)
+        _fill(file, contents)
 
 
 @contextlib.contextmanager
@@ -56,33 +61,33 @@ def in_memory(result: Result) -> Iterator[Any]:
     """The `netCDF4.Dataset` of a result, open for reading, in memory alone."""
     import netCDF4
 
-    entries, attrs = entries_of(result)
+    contents = contents_of(result)
     with netCDF4.Dataset("result", "w", format="NETCDF4", diskless=True) as file:
-        file.setncatts(attrs)
-        _fill(file, entries)
+        _fill(file, contents)
         yield file
 
 
-def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
-    for entry in entries.values():
-        for dim, size in zip(entry.dims, entry.data.shape, strict=True):
+def _fill(file: Any, contents: Contents) -> None:
+    file.setncatts(contents.attrs)
+    every, data = contents.layout.every, contents.data
+    for name, entry in every.items():
+        for dim, size in zip(entry.dims, data[name].shape, strict=True):
             if dim not in file.dimensions:
                 file.createDimension(dim, size)
     # data after all definitions: netCDF rewrites those of the whole file before data
-    made = []
-    for name, entry in entries.items():
-        is_large = entry.data.size > COMPRESSED_ABOVE
-        variable = file.createVariable(
+    made = {}
+    for name, entry in every.items():
+        is_large = data[name].size > COMPRESSED_ABOVE
+        made[name] = file.createVariable(
             name,
-            entry.data.dtype,
+            data[name].dtype,
             entry.dims,
             fill_value=entry.fill,
             compression="zlib" if is_large or entry.dims[: len(TIME)] == TIME else None,
         )
-        variable.setncatts(entry.attrs)
-        made.append(variable)
-    for variable, entry in zip(made, entries.values(), strict=True):
-        variable[...] = entry.data
+        made[name].setncatts(entry.attrs)
+    for name, variable in made.items():
+        variable[...] = data[name]
 
 
 def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
@@ -90,14 +95,15 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
 
     With `by_name` it has names instead of codes, as `labelled` makes them.
     """
-    entries, attrs = entries_of(result)
-    return _dataset(entries, attrs | {"wall_time_s": float(result.wall_time_s)}, by_name)
+    contents = contents_of(result)
+    contents.attrs["wall_time_s"] = float(result.wall_time_s)
+    return _dataset(contents, by_name)
 
 
 def datasets_of(results: Iterable[Result], dim: str) -> list[xr.Dataset]:
     """Results along a new first dimension, a dataset for neighbours of the same shapes."""
     runs = (tuple(run) for _, run in itertools.groupby(results, _shapes))
-    return [_dataset(*stacked_entries(run, dim)) for run in runs]
+    return [_dataset(stacked_contents(run, dim)) for run in runs]
 
 
 def _shapes(result: Result) -> tuple[Any, ...]:
@@ -105,9 +111,10 @@ def _shapes(result: Result) -> tuple[Any, ...]:
     return result.attrs.get("fidelity"), shapes
 
 
-def _dataset(entries: dict[str, Entry], attrs: dict[str, Any], by_name: bool = False) -> xr.Dataset:
-    own = {name: entries.pop(name) for name in ALL_COORDINATES if name in entries}
-    return _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)
+def _dataset(contents: Contents, by_name: bool = False) -> xr.Dataset:
+    layout, data, attrs = contents
+    indexed = _indexed(layout.coordinates, data, by_name)
+    return _joined(_variables(layout.variables, data, by_name), indexed, attrs)
 
 
 def _unchecked(
@@ -118,18 +125,21 @@ def _unchecked(
     return made
 
 
-def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Variable]:
+def _variables(
+    entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
+) -> dict[str, xr.Variable]:
     """Variables of entries, which are known to be right: xarray would check each again."""
     import xarray as xr
 
     is_known = set(xr.Variable.__slots__) == _SLOTS
     make = functools.partial(_unchecked, xr.Variable) if is_known else xr.Variable
     made = {}
-    for name, (dims, data, attrs, fill) in entries.items():
+    for name, (dims, shared, fill, _) in entries.items():
+        values, attrs = data[name], shared.copy()
         attrs.pop("coordinates", None)
         if by_name and "flag_meanings" in attrs:
-            data, attrs = named_data(data, attrs)
-        made[name] = make(dims, data, attrs, {} if fill is None else {"_FillValue": fill})
+            values, attrs = named_data(values, attrs)
+        made[name] = make(dims, values, attrs, {} if fill is None else {"_FillValue": fill})
     return made
 
 
@@ -168,23 +178,30 @@ _KNOWN_COORDINATES: dict[Any, _Indexed] = {}
 """Of steady cases and the like, which all have the same; to index them takes half a millisecond."""
 
 
-def _indexed(entries: Mapping[str, Entry], by_name: bool) -> _Indexed:
-    if sum(entry.data.size for entry in entries.values()) > LONG_COORDINATES:
-        return _newly_indexed(entries, by_name)
+def _indexed(
+    entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
+) -> _Indexed:
+    if sum(data[name].size for name in entries) > LONG_COORDINATES:
+        return _newly_indexed(entries, data, by_name)
     # the other attributes are those of the table
-    contents = ((e.data.tobytes(), e.attrs.get("represents")) for e in entries.values())
-    key = by_name, tuple(zip(entries, contents, strict=True))
+    contents = (
+        (name, data[name].tobytes(), entry.attrs.get("represents"))
+        for name, entry in entries.items()
+    )
+    key = by_name, tuple(contents)
     if key not in _KNOWN_COORDINATES:
         if len(_KNOWN_COORDINATES) >= MOST_KNOWN:
             _KNOWN_COORDINATES.clear()
-        _KNOWN_COORDINATES[key] = _newly_indexed(entries, by_name)
+        _KNOWN_COORDINATES[key] = _newly_indexed(entries, data, by_name)
     return _KNOWN_COORDINATES[key]
 
 
-def _newly_indexed(entries: Mapping[str, Entry], by_name: bool) -> _Indexed:
+def _newly_indexed(
+    entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
+) -> _Indexed:
     import xarray as xr
 
-    made = xr.Coordinates(_variables(entries, by_name))
+    made = xr.Coordinates(_variables(entries, data, by_name))
     return _Indexed(made, dict(made.variables), dict(made.xindexes))
 
 

@@ -1,5 +1,6 @@
 """The result of a solve, independent of any file format."""
 
+import functools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,9 +23,14 @@ class Result:
     def status(self) -> str:
         return STATUS_NAMES[int(self.values["status"])]
 
+    @functools.cached_property
+    def scene(self) -> Mapping[str, Any]:
+        """The scene as plain data, empty if unknown; do not write to it."""
+        return json.loads(self.attrs.get("scene", "{}"))
+
     @property
     def reason(self) -> str:
-        return status_sentence(self.status, json.loads(self.attrs.get("scene", "{}")))
+        return status_sentence(self.status, self.scene)
 
 
 def status_sentence(status: str, scene: Mapping[str, Any]) -> str:

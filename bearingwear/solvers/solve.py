@@ -39,7 +39,9 @@ def solve(
     with Interrupt():
         values, attrs = solved(chosen.reduced(scene), chosen.fidelity, restart, progress)
     elapsed = time.perf_counter() - started
-    return Result(values, attrs | provenance(scene, chosen, values), elapsed)
+    result = Result(values, attrs | provenance(scene, chosen, values), elapsed)
+    result.scene = scene.plain  # or it would be read from the attribute
+    return result
 
 
 def solved(

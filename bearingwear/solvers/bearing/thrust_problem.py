@@ -98,9 +98,9 @@ class ThrustProblem:
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
         """The problem with half the regularisation, and with twice the points, `without_finer`."""
-        halved = replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r))
-        doubled = replace(self, rule=parameters.quadrature(scene, refined=2))
-        return halved.without_finer, doubled.without_finer
+        half, twice = self.op._replace(v_r=0.5 * self.op.v_r), parameters.quadrature(scene, 2)
+        halved = replace(self, op=half, fine_rule=self.rule)
+        return halved, replace(self, rule=twice, fine_rule=twice)
 
     def undetermined(self) -> int:
         """Status that is known before any solve, or OK."""
