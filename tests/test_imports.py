@@ -18,7 +18,7 @@ ROOT = PACKAGE.parent
 SOLVING = {"lives", "solvers", "scene", "kernels", "provenance", "sides", "measures"}
 READING = {"results", "atomic", "interrupt", "__init__"} | SOLVING
 MAY_IMPORT = {
-    "kernels": {"provenance"},
+    "kernels": {"provenance", "interrupt"},
     "scene": {"kernels", "provenance", "atomic", "measures"},
     "solvers": {"scene", "kernels", "provenance", "sides", "measures", "interrupt"},
     "lives": {"solvers", "scene", "kernels", "sides", "measures", "interrupt"},

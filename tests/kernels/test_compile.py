@@ -1,5 +1,6 @@
 """While kernels are compiled: a line says so, Ctrl-C is answered, other processes wait."""
 
+import ctypes
 import fcntl
 import gc
 import os
@@ -47,6 +48,14 @@ def started(folder, *arguments):
         stderr=subprocess.PIPE,
         text=True,
     )
+
+
+def test_interrupted_while_code_is_loaded(monkeypatch):
+    """LLVM calls Python back, where an exception is lost."""
+    interrupted = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(copy.disk, "load_overload", lambda args, target: interrupted())
+    with pytest.raises(KeyboardInterrupt):
+        copy._known(("no", "types"))
 
 
 def test_interrupted_while_llvm_works(tmp_path):

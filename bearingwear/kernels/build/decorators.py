@@ -1,7 +1,10 @@
 """The decorators of all kernels."""
 
-import numba
-from numba.extending import overload
+from bearingwear.interrupt import Interrupt
+
+with Interrupt():  # numba's C code would report Ctrl-C as an ImportError
+    import numba
+    from numba.extending import overload
 
 from bearingwear.kernels.build.versions import is_plain
 

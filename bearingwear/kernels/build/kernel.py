@@ -18,6 +18,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.core.sigutils import normalize_signature
 
+from bearingwear.interrupt import Interrupt
 from bearingwear.kernels.build.code import Callee, entries
 from bearingwear.kernels.build.folder import code_folder, tell_of_compiling
 from bearingwear.provenance import contents_hash, kernels_hash
@@ -190,9 +191,10 @@ class Kernel(CPUDispatcher):
         with global_compiler_lock:
             found = self.overloads.get(args)
             if found is None:
-                found = self.disk.load_overload(args, self.targetctx)
-                if found is not None:
-                    self.add_overload(found)
+                with Interrupt():  # LLVM calls back, and an exception raised there is lost
+                    found = self.disk.load_overload(args, self.targetctx)
+                    if found is not None:
+                        self.add_overload(found)
             return found
 
     def _compiled(self, args):
