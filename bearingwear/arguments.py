@@ -74,7 +74,8 @@ def command_parser() -> argparse.ArgumentParser:
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
-        help="continue a dynamic case from its end; the scenes may differ only in wear and model",
+        help="continue a dynamic case from its end; the scenes may differ only in wear, model and "
+        "friction.slip_regularisation_m_s",
     )
     for sub in (check, solve, life, launch):
         sub.add_argument("--case", metavar="NAME", help="select one of the cases of the scene")

@@ -39,7 +39,7 @@ def page_of_variables() -> str:
     of_a_life = [variable for name, variable in LIFE.items() if name not in GROWN]
     coordinates = [*COORDINATES.values(), STRIP_POSITION]
     sections = (
-        ("Of every case", "NaN if the case was not solved.", ALWAYS.values()),
+        ("Of every case", "Values are NaN if the case was not solved.", ALWAYS.values()),
         ("Of a case, if its model computes them", "", others),
         (
             "Of a dynamic case",
@@ -47,11 +47,16 @@ def page_of_variables() -> str:
             DYNAMIC.values(),
         ),
         ("Of a life", "Histories contain values at each `step` of the wear.", of_a_life),
-        ("Of a bearing with growth or temperature", "Of a case or a life.", grown),
+        (
+            "Of a bearing with growth or temperature",
+            "Both cases and lives include these variables.",
+            grown,
+        ),
         (
             "Of two bearings",
-            "Of a case with a pair (`arrangement`), one value for both. All other variables have "
-            "`bearing` as their first dimension, except status, life, its error and time.",
+            "For a pair (`arrangement`), each of these variables has one value for both bearings. "
+            "All other variables have `bearing` as their first dimension, except status, life, its "
+            "error and time.",
             SYSTEM.values(),
         ),
         ("Coordinates", COORDINATES_SAID, coordinates),

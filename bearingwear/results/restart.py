@@ -23,7 +23,7 @@ MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGUL
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
     """State from which a run continues.
 
-    scene: the scene to continue; it may differ from the file's in wear and model alone.
+    scene: the scene to continue; it may differ from the file's only in `MAY_DIFFER`.
 
     Returns: `state` (m,) in SI units, `time` [s], `scene` as plain data.
     CaseFileError: one line: no such case, not solved, of another version of the solver, of

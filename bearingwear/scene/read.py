@@ -125,7 +125,7 @@ class BasedOn:
     based_on: str = setting("The other scene, a file in the same folder, without .yaml",
         pattern=NAME)
     changes: Mapping[str, Any] = setting("Changed keys of the other scene and their new values",
-        name="set", allowed="KEY: VALUE", default_factory=dict)
+        name="set", default_factory=dict)
     # fmt: on
 
     def __post_init__(self) -> None:

@@ -71,7 +71,7 @@ def test_data_become_records():
         ({"sampling": {"samples": 0}}, "sampling.samples: got 0, expected a whole number >= 1"),
         ({"sampling": {"samples": 3}}, "sampling.samples: got 3, expected a power of two"),
         ({"sampling": {"seed": 1.5}}, "sampling.seed: got 1.5, expected a whole number >= 0"),
-        ({"sweeps": {}}, "sweeps: got a block of 0 keys, expected one or more blocks named by"),
+        ({"sweeps": {}}, "sweeps: got a block of 0 keys, expected one or more blocks named with"),
         ({"sweeps": {"one": {}}}, "sweeps.one.title: got nothing, expected text"),
         ({"sweeps": {"a b": {"title": "x"}}}, "sweeps: got the name 'a b', expected"),
         ({"sweeps": {"one": 3}}, "sweeps.one: got 3, expected a block of keys"),

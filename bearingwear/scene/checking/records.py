@@ -225,11 +225,16 @@ def _in_words(part: Part) -> str:
     if part.kind == "choice":
         return " or ".join(filter(None, (", ".join(key.choices[:-1]), key.choices[-1])))
     if part.kind == "list":
-        count = f" of {_COUNTS[key.least]} numbers" if key.least == key.most else ""
+        if part.item.kind == "block":
+            return "a list of blocks of keys"
+        count = f" of {_COUNTS[key.least]} numbers" if key.least == key.most else " of values"
         return f"a list{count}, each {part.item.allowed.removeprefix('a number ')}"
     if part.kind == "mapping":
-        named = ", ".join(key.names) or f"by {NAME_RULE}"
-        return f"{'one or more ' if key.least and not key.names else ''}blocks named {named}"
+        if part.item.kind == "any":
+            return "KEY: VALUE"
+        what = "blocks" if part.item.kind == "block" else "values"
+        named = ", ".join(key.names) or f"with {NAME_RULE}"
+        return f"{'one or more ' if key.least and not key.names else ''}{what} named {named}"
     if part.kind == "own":
         return str(getattr(part.type, "ALLOWED", "another value"))
     words = {"boolean": "true or false", "block": "a block of keys", "text": "text"}

@@ -130,7 +130,7 @@ class Design:
     # fmt: off
     small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives, which is "
         "part of the main study if that includes the scene", default=None)
-    limits: DesignLimits = setting("Limits, which apply from new to the end of life",
+    limits: DesignLimits = setting("Requirements, which apply from new to the end of life",
         default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(
         "Assumptions under which lives at the recommended preloads are computed again",

@@ -152,7 +152,7 @@ def life_tolerance_figure(trade: xr.Dataset) -> Figure:
     """The same sweeps, by the wear life."""
     points = of_sweeps(trade, "steady")
     worst = _worst(points_where(points, sweep="regularisation", label="0.001"), "life")
-    title = f"Wear life: v_r = 1e-3 m/s shifts it by up to {percent_in_text(worst)}"
+    title = f"Wear life: v_r = 1e-3 m/s changes it by up to {percent_in_text(worst)}"
     return multiples(trade, points, ("life",), title, "life_wall_time")
 
 

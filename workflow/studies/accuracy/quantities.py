@@ -17,9 +17,13 @@ QUANTITIES = table(
 """What the errors are of."""
 
 EXTRA = table(
-    Variable("wall_time", (), "s", "duration of the solve, warm, median of the repeats"),
+    Variable(
+        "wall_time", (), "s", "duration of the solve with compiled code, median of the repeats"
+    ),
     Variable("wall_time_least", (), "s", "duration of the fastest repeat"),
-    Variable("processor_time", (), "s", "CPU time of a warm solve, median of the repeats"),
+    Variable(
+        "processor_time", (), "s", "CPU time of a solve with compiled code, median of the repeats"
+    ),
     Variable("repeats", (), "1", "number of timed solves"),
     Variable("life_wall_time", (), "s", "time to compute the life, median of the repeats"),
     Variable("life_processor_time", (), "s", "CPU time to compute the life, median of the repeats"),

@@ -27,7 +27,7 @@ SECTIONS = {
     "steady": "Numbers, steady state",
     "ellipse": "Numbers, steady state with slip over the ellipse",
     "short": "Numbers, dynamic, the same turns",
-    "long": "Numbers, dynamic, turns and settledness",
+    "long": "Numbers, dynamic, turns and settling",
     "model": "Differences of model",
 }
 LOOSE = Agreement(10.0, 0.1)

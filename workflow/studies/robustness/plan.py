@@ -163,8 +163,8 @@ class StateMap:
     changes: Mapping[str, Any] = setting(
         "Keys of the scene to set", name="set", default_factory=dict
     )
-    x: KeyAxis
-    y: KeyAxis
+    x: KeyAxis = setting("Horizontal axis")
+    y: KeyAxis = setting("Vertical axis")
     limits: tuple[str, ...] = setting("Limits sought along y", choices=LIMIT_NAMES)
 
 
@@ -176,7 +176,7 @@ class Branch:
     changes: Mapping[str, Any] = setting(
         "Keys of the scene to set", name="set", default_factory=dict
     )
-    along: KeyAxis
+    along: KeyAxis = setting("Key along which the branches are followed")
 
 
 @keyed
