@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -113,4 +114,10 @@ def lives_by_end(
     asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
     life = worn_life(asked, quick, only_times=True)
     assert life is not None
-    return lambda end: life.first(Criteria(with_end(asked, end)))
+
+    @cache
+    def first(name: str, limit: float) -> float:
+        return life.first(Criteria(with_end(asked, EndOfLife(**{name: limit}))))
+
+    # NaN for a criterion that is not met
+    return lambda end: float(np.fmin.reduce([first(*one) for one in end.criteria.items()]))

@@ -78,6 +78,7 @@ class WornBearing:
         count = round(BAND_END / self.band_step) if self.bands else 0
         self.latitude = self.band_step * np.arange(-count, count + 1)[: 2 * count + self.bands]
         self.ends = np.full(2, CELLS_END)
+        self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
@@ -137,7 +138,7 @@ class WornBearing:
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
-        if not self._within(races, seat, D):
+        if not self._within(seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
@@ -193,7 +194,8 @@ class WornBearing:
             )
             work = self._friction_work(p, races)
             seat, u = self._moved(p, D, races, work)
-            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(races):
+            self.loaded = [race.cells.X[loaded_ends(race.pressure)] for race in races]
+            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened():
                 break
         return seat, u, races, work
 
@@ -226,10 +228,10 @@ class WornBearing:
                 break
         return seat, u
 
-    def _within(self, races: tuple[WornRace, ...], seat: WornSeat, D: float) -> bool:
+    def _within(self, seat: WornSeat, D: float) -> bool:
         """Whether all that wears lies on the grids."""
-        for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
-            reach = force.a * race.cells.X[loaded_ends(race.pressure)]
+        for k, (ends, force) in enumerate(zip(self.loaded, (seat.inner, seat.outer), strict=True)):
+            reach = force.a * ends
             if np.abs(reach + self.shift(k, force.alpha, self.problem.g)).max() > self.arc[k, -1]:
                 return False
             if self.bands:
@@ -366,14 +368,13 @@ class WornBearing:
         )  # fmt: skip
         return changes if seat.status == code.OK else np.full_like(changes, np.nan)
 
-    def _widened(self, races: tuple[WornRace, ...]) -> bool:
+    def _widened(self) -> bool:
         """Add cells to contacts that have grown to the ends of theirs."""
         wider = False
         kept = list(self.races)
-        for k, race in enumerate(races):
+        for k, (race, ends) in enumerate(zip(self.races, self.loaded, strict=True)):
             X = race.cells.X
-            loaded = np.abs(X[loaded_ends(race.pressure)])
-            if loaded.size and loaded.max() > X[-1] - (SPARE - 1.0) * (X[1] - X[0]):
+            if ends.size and np.abs(ends).max() > X[-1] - (SPARE - 1.0) * (X[1] - X[0]):
                 self.ends[k] *= WIDER
                 kept[k] = self._race(k)
                 wider = True
