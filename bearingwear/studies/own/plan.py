@@ -46,6 +46,8 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
                 "ball_diameter_loss_um": losses,
             }
         ],
+        # in one job: writing and reading a file for each of them takes longer than solving it
+        "points_per_job": len(PRELOAD_METHODS) * len(frictions) * len(losses),
         "unsolved": "warning",
         "figures": {
             "worn_loss_um": losses[len(losses) // 2],
