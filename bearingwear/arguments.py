@@ -102,7 +102,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_export(command("export", "write stiffness against speed as CSV, or as TOML for ROSS"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
-        command("compare", "list the differences between two result files; exit 1 if there are any")
+        command("compare", "list the differences between two result files; exit status 1 if any")
     )
     _add_plot(command("plot", "draw a result file"))
     _add_study(command("study", "run the study of a scene, or a study of the current folder"))

@@ -283,7 +283,7 @@ MEASURES = (
     Measure(key="lowest_frequency_Hz", words="lowest natural frequency of the rotor",
         label="rotor frequency", unit="Hz", variables=("lowest_frequency",), falls=True,
         advice="use more preload, or a rigid pair",
-        limit=("Minimum of the lowest natural frequency of the rotor", "(0, inf)"),
+        limit=("Minimum value of the rotor's lowest natural frequency", "(0, inf)"),
         note="the scene must specify mass and span", needs=("rotor_mass_kg", "span_mm"),
         option="--frequency", letter="H"),
     Measure(key="launch_g", words="acceleration at launch",

@@ -61,7 +61,7 @@ COORDINATES = (
         Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
         Variable("part", ("part",), "", "part of the bearing or its surroundings", "i1",
             flags=BEARING_PARTS),
-        Variable("state", ("state",), "1", "index in the vector of the state of motion", "i4"),
+        Variable("state", ("state",), "1", "index in the vector final_state", "i4"),
         Variable("groove_state", ("groove_state",), "1", "index of the stored profile", "i4"),
         Variable("arc", ("arc",), "1", "index of the position across a groove", "i4"),
         Variable("band_place", ("band_place",), "1", "index of the latitude on a ball", "i4"),

@@ -262,7 +262,7 @@ EFFECTS = (
         "fit_lost",
         growth.fit_lost,
         "the ring is loose on its seat ({seats}): heat and speed have eliminated the interference",
-        "use more interference, or less speed",
+        "use more interference, or a lower speed",
         impractical=True,
         modelled=growth.seats,
     ),
