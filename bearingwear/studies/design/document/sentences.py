@@ -70,10 +70,7 @@ NO_CLOCK = (
 SHORT_LIFE = 500.0
 """Life [h] below which a bearing evidently has no lubricant film."""
 
-NO_OIL = (
-    "Such a short life is typical of contacts without a lubricant film (oil films are not "
-    "modelled)."
-)
+NO_OIL = "Such a short life is typical without a lubricant film (not modelled)."
 
 _RUNS_APART = 1.5
 """Running preload over the initial one, or the reverse, that is worth a word."""
