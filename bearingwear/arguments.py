@@ -66,9 +66,9 @@ def command_parser() -> argparse.ArgumentParser:
 
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
     check = command("check", "check a scene and report which model would be used, and why")
-    solve = command("solve", "solve a scene and print the sheet; -o writes a case file")
+    solve = command("solve", "solve a scene and print a sheet of results; -o writes a case file")
     launch = command("launch", "determine whether the bearings of a rotor open or dent at launch")
-    life = command("life", "compute the wear life and print the sheet; -o writes a life file")
+    life = command("life", "compute the wear life and print its sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
@@ -126,11 +126,11 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
     cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
     cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="the ensemble is complete once the 90 %% interval of the mean work has this relative "
-        "half-width; default 0.1")
+        help="relative half-width of the 90 %% interval of the mean work at which the ensemble is "
+        "complete; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
-        help="minimum number of shaft turns in a run; default 30; a hanging cage may change its "
+        help="minimum number of shaft turns per run; default 30; a hanging cage may change its "
         "motion after hundreds of turns")
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
         help="maximum number of shaft turns in a run that has not settled; default 150")
@@ -153,7 +153,7 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
         help="the scene file to write, named after the designation if omitted; an existing file is "
-        "never replaced. Designations: 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, "
+        "never overwritten. Designations: 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, "
         "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any in its catalogue")
     new.add_argument("--maker", choices=tuple(MAKERS),
         help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
@@ -177,10 +177,10 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
         help="radial clearance, instead of a clearance group")
     new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
-        help="materials of balls and races, with wear and friction coefficients from a table "
+        help="materials of the balls and races, with wear and friction coefficients from a table "
         "(docs/coefficients.md); assumed if omitted")
-    new.add_argument("--film", choices=FILMS, help="solid film between balls and races, from the "
-        "same table")
+    new.add_argument("--film", choices=FILMS, help="solid film between the balls and races, from "
+        "the same table")
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 
@@ -227,11 +227,11 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     sub.add_argument("--friction", type=float, metavar="MU",
-        help="ball-race friction coefficient; default: value of the scene")
+        help="ball-race friction coefficient; default: the value in the scene")
     sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
-        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: method of the scene")
+        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the method in the scene")
     sub.add_argument("--samples", type=int, metavar="N",
-        help="base samples, a power of two; 2 N lives are sampled")
+        help="number of base samples, a power of two; 2 N lives are sampled")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
         help="seed of the sample; default 1")
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
@@ -241,11 +241,11 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
-        help="a scene, for a study of that scene (wear states, lives and their spread, recommended "
-        f"preload, page); a study of the current folder: {', '.join(NAMES)}; or one of its "
-        "results, results/..., which is then recomputed; default: the main study")
+        help="a scene to be studied (wear states, lives and their spread, recommended "
+        f"preload, page); the name of a study of the current folder ({', '.join(NAMES)}); or one "
+        "of its results (results/...), which is then recomputed; default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
-        help="folder of the study of a scene; default: named after the scene's file")
+        help="folder for the study of a scene; default: the name of the scene file")
     study.add_argument("-j", "--jobs", type=int, metavar="N",
         help="number of parallel jobs; default: one per core")
     _add_limits(study)
@@ -268,7 +268,7 @@ def _add_margin(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--drive", type=_positive, metavar="N_M",
         help="torque of the drive; sets drive.torque_Nm")
     sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
-        help="standard for the margin; sets drive.standard; default ecss")
+        help="standard that defines the margin; sets drive.standard; default ecss")
     sub.add_argument("--data", choices=("analysis", "test", "extremes"),
         help="source of the torques; sets drive.data; default analysis")
     _add_formats(sub)
@@ -283,11 +283,12 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
         help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format of "
         "ross.BearingElement.load")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
-        help="bearing of a pair; default 1")
+        help="which bearing of a pair; default 1")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",
-        help="shaft tilt in the bearing, which ROSS does not model; default held")
+        help="whether the tilt of the shaft in the bearing, which ROSS does not model, is held or "
+            "released; default held")
     sub.add_argument("--damping", type=_positive, metavar="N_S_M",
-        help="damping in x, y, z; 0 by default (assumed)")
+        help="damping in x, y and z; default 0 (assumed)")
     sub.add_argument("--node", type=int, default=0, metavar="N",
         help="node of the rotor; default 0")
     sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
@@ -304,10 +305,10 @@ def _add_show(sub: argparse.ArgumentParser) -> None:
 def _add_plot(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
     sub.add_argument("-o", "--output", nargs="+", default=[], metavar="FIGURE", type=Path,
-        help="figure, as SVG, PNG or PDF according to the suffix; default: FILE.svg in the folder "
-             "of the file")
+        help="figure file, whose suffix determines the format: SVG, PNG or PDF; default: FILE.svg "
+             "in the folder of FILE")
     sub.add_argument("--bearing", choices=("first", "second"),
-        help="bearing of a pair; required if the two differ")
+        help="which bearing of a pair; required if the two differ")
 
 
 def _add_compare(sub: argparse.ArgumentParser) -> None:

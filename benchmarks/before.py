@@ -82,7 +82,7 @@ class Program:
         )
 
     def run(self, case: tuple) -> list[float]:
-        """CPU time [ms a turn], QV [W], energy account, steps accepted and refused a turn."""
+        """CPU time [ms a turn], QV [W], energy balance, steps accepted and refused a turn."""
         assert self.process.stdin is not None and self.process.stdout is not None
         print(json.dumps(case), file=self.process.stdin, flush=True)
         return json.loads(self.process.stdout.readline())

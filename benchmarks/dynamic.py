@@ -67,7 +67,7 @@ class Case:
     """A run that is timed, and what its rounds left."""
 
     name: str
-    call: object  # () -> seconds of CPU, seconds of wall, QV, energy account, tally
+    call: object  # () -> seconds of CPU, seconds of wall, QV, energy balance, tally
     turns: float
     reference: str = ""
     cpu: list = dataclasses.field(default_factory=list)  # [ms] a turn
@@ -163,7 +163,7 @@ def speed():
         for case in cases:
             case.time()
     table(
-        "case, CPU ms/turn, least, most, wall ms/turn, QV error, energy account, steps, rejected",
+        "case, CPU ms/turn, least, most, wall ms/turn, QV error, energy balance, steps, rejected",
         [
             (
                 case.name,

@@ -47,7 +47,7 @@ def launch_document(scene: Scene, found: Launched) -> Document:
 def launch_verdict(found: Launched) -> list[str]:
     """Whether it gaps and whether it dents, in sentences."""
     said = [
-        f"{load.name}: the rotor is not supported; use more spring force, or a stop "
+        f"{load.name}: the spring does not support the rotor; use more spring force, or a stop "
         f"(arrangement.stop_um)"
         for load in found.loads
         if load.rotor is None

@@ -42,13 +42,13 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     assert drive is not None
     words = corner_words(worst)
     if math.isnan(worst.torque):
-        said = f"torque margin unknown: no steady state, {words}"
+        said = f"torque margin unknown: no steady state was found, {words}"
     elif worst.stalls:
         said = f"stalls: the resisting torque exceeds the drive torque, {words}"
     else:
         kept = "sufficient" if worst.margin >= 0.0 else "INSUFFICIENT"
         said = f"torque margin {digits(100.0 * worst.margin)} %, {kept}; worst corner: {words}"
-    factors = f"{drive.rule[drive.bearings]:g} on bearing torque of class {drive.bearings}"
+    factors = f"{drive.rule[drive.bearings]:g} on the bearing torque of class {drive.bearings}"
     others = ", ".join(
         f"{drive.rule[name]:g} on {T:g} N m {name}" for name, T in drive.resistances_Nm.items()
     )

@@ -97,14 +97,16 @@ def chart_html(
 def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
-        "Star: the method's longest life that satisfies all requirements.": any(
+        "Star: the method's longest life with all requirements satisfied.": any(
             c.star for c in chart.lines
         ),
-        "Vertical line: life range of 90 % of the bearings.": any(c.band for c in chart.lines),
+        "Vertical line: range of the lives of 90 % of the bearings.": any(
+            c.band for c in chart.lines
+        ),
         "Dashed line and bar on the axis: the method violates a requirement.": any(
             c.beyond for c in chart.lines
         ),
-        "Diamond: from here on, another criterion ends the life.": any(
+        "Diamond: beyond it, another criterion determines the end of life.": any(
             len(set(c.ends)) > 1 for c in chart.lines
         ),
     }

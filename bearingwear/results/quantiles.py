@@ -48,7 +48,7 @@ QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
 NO_QUANTILES = "the spread of the life was not computed"
-SEE = "the command bearingwear uncertainty computes it"
+SEE = "use `bearingwear uncertainty`"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""
@@ -70,13 +70,13 @@ class Spread(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """`90 % of bearings last between 0.34 and 5.8 h`, and of how many lives if not of all."""
+        """`90 % of bearings have lives between 0.34 and 5.8 h`, and of how many if not all."""
         low, high = self.bearings.text.split(" to ")
-        text = f"{BEARINGS_BETWEEN} last between {low} and {high} h".replace(
+        text = f"{BEARINGS_BETWEEN} have lives between {low} and {high} h".replace(
             " %", "\N{NO-BREAK SPACE}%"
         )
         if self.bearings.low == 0.0:
-            text += " (0: an end-of-life criterion is met when new)"
+            text += " (0: a new bearing already meets an end-of-life criterion)"
         share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"
         return text + (share if self.solved < 1.0 else "")
 

@@ -82,7 +82,7 @@ STUDY_COORDINATES = table(
 """Axes along which the studies repeat solves."""
 
 STRIP_POSITION = Variable("strip_position", ("strip",), "1",
-    "position of the strip centre over the semi-major axis",
+    "position of the strip centre divided by the semi-major axis",
     comment="+1 is the end in the positive direction of the bearing axis")  # fmt: skip
 
 INTERVAL_MEANS = {
@@ -169,7 +169,7 @@ STATE = ALWAYS | table(
         "rate of the total wear depth, mean over the balls", averaged=True,
         label="total wear depth", shown="um/1000 h"),
     Variable("quasistatic_axial_stiffness", (), "N m-1", "quasi-static axial stiffness",
-        comment="slope of axial force against displacement in the steady state; motion and "
+        comment="slope of the axial force against displacement in the steady state; motion and "
         "friction adapt, while temperatures and wear are held constant",
         label="quasi-static axial stiffness"),
     Variable("stiffness_transition_frequency", (), "Hz",
@@ -178,8 +178,9 @@ STATE = ALWAYS | table(
         label="stiffness transition"),
     Variable("stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "dynamic stiffness of the bearing, with speed and friction forces held constant",
-        comment="N m-1 between displacements, N between a displacement and a tilt, N m between "
-        "tilts in radians; about the centre of the circle of inner groove centres"),
+        comment="N m-1 for force over displacement, N for force over tilt or moment over "
+        "displacement, N m for moment over tilt in radians; about the centre of the circle of "
+        "inner groove centres"),
     Variable("quasistatic_stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "quasi-static stiffness of the bearing",
         comment="units as in stiffness_matrix; not symmetric; for displacements fixed in space, "
@@ -188,7 +189,8 @@ STATE = ALWAYS | table(
     Variable("gyroscopic_moment", _BALL, "N m", "gyroscopic moment on the ball, magnitude",
         averaged=True),
     Variable("friction_used_by_gyroscopic_moment", _BALL, "1",
-        "gyroscopic moment over the maximum friction moment mu (Q_i + Q_o) R", averaged=True,
+        "ratio of the gyroscopic moment to the maximum friction moment mu (Q_i + Q_o) R",
+        averaged=True,
         label="friction used (gyroscopic)", shown="%"),
     Variable("friction_coefficient", _BOTH, "1", "friction coefficient of the contact",
         averaged=True, label="friction coefficient"),
@@ -268,15 +270,15 @@ DYNAMIC = table(
         "maximum growth rate, per shaft turn, of all other disturbances in a periodic motion",
         label="growth of disturbances", shown="%/turn", comment="negative: disturbances decay"),
     Variable("steps_accepted", (), "1", "steps of the time integration", "i8", label="steps"),
-    Variable("steps_rejected", (), "1", "steps repeated with a shorter length", "i8",
+    Variable("steps_rejected", (), "1", "number of steps repeated with a shorter length", "i8",
         label="steps repeated"),
-    Variable("evaluations", (), "1", "evaluations of the equations of motion", "i8"),
+    Variable("evaluations", (), "1", "number of evaluations of the equations of motion", "i8"),
     Variable("contact_events", (), "1",
-        "number of contacts of cage and races that closed or opened", "i8",
+        "number of times that a contact of the cage or a race closed or opened", "i8",
         label="contact events"),
     Variable("energy_account_error", (), "1",
-        "imbalance in the energy account, relative to the heat",
-        label="energy account error", shown="%"),
+        "residual of the energy balance, relative to the heat",
+        label="energy balance error", shown="%"),
     Variable("coriolis_energy_share", (), "1", "work of the Coriolis force, relative to the heat",
         comment="neglected in the equations of motion"),
     Variable("azimuth_energy_share", (), "1",
@@ -313,8 +315,9 @@ DYNAMIC = table(
     _history("cage_tilt", _TIME_DIRECTION, "degree", "tilt of the cage about a transverse axis",
         DEGREE),
     _history("cage_speed", TIME, "rad s-1", "speed of the cage"),
-    _history("pocket_force", _TIME_BALL, "N", "normal force between ball and cage pocket"),
-    _history("land_force", ("time", "edge"), "N", "normal force between cage and guiding land"),
+    _history("pocket_force", _TIME_BALL, "N", "normal force between a ball and its cage pocket"),
+    _history("land_force", ("time", "edge"), "N", "normal force between the cage and its guiding "
+        "land"),
     _history("cage_pocket_wear_rate", TIME, "m3 s-1", "wear rate of the cage pockets"),
     _history("cage_land_wear_rate", TIME, "m3 s-1", "wear rate of the cage at its guiding land"),
 )

@@ -163,11 +163,11 @@ class Model:
         'model.accuracy". With cage_results or a clearance limit, model.dynamic_tolerance is at '
         f'most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")
-    strips: int = setting("Points or strips along each contact ellipse (split: the maximum "
-        "number, with a quarter of them on each side of a pure-rolling point, at least 20)", "1",
-        "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
+    strips: int = setting("Number of points or strips along each contact ellipse (split: the "
+        "maximum number, at least 20, with a quarter of them on each side of a pure-rolling point)",
+        "1", "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
-        "Points across each strip if slip is evaluated over the ellipse", "1", "[1, 200]",
+        "Number of points across each strip if slip is evaluated over the ellipse", "1", "[1, 200]",
         default_by=ACCURACY, default=STANDARD.over_ellipse[1])
     quadrature: str = setting("Quadrature over the contact ellipse: Gauss-Legendre on each half "
         "of the major axis, Gauss-Legendre split at the pure-rolling points and refined there, or "
@@ -176,7 +176,8 @@ class Model:
         "where the force along the orbit permits them (0: no search; steady model only)",
         "1", "[0, 10000]",
         default_by=ACCURACY, default=STANDARD.steady_starts)
-    simulated_turns: float = setting("Shaft turns simulated (dynamic model only)", "1", "(0, 1e6]",
+    simulated_turns: float = setting("Number of shaft turns simulated (dynamic model only)", "1",
+        "(0, 1e6]",
         default_by=ACCURACY, default=STANDARD.simulated_turns)
     evaluated_turns: float | None = setting("Number of final shaft turns over which results are "
         "averaged (if omitted, the second half of the run; at most model.simulated_turns)",
@@ -184,18 +185,19 @@ class Model:
     history_points_per_turn: int = setting("History points per shaft turn (0: no histories; at "
         "most a million points in total; dynamic model only)", "1", "[0, 10000]", default=20)
     integrator: str = setting(
-        "Time integration method: linearly implicit, or explicit, as in the source of the model",
+        "Time integration method: linearly implicit (rosenbrock), or explicit as in the source of "
+        "the model (runge_kutta)",
         choices=("rosenbrock", "runge_kutta"), default="rosenbrock")
-    dynamic_solution: str = setting("Solution of the dynamic model: march steps in time until the "
-        "motion settles; periodic solves directly for the periodic motion (identical balls, no "
-        "cage, one stationary or rotating load); auto uses periodic where it applies and no "
-        "history is requested",
+    dynamic_solution: str = setting("Solution of the dynamic model: march integrates in time "
+        "until the motion settles; periodic solves directly for the periodic motion (identical "
+        "balls, no cage, one stationary or rotating load); auto uses periodic where it applies "
+        "and no history is requested",
         choices=("auto", "periodic", "march"), default="auto")
     dynamic_tolerance: float = setting(
         "Allowed error in slip velocities over one time step, relative to the mean slip (dynamic "
         "model only)", "1",
         "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
-    settled_drift: float = setting("A run counts as settled, and ends, if the expected further "
+    settled_drift: float = setting("A run counts as settled, and ends, once the expected further "
         "relative change in QV and wear is below this value (dynamic model only)",
         "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
@@ -205,8 +207,9 @@ class Model:
     life_steps: int = setting(
         "Approximate number of wear steps of a dynamic life, each with a short run", "1",
         "[2, 10000]", default=12)
-    life_run_in_turns: float = setting("Shaft turns before the first wear rates of a dynamic life, "
-        "during which the influence of the cage's initial position decays (0 without a cage)",
+    life_run_in_turns: float = setting("Number of shaft turns before the first wear rates of a "
+        "dynamic life are evaluated, so that the influence of the cage's initial position decays "
+        "(0 without a cage)",
         "1", "[0, 1e6]",
         default=200.0)
     tolerance: float = setting("Relative error tolerance of the life", "1", "[1e-12, 0.1]",

@@ -73,11 +73,11 @@ class Arrangement:
     stop_um: float | None = setting("Travel of the preload spring at launch, to its stop or to a "
         "snubber (unlimited if omitted)", "um", "[0, 1e5]", default=None)
     tandem: tuple[int, ...] = setting("Number of identical bearings in tandem on the first and on "
-        "the second side of a pair, which share the axial force of that side",
+        "the second side of a pair, sharing the axial force on that side",
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
-        "Keys and values of the second bearing of a pair that differ from those of this scene",
+        "Keys for which the second bearing of a pair differs from this scene, with their values",
         allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
     # fmt: on
 

@@ -48,9 +48,11 @@ class Bearing:
         "[0.2, 10000]", example="54")
     contact_angle_deg: float = setting("Free contact angle (unloaded, unworn)", "degree", "[0, 80]",
         example="15")
-    inner_groove_factor: float = setting("Groove radius of the inner race over ball diameter", "1",
+    inner_groove_factor: float = setting("Ratio of the groove radius of the inner race to the "
+        "ball diameter", "1",
         "(0.5, 1]", example="0.52")
-    outer_groove_factor: float = setting("Groove radius of the outer race over ball diameter", "1",
+    outer_groove_factor: float = setting("Ratio of the groove radius of the outer race to the "
+        "ball diameter", "1",
         "(0.5, 1]", example="0.53")
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
@@ -113,17 +115,18 @@ class Cage:
     outer_diameter_mm: float = setting("Outer diameter of the cage ring, larger than the inner one",
         "mm", "(0, 10000]")
     width_mm: float = setting("Axial width of the cage", "mm", "(0, 1000]")
-    pocket_clearance_mm: float = setting("Diametral clearance between ball and pocket", "mm",
+    pocket_clearance_mm: float = setting("Diametral clearance between a ball and its pocket", "mm",
         "[0, 50]")
-    guide_clearance_mm: float = setting("Diametral clearance between cage and guiding land", "mm",
+    guide_clearance_mm: float = setting("Diametral clearance between the cage and its guiding "
+        "land", "mm",
         "[0, 50]")
     imbalance_um: float = setting(
         "Distance of the centre of mass from the cage's centre, towards its first pocket", "um",
         "[0, 1000]", default=0.0)
-    worn_share: float = setting("Share of pocket walls and guiding surface over which wear is "
-        "spread (assumed; used only for cage lives)", "1", "[0.001, 1]", default=1.0)
-    film: Film | None = setting("A solid film on pocket walls and guiding surface (used only for "
-        "cage lives; none if omitted)", default=None)
+    worn_share: float = setting("Share of the pocket walls and the guiding surface over which "
+        "wear is spread (assumed; used only for cage lives)", "1", "[0.001, 1]", default=1.0)
+    film: Film | None = setting("A solid film on the pocket walls and the guiding surface (used "
+        "only for cage lives; none if omitted)", default=None)
     # fmt: on
 
 
@@ -209,10 +212,10 @@ class Wear:
 
     # fmt: off
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "Loss of ball diameter in a case (less than a tenth of the ball diameter)",
+        "Loss of ball diameter for which a case is solved (less than a tenth of the ball diameter)",
         "um", "[0, 50000]",
         single=True, least=1, most=1000, each="Loss of diameter of one ball",
-        allowed="a number from 0 to 50000, or a list of one such number for each ball",
+        allowed="a number from 0 to 50000, or a list with one such number for each ball",
         default=(0.0,))
     counts: str = setting(
         "Wear counted in the total wear depth of the reported life (files contain the lives "
@@ -224,8 +227,8 @@ class Wear:
     track_wander: float = setting("rms wander of a ball's track in a worn groove, in semi-major "
         "axes of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(
-        "End-of-life criteria, of which the first one reached ends the life (a life requires at "
-        "least one)",
+        "End-of-life criteria; the first one reached determines the end of life (a life requires "
+        "at least one)",
         default=None)
     # fmt: on
 

@@ -35,11 +35,11 @@ class RunningIn:
 
     # fmt: off
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface, which approaches the value of the material", "1",
-        _SHARE)
+        "Wear coefficient of the new surface; with wear it approaches the value of the material",
+        "1", _SHARE)
     # fmt: on
     depth_um: float = setting(
-        "Wear depth at which 1/e of the difference from the value of the material remains",
+        "Wear depth over which the difference from the value of the material decreases to 1/e",
         "um",
         _THICKNESS,
     )
@@ -82,13 +82,14 @@ class Friction:
 
     # fmt: off
     ball_race: float | None = setting(
-        "Coulomb coefficient between ball and race (required without friction.film)", "1", "[0, 2]",
+        "Coulomb coefficient between the balls and races (required without friction.film)", "1",
+        "[0, 2]",
         default=None)
     film: FilmFriction | None = setting(
-        "A solid film between balls and races, instead of one coefficient", default=None)
+        "A solid film between the balls and races, instead of one coefficient", default=None)
     cage: float = setting(
-        "Coulomb coefficient between ball and cage, and between cage and land", "1", "[0, 2]",
-        default=0.05)
+        "Coulomb coefficient between the balls and the cage, and between the cage and its land",
+        "1", "[0, 2]", default=0.05)
     slip_regularisation_m_s: float = setting(
         "Slip speed below which friction is regularised (an accuracy setting)", "m/s", "[1e-9, 1]",
         default_by=ACCURACY, default=STANDARD.slip_regularisation_m_s)

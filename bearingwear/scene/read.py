@@ -53,7 +53,7 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
         return scene, "scene"
     if isinstance(scene, str | os.PathLike):
         return _read(scene)[0], os.fspath(scene)
-    raise TypeError(f"a scene is a path, a dict or a Scene, not {type(scene).__name__}")
+    raise TypeError(f"got {type(scene).__name__}, expected a path, a dict or a Scene")
 
 
 def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: str) -> Scene:
@@ -122,7 +122,7 @@ class BasedOn:
     name: str = setting("Name of the scene", pattern=NAME)
     description: str = setting("Replaces the description of the other scene", default="")
     # fmt: off
-    based_on: str = setting("The other scene, a file in the same folder, without .yaml",
+    based_on: str = setting("Name of the other scene, a file in the same folder (without .yaml)",
         pattern=NAME)
     changes: Mapping[str, Any] = setting("Changed keys of the other scene and their new values",
         name="set", default_factory=dict)

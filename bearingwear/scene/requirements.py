@@ -21,12 +21,14 @@ class Launch:
     axial_g: float = setting("Quasi-static axial acceleration, in both directions (standard g)",
         "1", _G, default=0.0)
     radial_g: float = setting("Quasi-static radial acceleration (standard g)", "1", _G, default=0.0)
-    axial_density_g2_Hz: float | None = setting("Spectral density of random axial acceleration at "
-        "the rotor's axial frequency, from which Miles' equation (three sigma) gives axial_g",
+    axial_density_g2_Hz: float | None = setting("Spectral density of the random axial "
+        "acceleration at the rotor's axial natural frequency, from which Miles' equation (three "
+        "sigma) gives axial_g",
         "1/Hz",
         _DENSITY, default=None)
     radial_density_g2_Hz: float | None = setting(
-        "Spectral density of random radial acceleration at the rotor's radial frequency", "1/Hz",
+        "Spectral density of the random radial acceleration at the rotor's radial natural "
+        "frequency", "1/Hz",
         _DENSITY, default=None)
     amplification: float = setting(
         "Amplification Q = 1/(2 damping ratio) at the rotor's natural frequencies (default: 10, "
@@ -95,7 +97,7 @@ class Drive:
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
-            problem = "expected them only with standard own"
+            problem = "expected factors with standard own and no others"
             given = "some" if self.factors else "none"
             raise SceneError(
                 "factors", f"got {given} with {self.standard}, {problem}", ("standard",)

@@ -95,7 +95,8 @@ class Scene:
     materials: Mapping[str, Material] = setting("The materials, each a block under its name",
         least=1, each="One material, under a name of your choice (letters, digits, _ and -)")
     cage: Cage | None = setting(
-        "The cage, none if omitted (a cage alone does not require the dynamic model)", default=None)
+        "The cage (none if omitted; a cage by itself does not require the dynamic model)",
+        default=None)
     operation: Operation = setting("Speeds, preload and loads")
     arrangement: Arrangement | None = setting("Bearings of the rotor (default: a single one)",
         default=None)
@@ -106,8 +107,8 @@ class Scene:
     temperature: Temperature | None = setting(
         "Temperatures of the parts (if omitted, the mounting temperature)", default=None)
     thermal: Thermal | None = setting(
-        "Thermal network that determines the temperatures of rings and balls from the friction "
-        "heat",
+        "Thermal network that determines the temperatures of the rings and balls from the "
+        "friction heat",
         default=None)
     fits: Fits | None = setting(
         "Fits of the rings on their seats (if omitted, the rings expand freely)",
@@ -129,7 +130,7 @@ class Scene:
         "named case with the keys of the scene that change and their values", least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
-    model: Model = setting("Model and accuracy, which override the automatic choice",
+    model: Model = setting("Model and accuracy settings, which override the automatic choice",
         default_factory=Model)
     # fmt: on
 
@@ -348,7 +349,7 @@ def _check_wear(scene: Scene) -> None:
     if len(loss) not in (1, count):
         raise SceneError(
             key,
-            f"got {len(loss)} values, expected one number, or a list of one number for each of "
+            f"got {len(loss)} values, expected one number or a list with one number for each of "
             f"the {count} balls",
             ("bearing.ball_count",),
         )
@@ -404,7 +405,8 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
         raise SceneError(
             rim[0],
             f"got a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
-            f"misses the balls, expected diameters that overlap {inside:g} to {outside:g} mm",
+            f"does not reach the balls, expected diameters that overlap {inside:g} to {outside:g} "
+            f"mm",
             rim + circle,
         )
     guided = cage.guiding_race != "ball"

@@ -197,7 +197,7 @@ def _check_correlation(scene: Scene, name: str, value: float) -> None:
     elif not friction:
         problem = f"only allowed with uncertainty.{' or uncertainty.'.join(FRICTION_KEYS)}"
     elif len({is_same_for_batch(n, given[n]) for n in (name, friction)}) > 1:
-        problem = f"expected the same same_for_batch of wear_coefficient and {friction}"
+        problem = f"expected the same value of same_for_batch for wear_coefficient and {friction}"
     if problem:
         key = f"uncertainty.{name}"
         raise SceneError(f"{key}.friction_correlation", f"got {value:g}, {problem}", (key,))

@@ -58,7 +58,7 @@ class Conductance:
 
 @keyed
 class Thermal:
-    """A network that finds the temperatures of rings and balls from the friction heat."""
+    """A network that finds the temperatures of the rings and balls from the friction heat."""
 
     conductance_W_K: Conductance = setting("Conductances that remove the friction heat")
     shaft_C: float = setting("Constant temperature of the shaft", "degC", _DEGREES, default=20.0)
@@ -181,7 +181,7 @@ def _check_expansions(scene: Scene) -> None:
             raise SceneError(
                 key,
                 f"got a temperature {abs(kelvin):g} K from the mounting temperature, expected at "
-                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
+                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
 
@@ -208,7 +208,7 @@ def _check_play(scene: Scene) -> None:
             raise SceneError(
                 f"temperature.{ring}_ring_C",
                 f"got {given:g} with balls of {balls:g} degC; only allowed where the groove "
-                f"stays wider than the balls (bearing.{ring}_groove_factor {factor:g})",
+                f"remains wider than the balls (bearing.{ring}_groove_factor {factor:g})",
                 ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )
 

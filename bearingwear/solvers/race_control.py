@@ -244,5 +244,6 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     }
     values |= controlled_error_estimates(scene, problem, balance, models, values)
     return values, {
-        "residual": f"normal balance {residual:.1e} of the contact load (allowed: {allowed:.0e})"
+        "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
+        f"(allowed: {allowed:.0e})"
     }

@@ -253,9 +253,9 @@ def axial_force(case: ThrustCase, n: int = 1) -> float:
 def residual_sentence(case: ThrustCase) -> str:
     found = case.residuals
     return (
-        f"friction balance {found.friction:.1e} of the friction forces, "
-        f"normal balance {found.equilibrium:.1e} of the contact load, "
-        f"power balance {found.power:.1e} of the shaft power (allowed: {LARGEST_RESIDUAL:.0e})"
+        f"error in the friction balance: {found.friction:.1e} of the friction forces; in the "
+        f"normal force balance: {found.equilibrium:.1e} of the contact load; in the power "
+        f"balance: {found.power:.1e} of the shaft power (allowed: {LARGEST_RESIDUAL:.0e})"
     )
 
 

@@ -52,8 +52,9 @@ class Warmed:
     def sentence(self) -> str:
         t = self.scene.temperature or Temperature()
         return (
-            f"not solved after {self.solves} solves: {self.heat.total:.3g} W of heat, inner ring "
-            f"{t.inner_ring_C:.4g}, balls {t.balls_C:.4g}, outer ring {t.outer_ring_C:.4g} degC"
+            f"not converged after {self.solves} iterations: {self.heat.total:.3g} W of heat, inner "
+            f"ring {t.inner_ring_C:.4g}, balls {t.balls_C:.4g}, outer ring {t.outer_ring_C:.4g} "
+            f"degC"
         )
 
 

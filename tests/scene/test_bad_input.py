@@ -68,7 +68,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "cage off the balls": (
         edited(("  inner_diameter_mm: 6.6", "  inner_diameter_mm: 9.6"),
                ("  outer_diameter_mm: 8.6", "  outer_diameter_mm: 11.6")),
-        "cage.inner_diameter_mm", ("misses the balls",)),
+        "cage.inner_diameter_mm", ("does not reach the balls",)),
     "pockets that overlap": (
         edited(("pocket_clearance_mm: 0.15", "pocket_clearance_mm: 0.6")),
         "cage.pocket_clearance_mm", ("overlap",)),

@@ -31,7 +31,7 @@ def cage_state(motion):
 
 
 def moved(motion, duration, *options):
-    """Terms of the energy account over a stretch, `missing` and `heat` of all kinds among them."""
+    """Terms of the energy balance over a stretch, `missing` and `heat` of all kinds among them."""
     before = motion.energy()
     assert motion.advance(duration, *options).status == OK
     change = {name: value - before[name] for name, value in motion.energy().items()}

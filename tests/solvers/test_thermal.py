@@ -222,4 +222,4 @@ def test_a_life_in_time_is_warmed_at_each_step(scene):
     (warm,), (seized,) = (wearing.state(wearing.start) for wearing in wearings)
     assert warm.status == code.OK and seized.status == code.WARM_SEIZURE
     assert_allclose(warm["part_temperature"], steady, rtol=1e-6)
-    assert seized.answer.residual.startswith("not solved after")
+    assert seized.answer.residual.startswith("not converged after")

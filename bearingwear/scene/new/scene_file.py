@@ -190,7 +190,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     text, assumed = scene_text("", **known)
     checked_scene(text)
     if "\0" not in str(path) and os.path.lexists(path):
-        raise OutputError(f"{path}: already exists and is not replaced; choose another name")
+        raise OutputError(f"{path}: already exists and is not overwritten; choose another name")
     write_text(path, text)
     return assumed
 

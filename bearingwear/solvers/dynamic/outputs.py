@@ -75,7 +75,7 @@ def averages(
 
 
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
-    """Gap of the energy account, and the shares of the terms left out.
+    """Gap of the energy balance, and the shares of the terms left out.
 
     From the change of each term of `DynamicSystem.energy` over the window, and the kinetic energy
     at its end [J].

@@ -56,7 +56,7 @@ def solve_dynamic(
         if progress is not None:
             error = values["energy_account_error"]
             progress(
-                f"the error of the energy account is {error:.1e} of the heat; the run is repeated "
+                f"the error of the energy balance is {error:.1e} of the heat; the run is repeated "
                 f"with tolerance {tolerance:g}"
             )
 
@@ -160,8 +160,9 @@ def run_of(
         values["status"] = system.diagnose(code.UNVERIFIED)
     attrs |= {
         "residual": (
-            f"normal balance {residual:.1e} of the contact load (allowed: {LARGEST_UNBALANCED:.0e})"
-            f"; energy account {account:.1e} of the heat (allowed: {LARGEST_ACCOUNT:.0e})"
+            f"error in the normal force balance: {residual:.1e} of the contact load (allowed: "
+            f"{LARGEST_UNBALANCED:.0e})"
+            f"; in the energy balance: {account:.1e} of the heat (allowed: {LARGEST_ACCOUNT:.0e})"
         ),
         "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
         "integrator": integrator_sentence(scene, run, tolerance),
@@ -191,14 +192,14 @@ def kept_periodic(
 def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
     """Tolerance of a run, and why it differs from the one requested."""
     asked = scene.model.dynamic_tolerance
-    tightened = "" if tolerance == asked else f": the energy account did not close with {asked:g}"
+    tightened = "" if tolerance == asked else f": the energy balance did not close with {asked:g}"
     return f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}"
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded QV drifts {last.slopes[0]:+.1e} per turn"
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms each ball takes its neighbour's place, "
+        f"periodic: after {1e3 * motion.passing:.4g} ms each ball has the state of its neighbour, "
         f"to within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
     )
 

@@ -284,7 +284,7 @@ class DynamicSystem:
         return float(z[MOMENTUM] + self.bearing.cage.mass * (y * v_z - z_centre * v_y))
 
     def energy(self) -> dict[str, float]:
-        """Terms of the energy account now (theory.md Eq. 26) [J].
+        """Terms of the energy balance now (theory.md Eq. 26) [J].
 
         Over any stretch the change of `supplied` is that of the sum of all others.
         """

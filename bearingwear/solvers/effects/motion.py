@@ -195,7 +195,7 @@ def _in_time(scene: Scene) -> Iterator[str]:
             )
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the source of the model; "
-        "the energy account includes the work of the Coriolis force"
+        "the energy balance includes the work of the Coriolis force"
     )
 
 
@@ -206,10 +206,10 @@ def solution(chosen: Choice) -> Iterator[str]:
     if is_found_periodic(scene):
         yield "motion: periodic, found directly; the balls are evenly spaced, as with a cage"
     elif scene.model.dynamic_solution == "march":
-        yield "motion: stepped in time until it settles (model.dynamic_solution)"
+        yield "motion: integrated in time until it settles (model.dynamic_solution)"
     else:
         why = why_not_periodic(scene) or "histories are requested (model.history_points_per_turn)"
         yield (
-            "motion: stepped in time until it settles, with no search for a periodic motion; "
+            "motion: integrated in time until it settles, with no search for a periodic motion; "
             f"reason: {why}"
         )

@@ -238,7 +238,7 @@ EFFECTS = (
         films.film_worn,
         "the film is worn through ({races} race, {share:.0f} % of the track), and the life "
         "continues with the film's friction",
-        "set friction.film.bare_ball_race, or end the life by film_worn_share",
+        "set friction.film.bare_ball_race, or use film_worn_share as an end-of-life criterion",
         modelled=films.film_sentences,
     ),
     Effect("balls", modelled=motion.balls),
@@ -269,8 +269,8 @@ EFFECTS = (
     Effect(
         "cage_weightless",
         lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
-        "the cage has no weight: gravity may alter its motion and change the wear of pockets and "
-        "land by a factor of ten or more",
+        "the cage has no weight: gravity may alter its motion and change the wear of the pockets "
+        "and land by a factor of ten or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
         modelled=motion.no_cage,
     ),

@@ -35,7 +35,7 @@ CAGE_AXES = {
     ),
     "cage_friction": (
         Variable(
-            "cage_friction", ("cage_friction",), "1", "friction coefficient of pockets and land"
+            "cage_friction", ("cage_friction",), "1", "friction coefficient of the pockets and land"
         ),
         1.0,
     ),

@@ -61,19 +61,21 @@ CAGE_LIFE = table(
     Variable("cage_life_interval_with_wear", END.dims, "1",
         "90 % interval of the life, allowing also for the uncertain wear coefficient of the cage"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
-    Variable("cage_end", (), "", "criterion that ends the life", "i1", flags=CRITERIA),
+    Variable("cage_end", (), "", "criterion that determines the end of life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
     Variable("motion_changes", END.dims, "1", "shaft turns until the dominant motion changes"),
     Variable("node_turns", NODE.dims, "1", "shaft turns at each ensemble"),
     Variable("node_depth", (*NODE.dims, *PART.dims), "m", "wear depth"),
     Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work per shaft turn"),
     Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),
-    Variable("other_hours", (), "h", "life of balls and races, steady", scale=HOURS_PER_SECOND),
-    Variable("other_hours_interval", END.dims, "h",
-        "90 % interval of the life of balls and races, allowing for uncertain wear coefficient "
-        "and hardness",
+    Variable("other_hours", (), "h", "life of the balls and races, steady model",
         scale=HOURS_PER_SECOND),
-    Variable("other_end", (), "", "criterion that ends the life of balls and races",
+    Variable("other_hours_interval", END.dims, "h",
+        "90 % interval of the life of the balls and races, allowing for the uncertain wear "
+        "coefficient and hardness",
+        scale=HOURS_PER_SECOND),
+    Variable("other_end", (), "", "criterion that determines the end of life of the balls and "
+        "races",
         "i1", flags=CRITERIA),
 )  # fmt: skip
 
@@ -91,7 +93,7 @@ def with_cage_end(scene: Scene) -> Scene:
     assert cage is not None
     if end == end.without_cage:
         if cage.film is None:
-            problem = "got neither a film nor a limit, expected one to end the life of the cage"
+            problem = "got neither a film nor a limit, expected one that defines its end of life"
             raise SceneError("cage.film", problem)
         end = replace(end, **{"cage_film_worn_share": 1.0})
     for name in ("pocket_clearance_mm", "guide_clearance_mm"):
@@ -148,7 +150,7 @@ class EnsembleWear(Motion):
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
-                f"turns, {pocket:.3g} and {land:.3g} um worn off pockets and land")  # fmt: skip
+                f"turns, {pocket:.3g} and {land:.3g} um worn off the pockets and land")  # fmt: skip
 
 
 class BetweenEnsembles(Trapezoid):

@@ -103,7 +103,7 @@ class CagePlan:
         "the cage", "um", within="[0, inf)", least=1, default=(0.0,))
     pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
     guide_clearance_mm: RisingAxis = setting("Diametral clearances at the land", "mm")
-    cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
+    cage_friction: RisingAxis = setting("Coulomb coefficients of the pockets and land", "1")
     ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
     in_main_study: bool = setting(
         "Whether `snakemake` without a target computes the map and reports it on its page",

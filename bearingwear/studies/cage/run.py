@@ -32,21 +32,23 @@ CAGE_RUN = table(
     Variable("work", (), "J", "normal force times slip at the cage per shaft turn"),
     Variable("pocket_work", (), "J", "normal force times slip in all pockets per shaft turn"),
     Variable("land_work", (), "J", "normal force times slip at the guiding land per shaft turn"),
-    Variable("pocket_force", (), "N", "normal force between ball and pocket, mean"),
-    Variable("pocket_force_99", (), "N", "normal force between ball and pocket, 99 % quantile"),
-    Variable("land_force", (), "N", "normal force between cage and land, mean"),
-    Variable("land_force_99", (), "N", "normal force between cage and land, 99 % quantile"),
+    Variable("pocket_force", (), "N", "mean normal force between a ball and its pocket"),
+    Variable("pocket_force_99", (), "N", "99 % quantile of the normal force between a ball and "
+        "its pocket"),
+    Variable("land_force", (), "N", "mean normal force between the cage and its land"),
+    Variable("land_force_99", (), "N", "99 % quantile of the normal force between the cage and "
+        "its land"),
     Variable("shaft_torque", (), "N m", "torque of the shaft, mean"),
-    Variable("torque_noise", (), "N m", "standard deviation of the mean shaft torque per turn"),
+    Variable("torque_noise", (), "N m", "standard deviation of the mean shaft torque of each turn"),
     Variable("whirl_ratio", (), "1",
-        "orbits of the cage centre about the axis per shaft turn"),
+        "number of orbits of the cage centre about the axis per shaft turn"),
     Variable("ball_ratio", (), "1", "ratio of the balls' orbit rate to the shaft speed"),
     Variable("offset", (), "m", "mean distance of the cage's centre from the axis"),
     Variable("offset_scatter", (), "m",
         "standard deviation of the distance of the cage's centre from the axis"),
     Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
     Variable("turns", (), "1", "shaft turns simulated"),
-    Variable("energy_account_error", (), "1", "imbalance in the energy account, relative to the "
+    Variable("energy_account_error", (), "1", "residual of the energy balance, relative to the "
                                               "heat"),
 )  # fmt: skip
 """What is kept of a run: of its last stretches, where no other is named."""
@@ -86,7 +88,7 @@ def placed(system: DynamicSystem, start: CageStart) -> None:
 
 
 def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
-    """Values of `CAGE_RUN` of one start; a run whose energy account stays open is repeated.
+    """Values of `CAGE_RUN` of one start; a run whose energy balance stays open is repeated.
 
     scene: solved with its cage, at the temperatures that it has.
     least_turns, most_turns: shaft turns, multiples of `STRETCH`.

@@ -146,7 +146,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     solved = (line["status"] == OK).values
     alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
     if not alive.any():
-        return "every life ends when new" if solved.any() else NO_LIFE_SOLVED
+        return "new bearings meet an end-of-life criterion" if solved.any() else NO_LIFE_SOLVED
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
         return "the design is impractical at any preload"

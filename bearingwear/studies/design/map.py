@@ -85,7 +85,8 @@ def _at_ends() -> list[Variable]:
 
 POINT = table(
     STATUS,
-    Variable("end_criterion", (), "", "criterion that ends the life", dtype="i1", flags=CRITERIA),
+    Variable("end_criterion", (), "", "criterion that determines the end of life", dtype="i1",
+        flags=CRITERIA),
     Variable("solves", (), "1", "number of steady states solved for the life", dtype="i4"),
     Variable("failed_solves", (), "1", "number of steady states that were not found", dtype="i4"),
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),

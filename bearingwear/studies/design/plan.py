@@ -133,7 +133,7 @@ class Design:
     limits: DesignLimits = setting("Requirements, which apply from new to the end of life",
         default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(
-        "Assumptions under which lives at the recommended preloads are computed again",
+        "Assumptions under which the lives at the recommended preloads are recomputed",
         default_factory=dict)
     # fmt: on
 

@@ -82,7 +82,8 @@ from bearingwear.studies.solve import life_scene
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
-    comment="rounded to three digits, or more if requirements and life need them")  # fmt: skip
+    comment="rounded to three digits, or more if the requirements or the life need them"
+)  # fmt: skip
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
@@ -98,7 +99,7 @@ CLIFF = table(
 )  # fmt: skip
 BEYOND_RANGE = table(
     Variable("beyond_preload", (), "N",
-        "preload far beyond the end of the range where the recommended preload lies"),
+        "preload far outside the range in which the recommended preload lies"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
     Variable("beyond_running_preload", (), "N", "running preload at beyond_preload, when new"),
 )  # fmt: skip

@@ -69,7 +69,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         long_name="relative difference between the life interpolated from the study and the life "
         "computed with the solver in the loop",
         units="1",
-        comment="for lives with the same grooves that are ended by a criterion available in the "
+        comment="for lives with the same grooves whose end-of-life criterion is available in the "
         "cases",
     )
     name = json.loads(study.attrs["scene"])["name"]

@@ -117,7 +117,7 @@ def _message(life: xr.Dataset) -> str:
     hours, name = float(life["life"][counted(life)]), scene_of(life)["name"]
     if int(life["status"]) != OK:
         return f"{name}: no end was reached in {Rough(hours).text} h ({ended_by(life)})"
-    text = f"{name}: {ended_by(life)} ends the life after {hours_in_words(scene_of(life), hours)}"
+    text = f"{name}: end of life by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text

@@ -84,7 +84,7 @@ def files_of(path: Path) -> Path:
     if path.suffix not in SCENE_SUFFIXES:
         raise OutputError(f"{path}: got this name, expected one that ends with .yaml or .yml")
     if path.exists():
-        raise OutputError(f"{path}: already exists and is not replaced; choose another name")
+        raise OutputError(f"{path}: already exists and is not overwritten; choose another name")
     return path.with_suffix(".nc")
 
 

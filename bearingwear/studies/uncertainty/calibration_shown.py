@@ -85,7 +85,7 @@ def conflicts(file: Any) -> list[str]:
         moved = float(getattr(file, name))
         if abs(moved) > _FAR:
             distance = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
-            found.append(f"{words} from the tests lies {distance} the value of {scene['name']}")
+            found.append(f"{words} from the tests is {distance} the value of {scene['name']}")
     return found
 
 
@@ -144,6 +144,7 @@ def calibration_figure(found: xr.Dataset) -> Figure:
         key("life of a test", color="C3", linestyle="none", marker="o"),
         key("run-out", color="C3", linestyle="none", marker=">"),
     ]
-    text = f"{scene['name']}: 90 % of bearings last {before} h before the tests, {after} h after"
+    lives = f"{before} h before the tests, {after} h after"
+    text = f"{scene['name']}: lives of 90 % of bearings: {lives}"
     frame(figure, text, handles, columns=4)
     return figure

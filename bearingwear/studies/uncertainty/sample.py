@@ -36,7 +36,9 @@ BASE = Variable("base", ("base",), "1", "index of the base sample", dtype="i8")
 
 SAMPLED = table(
     replace(STATUS, comment=None),
-    Variable("end_criterion", (), "", "criterion that ends the life", dtype="i1", flags=CRITERIA),
+    Variable(
+        "end_criterion", (), "", "criterion that determines the end of life", "i1", flags=CRITERIA
+    ),
     Variable("wear_factor", (), "1", "life relative to that with the scene's own K_s and hardness"),
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
 )

@@ -195,7 +195,7 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
         said.append(told(preload_document(found, design))["Uncertainty"])
     life = float(found["life"].isel(loss_basis=1).max())
     ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]
-    assert all(f"90 % of bearings last {ends[0]} to {ends[1]} h" in one for one in said)
+    assert all(f"90 % of bearings have lives of {ends[0]} to {ends[1]} h" in one for one in said)
     assert ["for comparison only, not as hours" in one for one in said] == [True, False]
     assert "2 tests (mine.csv)" in said[1]
 

@@ -243,7 +243,7 @@ def test_a_conflict_is_said(tmp_path, capsys):
     path = written(tmp_path, "life_h", "2000", "2500")
     assert main(["calibrate", str(base), str(path), "-o", str(out), "--json"]) == 0
     (said,) = json.loads(capsys.readouterr().out)["conflicts"]
-    assert said.startswith("K_s/H from the tests lies") and said.endswith(
+    assert said.startswith("K_s/H from the tests is") and said.endswith(
         "below the value of gyro_s1"
     )
     assert main(["show", str(tmp_path / "calibrated.nc")]) == 0

@@ -52,7 +52,7 @@ def test_plan_of_the_project():
         ),
         (
             {"wear_coefficient": GOES_WITH, "ball_race": SPREAD | {"same_for_batch": False}},
-            "got 0.6, expected the same same_for_batch of wear_coefficient and ball_race",
+            "got 0.6, expected the same value of same_for_batch for wear_coefficient and ball_race",
         ),
     ],
 )

@@ -112,7 +112,7 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "pure thrust, three balls represent all, because a single ball would displace the race "
         "radially. With a cage, two runs that differ in the last digit diverge after some turns; "
         "only their means agree. The equations of motion neglect the Coriolis force and the "
-        "circumferential component of the normal forces. The energy account includes the work of "
+        "circumferential component of the normal forces. The energy balance includes the work of "
         f"these forces; its largest shares of the heat are {booked(trade)}. {of_weight(trade)}",
         presets(trade),
         '"Life" is the error in life for steady solves, and in the loss rate for dynamic solves. '

@@ -80,8 +80,8 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
         f"and near {middle}. Life counts the wear of {in_words(scene['wear']['counts'])}. "
         f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state. Agreement "
-        "therefore means that the motion remains in that state, not that every start leads to it. "
-        "The gyroscopic slip share has no error estimate."
+        "therefore means that the motion remains in that state, not that every initial state "
+        "leads to it. The gyroscopic slip share has no error estimate."
     )
     settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
     made = Document(

@@ -53,8 +53,8 @@ _HELD = {
     "none": "No requirement limits this preload: it gives the longest life.",
     "not_solved": "The next preload of the map could not be solved; it may give a longer life.",
     "end_of_life": "No requirement limits this preload, but at other preloads another criterion "
-    "ends the life earlier.",
-    "impractical": "Preloads with a longer life make the design impractical.",
+    "is reached earlier.",
+    "impractical": "Preloads that give a longer life make the design impractical.",
     "cliff": "The life drops sharply near this preload.",
 }
 """Why no other preload has a longer life, where no requirement decides."""
@@ -193,7 +193,8 @@ def what_limits_it(found: xr.Dataset) -> list[str]:
             longer = "Any preload with a longer life"
             if said:  # of the other method
                 other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
-                longer = f"With {other}, any preload with more life than at {preload_text(one)} N"
+                newtons = preload_text(one)
+                longer = f"With {other}, any preload with a longer life than at {newtons} N"
             said.append(f"{longer} violates a requirement: {limit_text(name, given[name])}.")
         elif not said:
             said.append(_HELD.get(name) or _at_the_end(found, one)[1])
@@ -376,7 +377,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         if band:
             by_table = f" ({taken})" if taken else ""
             said.append(
-                f"{BEARINGS_BETWEEN} last {band.text} h if only wear is uncertain{by_table}."
+                f"{BEARINGS_BETWEEN} have lives of {band.text} h if only wear is "
+                f"uncertain{by_table}."
             )
     calibration = scene.get("calibrated")
     return [*said, CALIBRATED.format(**calibration) if calibration else NO_CLOCK]
@@ -391,7 +393,7 @@ def by_ball_track(found: xr.Dataset) -> list[str]:
     tracks = flag_names(found["ball_track"])
     for track, column in zip(tracks, lives.T.tolist(), strict=True):
         hours = " and ".join(Rough(life).text for life in column)
-        sentences.append(f"{hours} h if balls wear {TRACK_WORDS[track]}")
+        sentences.append(f"{hours} h if the balls wear {TRACK_WORDS[track]}")
     return [f"{' and '.join(method_names(found))}: lives of {', '.join(sentences)}.".capitalize()]
 
 

@@ -30,7 +30,7 @@ def held_words(name: str, extremes: Callable[[str], Any]) -> str:
 
 
 def ending_measure(one: Any) -> Measure | None:
-    """The criterion that ends the life of a point; None where it is not known."""
+    """The criterion that determines the end of life of a point; None where it is not known."""
     criterion = one["end_criterion"]
     name = criterion.attrs["flag_meanings"].split()[int(criterion)]
     return ENDS.get(name) if int(one["status"]) == OK else None

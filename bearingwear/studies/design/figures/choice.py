@@ -278,11 +278,11 @@ def _groove_keys(followed: bool) -> list[Any]:
 
 
 def _end_keys(line: xr.Dataset) -> list[Any]:
-    """Legend of the marks where the criterion that ends the life changes: there a line bends."""
+    """Legend of the marks where the criterion that determines the end of life changes."""
     met = dict.fromkeys(end for _, one in methods(line) for _, end in new_ends(one))
     look = {"color": "0.3", "linestyle": "none", "markerfacecolor": "white"}
     return [
-        key(f"kink: from here on, {ENDS[e].short} ends the life", marker=ENDS[e].mark, **look)
+        key(f"beyond this kink, end of life by {ENDS[e].short}", marker=ENDS[e].mark, **look)
         for e in met
     ]
 
