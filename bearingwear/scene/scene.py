@@ -244,14 +244,9 @@ class Scene:
         return plain
 
     @functools.cached_property
-    def plain(self) -> Mapping[str, Any]:
-        """`to_dict` for those who only read it."""
-        return self.to_dict()
-
-    @functools.cached_property
     def json(self) -> str:
         """`to_dict` as JSON: the attribute `scene` of a result."""
-        return json.dumps(self.plain)
+        return json.dumps(self.to_dict())
 
 
 @functools.cache

@@ -39,9 +39,7 @@ def solve(
     with Interrupt():
         values, attrs = solved(chosen.reduced(scene), chosen.fidelity, restart, progress)
     elapsed = time.perf_counter() - started
-    result = Result(values, attrs | provenance(scene, chosen, values), elapsed)
-    result.scene = scene.plain  # or it would be read from the attribute
-    return result
+    return Result(values, attrs | provenance(scene, chosen, values), elapsed)
 
 
 def solved(
