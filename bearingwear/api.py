@@ -174,7 +174,7 @@ def cage(
         complete.
     seed : int
     life : bool
-        Whether to compute the life of the cage as well, from ensembles at further wear states.
+        Whether to compute the life of the cage as well, from ensembles at successive wear states.
     workers : int
         Number of processes, which affects only the time.
     path : path, optional

@@ -74,8 +74,8 @@ def command_parser() -> argparse.ArgumentParser:
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
-        help="continue a dynamic case from its end; the scenes may differ only in wear, model and "
-        "friction.slip_regularisation_m_s",
+        help="continue a dynamic case from its final state; the scenes may differ only in wear, "
+        "model and friction.slip_regularisation_m_s",
     )
     for sub in (check, solve, life, launch):
         sub.add_argument("--case", metavar="NAME", help="select one of the cases of the scene")
@@ -88,7 +88,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
     _add_calibrate(
-        command("calibrate", "fit friction and wear to test results; write the calibrated scene")
+        command("calibrate", "fit friction and wear coefficients to test results; write the scene")
     )
     _add_cage(command("cage", "compute cage motion and cage wear from an ensemble of runs"))
     recommend = command("recommend", "recommend a preload for given requirements")
@@ -99,7 +99,9 @@ def command_parser() -> argparse.ArgumentParser:
     _add_margin(
         command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
     )
-    _add_export(command("export", "write stiffness against speed as CSV, or as TOML for ROSS"))
+    _add_export(
+        command("export", "write the stiffness at several speeds, as CSV, or as TOML for ROSS")
+    )
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
         command("compare", "list the differences between two result files; exit status 1 if any")
@@ -135,7 +137,7 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
         help="maximum number of shaft turns in a run that has not settled; default 150")
     cage.add_argument("--life", action="store_true",
-        help="also compute the wear life of the cage, from ensembles at further wear states")
+        help="also compute the wear life of the cage, from ensembles at successive wear states")
     cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")

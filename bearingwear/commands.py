@@ -253,7 +253,7 @@ def export(args: argparse.Namespace) -> int:
     more = args.bearing, args.tilt, args.damping, args.node, args.ross
     _tell_of_new_folder(path)
     write_text(path, found.csv if path.suffix == ".csv" else found.toml(name, *more))
-    print(f"{path}: written; {len(args.speeds)} speeds, dynamic stiffness")
+    print(f"{path}: written; dynamic stiffness at {len(args.speeds)} speeds")
     return OK
 
 

@@ -117,7 +117,8 @@ LIFE = table(
         "half the length of the contact along its major axis"),
     Variable("history_one_ball_worn_volume", _STEP, "m3",
         "wear volume of each ball since the start", label="each ball"),
-    Variable("groove_step", _SHOWN, "1", "history steps whose profiles are stored", "i4"),
+    Variable("groove_step", _SHOWN, "1", "indices of the history steps whose profiles are "
+        "stored", "i4"),
     Variable("groove_arc", ("race", "arc"), "m",
         "position across the groove, from the centre of the new contact towards +X"),
     Variable("groove_depth", _PROFILE, "m", "wear depth of the groove"),

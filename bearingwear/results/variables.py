@@ -288,7 +288,7 @@ DYNAMIC = table(
         label="maximum load"),
     Variable("minimum_contact_load", _BOTH, "N", "normal load of the contact",
         label="minimum load"),
-    Variable("unloaded_share", _BOTH, "1", "share of time without load in the contact",
+    Variable("unloaded_share", _BOTH, "1", "share of the time during which the contact is unloaded",
         averaged=True),
     Variable("mean_pocket_torque", (), "N m", "torque of the balls on the cage about the axis",
         averaged=True, label="mean pocket torque"),

@@ -157,7 +157,7 @@ class Model:
         "Whether traction is included in the balance of normal forces (overrides model.contact)",
         choices=NORMAL_BALANCES, default=None)
     cage_results: bool = setting(
-        "Solve motion and wear of the cage, which requires the dynamic model", default=False)
+        "Solve the motion and wear of the cage, which requires the dynamic model", default=False)
     accuracy: str | float = setting(
         'Preset or target error of total QV, which sets all keys with the default "by '
         'model.accuracy". With cage_results or a clearance limit, model.dynamic_tolerance is at '
@@ -182,8 +182,9 @@ class Model:
     evaluated_turns: float | None = setting("Number of final shaft turns over which results are "
         "averaged (if omitted, the second half of the run; at most model.simulated_turns)",
         "1", "(0, 1e6]", default=None)
-    history_points_per_turn: int = setting("History points per shaft turn (0: no histories; at "
-        "most a million points in total; dynamic model only)", "1", "[0, 10000]", default=20)
+    history_points_per_turn: int = setting("Number of history points per shaft turn (0: no "
+        "histories; at most a million points in total; dynamic model only)", "1",
+        "[0, 10000]", default=20)
     integrator: str = setting(
         "Time integration method: linearly implicit (rosenbrock), or explicit as in the source of "
         "the model (runge_kutta)",

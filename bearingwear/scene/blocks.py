@@ -57,7 +57,8 @@ class Bearing:
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
     bore_mm: float | None = setting(
-        "Bore of the inner ring, used for its growth at speed and the hoop-stress warning", "mm",
+        "Bore of the inner ring, used for its growth at speed and for the hoop-stress "
+        "warning", "mm",
         _RING, default=None)
     outside_diameter_mm: float | None = setting(
         "Outside diameter of the outer ring, used for its growth if it rotates", "mm", _RING,
@@ -222,10 +223,10 @@ class Wear:
         "for both choices)",
         choices=COUNTS, default=COUNTS[1])
     ball_track: str = setting("Ball wear in a life with worn grooves: even, because the axes of "
-        "the balls wander (spread), or in bands about fixed axes", choices=BALL_TRACKS,
+        "the balls wander (spread), or in bands, because the axes are fixed", choices=BALL_TRACKS,
         default=BALL_TRACKS[0])
-    track_wander: float = setting("rms wander of a ball's track in a worn groove, in semi-major "
-        "axes of the new contact (assumed)", "1", "[0, 1]", default=0.1)
+    track_wander: float = setting("rms wander of a ball's track in a worn groove, relative to the "
+        "semi-major axis of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(
         "End-of-life criteria; the first one reached determines the end of life (a life requires "
         "at least one)",

@@ -97,7 +97,7 @@ class Drive:
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
-            problem = "expected factors with standard own and no others"
+            problem = "expected factors if, and only if, the standard is own"
             given = "some" if self.factors else "none"
             raise SceneError(
                 "factors", f"got {given} with {self.standard}, {problem}", ("standard",)

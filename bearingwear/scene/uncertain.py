@@ -96,8 +96,8 @@ class Distribution:
     high: float | None = setting("Upper end of a uniform distribution", "as the value",
         default=None)
     same_for_batch: bool | None = setting("Whether the value is common to all bearings of a batch "
-        "(true if omitted for hardness, wear coefficient, friction and drag), or scatters from "
-        "bearing to bearing", default=None)
+        "or scatters from bearing to bearing (if omitted: common for hardness, wear coefficient, "
+        "friction and drag)", default=None)
     friction_correlation: float | None = setting("Correlation of the wear coefficient with the "
         "uncertain friction (of their logarithms if both are lognormal; none if omitted)", "1",
         "(-1, 1)", default=None)

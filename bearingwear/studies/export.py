@@ -139,7 +139,7 @@ class StiffnessOverSpeed:
             "speeds, rad/s, N/m; z axial",
             f"# {moved}; displacement and tilt are not coupled at a node {arm:.4g} mm from the",
             "# bearing, where its contact lines meet the axis",
-            f"# damping: {given}; names of ROSS {ross}",
+            f"# damping: {given}; keys named as in ROSS {ross}",
             f"[BearingElement_{name}]",
             f"n = {node}",
             f'tag = "{name}"',

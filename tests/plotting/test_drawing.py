@@ -13,7 +13,7 @@ def test_power_of_ten(values, exponent):
 
 
 def test_a_title_keeps_a_number_and_its_unit_together():
-    title = "first bearing: balls and races last 0.66 to 1.4 h; 90 % of bearings: 0.086 to 8.6 h"
+    title = "second bearing: life of the balls and races 0.66 to 1.4 h; 90 %: 0.086 to 8.6 h"
     broken = [lines_of_a_title(title, width) for width in range(20, 60)]
     assert all(" ".join(" ".join(lines).split()) == title for lines in broken)
     assert not any(line.startswith(("%", "h;")) for lines in broken for line in lines)

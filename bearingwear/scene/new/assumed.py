@@ -243,7 +243,7 @@ def _free_angle(
         ends = clearance_range(group, size.bore)
         if ends is None:
             raise refused_option(
-                "--clearance", group, "bores up to 200 mm; give --radial-clearance-um"
+                "--clearance", group, "a bore of at most 200 mm, or --radial-clearance-um"
             )
         um, rule = 0.5 * sum(ends), f" (mean of {group}, before mounting)"
     else:

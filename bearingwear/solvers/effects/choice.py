@@ -81,7 +81,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     if found and stands_still(scene):
         return _chosen(scene, "race_control", f"{found}, and both races are at rest: nothing moves")
     if found and scene.pair is not None:
-        why = f"{found}, so no steady state exists; a pair has no dynamic model"
+        why = f"{found}, so no steady state exists; the dynamic model does not support a pair"
         return _chosen(scene, "race_control", why)
     if found:
         return _chosen(scene, "dynamic", f"{found}, so no steady state exists")

@@ -17,8 +17,8 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
     if given is not None:
         plus = f" plus {given.pressure_coefficient:g}" if given.pressure_coefficient else ""
         yield (
-            f"friction: film shear strength ({given.shear_strength_MPa:g} MPa) over the mean "
-            f"pressure of each contact{plus}; about {_at_rest(scene)} at rest"
+            f"friction: film shear strength ({given.shear_strength_MPa:g} MPa) divided by the "
+            f"mean pressure of each contact{plus}; about {_at_rest(scene)} at rest"
         )
     if films.exponent:
         yield (

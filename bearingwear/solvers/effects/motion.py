@@ -104,7 +104,7 @@ def pair(chosen: Choice) -> Iterator[str]:
     yield f"{a.kind.replace('_', ' ')}: {solved}; {preload}"
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
-        yield f"tandem: {counts} identical bearings on the two sides, equally loaded"
+        yield f"tandem: {counts} identical bearings on the two sides, equally loaded on each"
     if asymmetries(chosen.scene):
         yield "radial load and tilt: the values of the scene, applied to each bearing"
     if a.rotor_mass_kg is not None and a.span_mm is not None:

@@ -174,7 +174,7 @@ def inner_load(e: Evidence) -> Finding | None:
         time = f"{lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
         said = f"a ball is separated from the inner race for {time}"
         return {"excess": lifted / LONGEST_LIFTED, "said": said}
-    said = f"a ball's inner load is {share:.2g} of its outer load, below {LIGHTEST_INNER:g}"
+    said = f"a ball's inner contact load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
     return {"excess": LIGHTEST_INNER / share, "said": said}
 
 

@@ -193,7 +193,7 @@ EFFECTS = (
         "radial_load_large",
         practice.radial_load,
         "a radial load of {load:.4g} N is large compared with a preload of {preload:.4g} N: at "
-        "rest, {lost:.3g} N unloads the first ball",
+        "rest, a radial load of {lost:.3g} N unloads the first ball",
         "use more preload, or a larger contact angle",
     ),
     Effect(

@@ -62,8 +62,9 @@ CAGE_LIFE = table(
         "90 % interval of the life, allowing also for the uncertain wear coefficient of the cage"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
     Variable("cage_end", (), "", "criterion that determines the end of life", "i1", flags=CRITERIA),
-    Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
-    Variable("motion_changes", END.dims, "1", "shaft turns until the dominant motion changes"),
+    Variable("film_gone", PART.dims, "1", "number of shaft turns until a film is worn through"),
+    Variable("motion_changes", END.dims, "1", "number of shaft turns until the dominant motion "
+        "changes"),
     Variable("node_turns", NODE.dims, "1", "shaft turns at each ensemble"),
     Variable("node_depth", (*NODE.dims, *PART.dims), "m", "wear depth"),
     Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work per shaft turn"),

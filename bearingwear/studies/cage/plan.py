@@ -32,11 +32,11 @@ class Ensemble:
     runs: int = setting("Maximum number of runs", within=f"[{FEWEST}, inf)", default=200)
     # fmt: off
     within: float = setting(
-        "The ensemble is complete once the 90 % interval of the work per turn has this relative "
-        "half-width",
+        "Relative half-width of the 90 % interval of the work per turn at which the ensemble is "
+        "complete",
         "1", "(0, 1)", default=0.1)
     seed: int = setting("Seed of the samples", within="[0, inf)", default=1)
-    least_turns: int = setting(f"Minimum number of shaft turns in a run (a multiple of {STRETCH})",
+    least_turns: int = setting(f"Minimum number of shaft turns per run (a multiple of {STRETCH})",
         "1", within="[30, inf)", default=30)
     most_turns: int = setting("Maximum number of shaft turns in a run that has not settled",
         "1", "[30, inf)", default=150)

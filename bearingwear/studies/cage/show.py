@@ -65,7 +65,8 @@ def ensemble_sheet(file: Any) -> Document:
         counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
         text = ", ".join(f"{in_words(name)} {n}" for name, n in counted.items())
         lines.append(
-            f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no classified motion"
+            f"{len(unsolved)} runs were not solved ({text}); the motion of {unnamed} could not be "
+            f"classified"
         )
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(

@@ -221,7 +221,8 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
             frictions = dict(of_frictions)[str(winner)]
             equal = f"No difference beyond the numerical error at {frictions}."
             none = (
-                f"Neither can be used at {frictions}: both meet an end-of-life criterion when new."
+                f"Neither can be used at {frictions}: with both, a new bearing already meets an "
+                f"end-of-life criterion."
             )
             said.append(equal if winner is None else none)
             continue
@@ -252,13 +253,13 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
         if life.spread and life.spread.bearings.low == 0.0
     ]
     where = ", ".join(f"{method} at {frictions}" for method, frictions in _grouped(found))
-    text = f"at least one bearing in twenty meets an end-of-life criterion when new: {where}"
+    text = f"at least one new bearing in twenty already meets an end-of-life criterion: {where}"
     return _sentence(text) if found else ""
 
 
 def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
-    counts = f"Life counts the wear of {WORDS[lives[0].counts]}."
+    counts = f"Lives are based on the wear of {WORDS[lives[0].counts]}."
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (

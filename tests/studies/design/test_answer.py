@@ -159,7 +159,7 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     ]
     assert f"A spacer offset of {offsets[1]:.2g} µm" in said["Setting the preload"]
     tolerance = 0.5 * (offsets[2] - offsets[0])
-    assert f"±{tolerance:.2g} µm changes it by 10 %" in said["Setting the preload"]
+    assert f"±{tolerance:.2g} µm in the offset changes it by 10 %" in said["Setting the preload"]
     assert (
         "if the inner ring is more than 9.1 K warmer than the rest"
         in (said["What would change the choice"])

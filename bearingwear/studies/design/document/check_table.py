@@ -78,7 +78,7 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
     said = (
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
-        f"and near {middle}. Life counts the wear of {in_words(scene['wear']['counts'])}. "
+        f"and near {middle}. Lives are based on the wear of {in_words(scene['wear']['counts'])}. "
         f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state. Agreement "
         "therefore means that the motion remains in that state, not that every initial state "
         "leads to it. The gyroscopic slip share has no error estimate."

@@ -237,8 +237,8 @@ def spacer_offset(found: xr.Dataset) -> list[str]:
     preload = float(best["preload"])
     offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
     return [
-        f"A spacer offset of {offset:.2g} µm between the bearings sets {preload_text(best)} N; "
-        f"±{0.5 * (more - less):.2g} µm changes it by 10 %."
+        f"A spacer offset of {offset:.2g} µm between the bearings produces {preload_text(best)} "
+        f"N; an error of ±{0.5 * (more - less):.2g} µm in the offset changes it by 10 %."
     ]
 
 

@@ -302,7 +302,7 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
         return "no end of life was found"
     (shortest, which), (longest, _) = min(found), max(found)
     ends = " to ".join(dict.fromkeys(Rough(life).text for life in (shortest, longest)))
-    return f"balls and races last {ends} h" + (f" ({which})" if len(found) == 1 else "")
+    return f"life of the balls and races {ends} h" + (f" ({which})" if len(found) == 1 else "")
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
