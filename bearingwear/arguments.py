@@ -83,7 +83,8 @@ def command_parser() -> argparse.ArgumentParser:
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
-        "uncertainty", "compute the spread of lives due to the uncertain values of the scene"
+        "uncertainty",
+        "compute the spread of the lives due to the uncertain values of the scene",
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")

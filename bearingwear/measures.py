@@ -262,7 +262,7 @@ MEASURES = (
         end=("Share of a race track without film at or above which the life ends",
             "(0, 1]"), mark="^"),
     Measure(key="maximum_pressure_GPa", words="contact pressure", unit="GPa",
-        variables=("maximum_pressure",), advice="use less preload, or closer groove conformity",
+        variables=("maximum_pressure",), advice="use less preload, or grooves of closer conformity",
         end=("Peak contact pressure at or above which the life ends", "(0, 20]"),
         limit=("Maximum contact pressure", "(0, 20]"),
         option="--pressure", mark="D", letter="P", brief=True),
@@ -306,7 +306,7 @@ MEASURES = (
         block="launch", option="--launch-pressure", letter="D"),
     Measure(key="torque_margin", words="torque margin", variables=("torque_margin",), falls=True,
         base=1.0, advice="use less preload or friction, or a stronger drive",
-        limit=("Minimum torque margin of the drive according to its standard", "[0, inf)"),
+        limit=("Minimum torque margin of the drive, as defined by its standard", "[0, inf)"),
         note="new and worn, throughout the friction interval", block="drive",
         option="--torque-margin", letter="T"),
 )

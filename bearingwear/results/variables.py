@@ -169,7 +169,7 @@ STATE = ALWAYS | table(
         "rate of the total wear depth, mean over the balls", averaged=True,
         label="total wear depth", shown="um/1000 h"),
     Variable("quasistatic_axial_stiffness", (), "N m-1", "quasi-static axial stiffness",
-        comment="slope of the axial force against displacement in the steady state; motion and "
+        comment="slope of the axial force against the displacement in the steady state; motion and "
         "friction adapt, while temperatures and wear are held constant",
         label="quasi-static axial stiffness"),
     Variable("stiffness_transition_frequency", (), "Hz",

@@ -203,10 +203,12 @@ class Model:
         "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(
-        "Factor on the assumed stiffness of the guiding land, to show its influence", "1",
+        "Factor by which the assumed stiffness of the guiding land is multiplied, to show its "
+        "influence", "1",
         "(0, 1000]", default=1.0)
     life_steps: int = setting(
-        "Approximate number of wear steps of a dynamic life, each with a short run", "1",
+        "Approximate number of wear steps of a dynamic life, each of which requires a short "
+        "run", "1",
         "[2, 10000]", default=12)
     life_run_in_turns: float = setting("Number of shaft turns before the first wear rates of a "
         "dynamic life are evaluated, so that the influence of the cage's initial position decays "

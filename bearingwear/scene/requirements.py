@@ -18,9 +18,11 @@ class Launch:
     """Accelerations of the rotor's mass while nothing turns."""
 
     # fmt: off
-    axial_g: float = setting("Quasi-static axial acceleration, in both directions (standard g)",
+    axial_g: float = setting("Quasi-static axial acceleration in both directions, in units of "
+        "standard gravity",
         "1", _G, default=0.0)
-    radial_g: float = setting("Quasi-static radial acceleration (standard g)", "1", _G, default=0.0)
+    radial_g: float = setting("Quasi-static radial acceleration, in units of standard "
+        "gravity", "1", _G, default=0.0)
     axial_density_g2_Hz: float | None = setting("Spectral density of the random axial "
         "acceleration at the rotor's axial natural frequency, from which Miles' equation (three "
         "sigma) gives axial_g",
@@ -76,7 +78,7 @@ class Drive:
 
     torque_Nm: float = setting("Minimum torque of the drive", "N m", _TORQUE)
     standard: str = setting(
-        "Standard for the torque margin", choices=tuple(STANDARDS), default="ecss"
+        "Standard that defines the torque margin", choices=tuple(STANDARDS), default="ecss"
     )
     # fmt: off
     data: str = setting("Source of the torques: analysis, test, or tests at the extremes of the "

@@ -102,7 +102,7 @@ class Scene:
         default=None)
     launch: Launch | None = setting(
         "Accelerations of the stationary rotor at launch (none if omitted)", default=None)
-    drive: Drive | None = setting("Shaft drive, for its torque margin (none if omitted)",
+    drive: Drive | None = setting("Shaft drive whose torque margin is computed (none if omitted)",
         default=None)
     temperature: Temperature | None = setting(
         "Temperatures of the parts (if omitted, the mounting temperature)", default=None)
@@ -127,7 +127,8 @@ class Scene:
         "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
         default=None)
     cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions, each a "
-        "named case with the keys of the scene that change and their values", least=1,
+        "named case that contains the keys of the scene that change, with their new "
+        "values", least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
     model: Model = setting("Model and accuracy settings, which override the automatic choice",

@@ -78,7 +78,7 @@ class Distribution:
     """
 
     # fmt: off
-    distribution: str = setting("Kind of distribution, which is truncated to possible values",
+    distribution: str = setting("Kind of distribution, which is truncated to the possible values",
         choices=tuple(PARAMETERS))
     mean: float | None = setting(
         "Mean of a normal distribution (if omitted, the value of the scene)",
@@ -91,9 +91,9 @@ class Distribution:
     factor: float | None = setting("Geometric standard deviation of a lognormal distribution: two "
         "thirds of the values lie between median/factor and median*factor", "1", "(1, 100]",
         default=None)
-    low: float | None = setting("Lower end of a uniform distribution", "as the value",
+    low: float | None = setting("Lower bound of a uniform distribution", "as the value",
         default=None)
-    high: float | None = setting("Upper end of a uniform distribution", "as the value",
+    high: float | None = setting("Upper bound of a uniform distribution", "as the value",
         default=None)
     same_for_batch: bool | None = setting("Whether the value is common to all bearings of a batch "
         "or scatters from bearing to bearing (if omitted: common for hardness, wear coefficient, "

@@ -34,7 +34,7 @@ SCENE_SUFFIXES = (".yaml", ".yml")
 R = TypeVar("R")
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$(?!\n)"  # of scenes, materials and blocks
-NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64, the first a letter or digit)"
+NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64 characters, the first a letter or digit)"
 
 
 @dataclass(frozen=True)

@@ -133,7 +133,7 @@ EFFECTS = (
         "pressure_above_yield",
         practice.dents,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
-        "balls and races dent: use {take}",
+        "the balls and races dent: use {take}",
         impractical=True,
     ),
     Effect(
@@ -178,7 +178,7 @@ EFFECTS = (
         "inner_load_lost",
         practice.inner_load,
         "{said} (rule of thumb)",
-        "it may skid: use more preload, less speed or radial load, or ceramic balls",
+        "the balls may skid: use more preload, less speed or radial load, or ceramic balls",
         impractical=True,
     ),
     Effect(

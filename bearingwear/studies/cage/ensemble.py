@@ -49,7 +49,7 @@ MEANS = tuple(
 """Variables of a run whose means an ensemble has."""
 
 SUMMARY = table(
-    Variable("share", OF_MOTION.dims, "1", "share of runs that end in each motion"),
+    Variable("share", OF_MOTION.dims, "1", "share of the runs that end in each motion"),
     Variable("share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of that share"),
     *(
         one

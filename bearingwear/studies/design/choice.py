@@ -56,7 +56,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
     first, attributes = next((path, one.attrs) for path, one in found.items())
     for path, one in found.items():
         if one.attrs != attributes:
-            raise CaseFileError(f"{path}: differs from {first} in scene, limits or sources")
+            raise CaseFileError(f"{path}: differs from {first} in its scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
         raise CaseFileError(f"{first}: has a different requirement on the gyroscopic slip share")
     try:

@@ -49,10 +49,10 @@ ANALYSED = table(
         "within a batch, its ends the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
         "half-width of the confidence interval of that quantile, from sampling",
-        comment="the larger distance of the quantile from the ends of the interval; widened by the "
-        "error of interpolated lives"),
+        comment="the larger of the distances of the quantile from the two ends of the interval, "
+        "widened by the error of interpolated lives"),
     Variable("life_quantile", QUANTILE, "h",
-        "quantile of the life, allowing for scatter and uncertainty of the batch",
+        "quantile of the life, allowing for the scatter and the uncertainty of the batch",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable("life_quantile_high", QUANTILE, "h",
