@@ -83,8 +83,7 @@ def command_parser() -> argparse.ArgumentParser:
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
-        "uncertainty",
-        "compute the spread of the lives due to the uncertain values of the scene",
+        "uncertainty", "compute the spread of lives due to the uncertain values of the scene"
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
@@ -100,9 +99,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_margin(
         command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
     )
-    _add_export(
-        command("export", "write the stiffness at several speeds, as CSV, or as TOML for ROSS")
-    )
+    _add_export(command("export", "write the stiffness at given speeds, as CSV or as ROSS TOML"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
         command("compare", "list the differences between two result files; exit status 1 if any")

@@ -48,7 +48,7 @@ QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
 NO_QUANTILES = "the spread of the life was not computed"
-SEE = "use `bearingwear uncertainty`"
+SEE = "use the command bearingwear uncertainty"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""

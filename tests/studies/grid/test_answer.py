@@ -160,7 +160,7 @@ def test_lives_stand_with_their_spread(small_project, sure):
     assert rows["constant force", "0.08"] == "2 to 10"
     assert rows["fixed position", "0.08"] == "22 to 30"
     assert rows["constant force", "0.02"] == "–"
-    assert "use `bearingwear uncertainty`" in table.read_text()
+    assert "use the command bearingwear uncertainty" in table.read_text()
 
     found = answered(lives, [spread])
     row = row_of(found, "constant force", "0.08")
@@ -183,7 +183,7 @@ def test_no_spread_is_invented(small_project, sure, capsys):
     other.to_netcdf(path)
     found = answered(lives, [path])
     assert "90 % of bearings (h)" not in row_of(found, "constant force", "0.08")
-    unknown = "not computed; use `bearingwear uncertainty`."
+    unknown = "not computed; use the command bearingwear uncertainty."
     assert table_of(found).lines[0].endswith(unknown)
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
@@ -191,4 +191,4 @@ def test_no_spread_is_invented(small_project, sure, capsys):
         capsys.readouterr()
         assert main(["show", str(place)]) == 0
         shown = capsys.readouterr().out
-        assert "L10" not in shown and "not computed; the command" in shown
+        assert "L10" not in shown and "not computed; use the command" in shown
