@@ -215,7 +215,7 @@ def test_a_dynamic_life_is_drawn_and_tabulated(kinds, tmp_path, capsys):
     draw, tabulate = "studies.lives.figures.wear_history", "studies.lives.tables.lives_table"
     assert step(draw, figure, life=kinds["dynamic life"]) == 0
     text = figure.read_text(encoding="utf-8")
-    assert "residual preload (N)" in text and "preload fraction ends the life" in text
+    assert "residual preload (N)" in text and "end of life by preload fraction" in text
     assert step(tabulate, table, lives=[kinds["dynamic life"]]) == 0
     assert "| dynamic_life | " in table.read_text(encoding="utf-8")
     capsys.readouterr()
