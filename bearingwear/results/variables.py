@@ -229,7 +229,7 @@ STATE = ALWAYS | table(
         "forces"),
     Variable("discretisation_error_qv", (), "1",
         "relative change in QV with four times as many points"),
-    Variable("qv_error_estimate", (), "1", "estimated relative numerical error of total QV",
+    Variable("qv_error_estimate", (), "1", "estimated relative numerical error of the total QV",
         comment=ESTIMATE, label="numerical error of QV", shown="%"),
     Variable("residual_preload_error_estimate", (), "1",
         "estimated relative numerical error of the residual preload", comment=ESTIMATE,

@@ -159,7 +159,7 @@ class Model:
     cage_results: bool = setting(
         "Solve the motion and wear of the cage, which requires the dynamic model", default=False)
     accuracy: str | float = setting(
-        'Preset or target error of total QV, which sets all keys with the default "by '
+        'Preset, or target error of the total QV, which sets all keys with the default "by '
         'model.accuracy". With cage_results or a clearance limit, model.dynamic_tolerance is at '
         f'most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")

@@ -145,7 +145,9 @@ def check_films(scene: Scene) -> None:
         for name, other in (names, names[::-1]):
             if getattr(given, name) is not None and getattr(given, other) is None:
                 raise SceneError(
-                    f"friction.film.{other}", f"got nothing with {name}, expected both", ()
+                    f"friction.film.{other}",
+                    f"got nothing, but {name} is given, expected both or neither",
+                    (),
                 )
 
 

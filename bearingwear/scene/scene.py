@@ -88,7 +88,7 @@ class Scene:
     # fmt: off
     name: str = setting("Name of the scene (if omitted, the name of its file)", pattern=NAME,
         default="bearing")
-    description: str = setting("Description of the scene and sources of its numbers",
+    description: str = setting("Description of the scene and of the sources of its values",
         pattern=NO_CONTROL, longest=4000,
         allowed="text of at most 4000 characters without control characters", default="")
     bearing: Bearing = setting("Nominal, unworn geometry and materials of the bearing")

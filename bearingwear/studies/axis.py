@@ -65,7 +65,7 @@ class Values:
 class RisingAxis(tuple[float, ...]):
     """Rising numbers > 0."""
 
-    ALLOWED = "increasing numbers > 0 in a list, or as first, last and step"
+    ALLOWED = "a list of increasing numbers > 0, or their first value, last value and step"
 
     @classmethod
     def from_plain(cls, given: Any) -> RisingAxis:

@@ -197,7 +197,7 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
-    drift = "" if last.slopes is None else f"; recorded QV drifts {last.slopes[0]:+.1e} per turn"
+    drift = "" if last.slopes is None else f"; recorded QV drifts by {last.slopes[0]:+.1e} per turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball has the state of its neighbour, "
         f"to within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
@@ -208,7 +208,8 @@ def settled_sentence(last: LastWindow) -> str:
     if last.slopes is None:
         return "unknown: fewer than three whole turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turn limit was reached"
-    said = f"{verdict}: QV drifts {last.slopes[0]:+.1e}, wear {last.slopes[1]:+.1e} per turn"
+    qv, wear = last.slopes[:2]
+    said = f"{verdict}: QV drifts by {qv:+.1e} and wear by {wear:+.1e} per turn"
     if last.to_land <= FAR_FROM_LAND:
         said += f"; the cage drifts towards its land and would reach it in {last.to_land:.0f} turns"
     return said

@@ -207,7 +207,8 @@ EFFECTS = (
         "temperature_beyond_practice",
         practice.temperature_beyond,
         "the {part} of {name} is at {value:.4g} degC, {side} {limit:g} (rule of thumb)",
-        "use a suitable material; hardness, wear and friction are room-temperature values",
+        "use a suitable material; the values of hardness, wear and friction apply at room "
+        "temperature",
         impractical=True,
     ),
     Effect(

@@ -116,8 +116,8 @@ def _indices(uncertainty: xr.Dataset) -> Block:
         used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
     said = (
         INDEX_WORDS,
-        "The indices use only base samples for which all lives were solved and are above zero: "
-        f"{', '.join(used)}.",
+        "The indices are based only on base samples for which all lives were solved and are above "
+        f"zero: {', '.join(used)}.",
     )
     return Block("What determines the life", rows=tuple(rows), axes=1, lines=said)
 
