@@ -4,6 +4,7 @@ import ast
 import functools
 import importlib.util
 import json
+import re
 import sys
 import types
 from collections.abc import Callable
@@ -85,6 +86,11 @@ def with_value(file: Path, path: str, value: object, folder: Path) -> Path:
     changed = folder / "plan.yaml"
     changed.write_text(yaml.safe_dump(data), encoding="utf-8")
     return changed
+
+
+def without_waits(text: str) -> str:
+    """Output without the lines that say how long a slow machine has been at work."""
+    return re.sub(r"^.*\brunning for \d+ s.*\n", "", text, flags=re.M)
 
 
 def only_line(capsys) -> str:
