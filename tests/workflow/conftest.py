@@ -88,6 +88,11 @@ class Project:
         table = JOBS.search(logs[-1].read_text(encoding="utf-8")) if logs else None
         return Run(made.status, (table[0] if table else "") + made.text)
 
+    @property
+    def last_jobs(self) -> dict[str, int]:
+        """How many jobs of each rule the last run planned, by its log."""
+        return Run(0, max(self._logs()).read_text(encoding="utf-8")).jobs
+
     def _logs(self) -> set[Path]:
         return set((self.root / ".snakemake/log").glob("*.log"))
 
