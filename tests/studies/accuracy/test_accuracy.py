@@ -170,7 +170,7 @@ def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
         gathered_sweeps(without)
     other = load(files[0]).assign_attrs(source_hash="2")
     write_dataset(other, tmp_path / "other.nc")
-    with pytest.raises(CaseFileError, match="other.nc: source_hash is not that of"):
+    with pytest.raises(CaseFileError, match="other.nc: source_hash differs"):
         gathered_sweeps([files[1], tmp_path / "other.nc"])
     with pytest.raises(CaseFileError, match="no sweeps"):
         gathered_sweeps([])
