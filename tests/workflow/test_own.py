@@ -161,7 +161,7 @@ def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
     page = text_of(folder / "index.html")
     assert re.search("<h1>Use a (spring|rigid) pair with a preload of ", page)
     assert "L10 (h)" in page and "L10 and L50 refer to the median batch" in page
-    assert "gyro_s1, first bearing: QV in rigid pair after" in page
+    assert "gyro_s1, first bearing: QV in a rigid pair after" in page
     assert "gyro_s1, second bearing: life of the balls and races" in page
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")
