@@ -113,7 +113,8 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "radially. With a cage, two runs that differ in the last digit diverge after some turns; "
         "only their means agree. The equations of motion neglect the Coriolis force and the "
         "circumferential component of the normal forces. The energy balance includes the work of "
-        f"these forces; its largest shares of the heat are {booked(trade)}. {of_weight(trade)}",
+        "these forces, of which the largest shares of the heat are "
+        f"{booked(trade)}. {of_weight(trade)}",
         presets(trade),
         '"Life" is the error in life for steady solves, and in the loss rate for dynamic solves. '
         "Errors are relative to each scene's reference. QV of a single contact is far more "
