@@ -16,7 +16,7 @@ from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.criterion import end_attribute
 from bearingwear.solvers.result import Result
-from bearingwear.solvers.solve import provenance
+from bearingwear.solvers.solve import result_of
 
 
 def life(
@@ -47,8 +47,7 @@ def life(
             values = joined([values, values])
     elapsed = time.perf_counter() - started
     values |= lasting_growth(scene)
-    attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
-    return Result(values, attrs, elapsed)
+    return result_of(scene, chosen, values, attrs | end_attribute(scene, values), elapsed)
 
 
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:

@@ -39,7 +39,7 @@ def solve(
     with Interrupt():
         values, attrs = solved(chosen.reduced(scene), chosen.fidelity, restart, progress)
     elapsed = time.perf_counter() - started
-    return Result(values, attrs | provenance(scene, chosen, values), elapsed)
+    return result_of(scene, chosen, values, attrs, elapsed)
 
 
 def solved(
@@ -68,10 +68,21 @@ def check_restart(scene: Scene, chosen: Choice) -> None:
         )
 
 
-def provenance(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> dict[str, str]:
-    return {
-        "scene": scene.json,
+def result_of(
+    scene: Scene,
+    chosen: Choice,
+    values: dict[str, Any],
+    attrs: Mapping[str, Any],
+    elapsed: float,
+) -> Result:
+    """A result with the scene, the model and its warnings."""
+    plain = scene.to_dict()
+    provenance = {
+        "scene": json.dumps(plain),
         "fidelity": chosen.fidelity,
         "modelled": json.dumps(list(chosen.reasons)),
         "warnings": json.dumps(warnings_of(scene, chosen, values)),
     }
+    result = Result(values, {**attrs, **provenance}, elapsed)
+    result.scene = plain  # or it would be read from the attribute
+    return result

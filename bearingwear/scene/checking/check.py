@@ -84,7 +84,7 @@ def checked_fields(record_type: type, data: Mapping[str, Any]) -> dict[str, Any]
 def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
     """Plain copy of nested data, refusing what is not plain or not finite."""
     if depth > DEEPEST:
-        raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected fewer")
+        raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):

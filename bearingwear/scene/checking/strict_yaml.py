@@ -125,7 +125,7 @@ def _check_events(text: str, anchors: bool) -> None:
 
 def _plain(loader: Any, node: Any, path: str, anchors: bool, depth: int = 0) -> Any:
     if depth > DEEPEST:  # of an alias within its own anchor
-        raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected fewer")
+        raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
     if isinstance(node, yaml.SequenceNode):
         parts = enumerate(node.value)
         return [_plain(loader, part, f"{path}[{i}]", anchors, depth + 1) for i, part in parts]

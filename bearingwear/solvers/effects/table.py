@@ -256,7 +256,7 @@ EFFECTS = (
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
         "the preload set at rest ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
-        "set temperature.inner_ring_C, balls_C and outer_ring_C in the scene",
+        "set temperature.inner_ring_C, balls_C and outer_ring_C in the scene file",
         modelled=growth.temperature,
     ),
     Effect(
