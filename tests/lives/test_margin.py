@@ -90,7 +90,7 @@ def test_a_cold_corner_that_stalls_is_found(scene, corners):
     worst = worst_corner(found)
     assert worst.stalls and worst.case == "cold"
     assert (
-        margin_document(weak, found).heading[1].startswith("stalls: the resisting torque exceeds")
+        margin_document(weak, found).heading[1].startswith("the drive stalls: the resisting torque")
     )
 
 
