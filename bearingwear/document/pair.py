@@ -97,7 +97,9 @@ def system_blocks(file: Any) -> list[Block]:
     if "natural_frequency" in file.variables:
         found = row_of("natural_frequency", values(file, "natural_frequency"))
         rows += tuple(
-            found._replace(label=f"{mode} frequency", values=(value,), name=f"{mode}_frequency")
+            found._replace(
+                label=f"{mode} natural frequency", values=(value,), name=f"{mode}_frequency"
+            )
             for mode, value in zip(MODES, found.values, strict=True)
         )
     return [Block("arrangement", (), rows)] if rows else []
