@@ -37,12 +37,12 @@ ASSUMED = (
         wear=7.6e-16,
         taken_by="`gyro_s1` to `s3`, `bearing218` and `new` without `--pair`; 7.2e-16 by `turbine` "
         "and `turbopump`",
-        why="the value of the paper is unknown; the magnitude is typical of a solid film",
+        why="the value used in the paper is unknown; the magnitude is typical of a solid film",
     ),
     Assumed(
         surface="silicon nitride on steel",
         wear=6.7e-17,
-        taken_by="`turbopump`, `new --ball-material silicon_nitride`",
+        taken_by="`turbopump` and `new --ball-material silicon_nitride`",
         why="abstracts of papers on this pair contain no number, either for M50 in vacuum "
         "(Tong and others, 2011) or for fretting on bearing steel (Kalin and others, 1997)",
     ),
@@ -50,12 +50,12 @@ ASSUMED = (
         surface="phenolic cage on steel",
         wear=3.3e-13,
         taken_by="cages of `gyro_s1` to `s3` and of `new`",
-        why="published numbers are for other fibres or for lubrication with oil",
+        why="published numbers apply to other fibres or to lubrication with oil",
     ),
     Assumed(
         surface="steel cage",
         wear=1.7e-15,
-        taken_by="`turbine`, `turbopump`",
+        taken_by="`turbine` and `turbopump`",
         why="the wear coefficient is that of the races, and the hardness that of a softer steel",
     ),
     Assumed(
@@ -74,28 +74,29 @@ _INTRODUCTION = """\
 <!-- made by `python benchmarks/coefficients_page.py docs/coefficients.md` -->
 
 The wear volume is K_s/H times load times slip distance. Papers report K_s/H in mm³/(N m), which is
-1e-9 m²/N. Each item has an accessible source, and states which part of it was read. The
-[assumed](#assumed) values are listed separately: no published number was found for lead films,
-phenolic cages, and silicon nitride on steel.
+1e-9 m²/N. Each item cites an accessible source, and states which part of it was read. The
+[assumed](#assumed) values are listed separately, because no published number was found for lead
+films, phenolic cages, or silicon nitride on steel.
 
-Coefficients of the same pair differ by orders of magnitude between sources, so a test of your own
-bearing is more reliable than this table: [from a test to hours](calibrate.md). [Films against
-tests](film_tests.md) reports the error of predictions with this table."""
+Coefficients for the same pair differ by orders of magnitude between sources, so a test of your own
+bearing is more reliable than this table: see [from a test to hours](calibrate.md). [Films against
+tests](film_tests.md) reports the error of predictions made with this table."""
 
 _TAKEN = """\
-`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median of a pair, and a
-lognormal spread whose 90 % interval covers the sources of that pair."""
+`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median for a pair, and a
+lognormal spread whose 90 % interval covers the sources for that pair."""
 
 _SPREAD = """\
 If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` use the spread of its
-pair about the values of the scene, and report this. Steel is identified by stiffness and density; a
-film is treated as MoS2, the only film with a source. For any other pair the spread is assumed: a
-factor of {wear.factor:g} for K_s/H and {friction.factor:g} for friction. The assumed scatter of
+pair about the values of the scene, and report this. Steel is identified by stiffness and density;
+any film is treated as MoS2, the only film with a source. For any other pair, the spread is assumed:
+a factor of {wear.factor:g} for K_s/H and {friction.factor:g} for friction. The assumed scatter of
 wear within a batch is a factor of {scatter:g}."""
 
 _NO_SOURCE = """\
-`mos2_gyro` uses steel/steel with mos2 for its film, 1.2e-16 m²/N, and archard for the steel below
-it, 2.0e-14 m²/N. The values of all other scenes are assumed, because no source was found:"""
+`mos2_gyro` uses the value of steel/steel with mos2 for its film (1.2e-16 m²/N), and that of archard
+for the steel below it (2.0e-14 m²/N). The values of all other scenes are assumed, because no source
+was found:"""
 
 
 def page_of_coefficients() -> str:

@@ -74,21 +74,20 @@ by a factor of {LIVES[0] / LIVES[1]:.3g} or more | a factor of {archard:.2g} (Ar
 | lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | 50 µm lasted 15 h, \
 other films 2 to 6 h | – | | not predicted, because no coefficient for lead was found |
 | lead alloys, same conditions [4] | 22.5 and 19.3 h | – | | not predicted, for the same reason |
-| PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstands 2000 N/mm² at a spin velocity \
+| PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstood 2000 N/mm² at a spin velocity \
 of 5 m/s | – | | not predicted, because the model does not include film rupture |
 | SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared, because no \
 accessible source was found |
 
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
 is assumed to end when half of a track is bare. The test ended without failure (run-out), so K_s/H
-was at most {bound:.2g} m²/N. For two discs of [6], K_s/H was 4e-15 during running-in, which is
+was at most {bound:.2g} m²/N. For the two discs of [6], K_s/H was 4e-15 m²/N during running-in, or
 {rounded(4e-15 / bound, 2)} times as high. The 90 % interval of K_s/H in the table of coefficients
 extends from one of these values to the other, so the run-out lies at its lower end.
 
 **Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
 much more slowly than a film in its first thousand cycles. A single K_s/H cannot describe both.
-Moreover, when the film is worn through in the model, debris of the film may still lubricate the
-bearing.
+Moreover, film debris may still lubricate the bearing when the film in the model is worn through.
 
 **Load.** According to Archard's law, the life of a track as wide as the Hertzian contact is
 proportional to F^(-2/3), so it is shorter by a factor of {archard:.2g} at four times the load. To

@@ -11,10 +11,19 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.results.entries import OVER_TURNS
 from bearingwear.results.life_variables import GROWN
 from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.variable import Variable
-from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, STATE, STRIP_POSITION
+from bearingwear.results.variables import (
+    ALWAYS,
+    COORDINATES,
+    DYNAMIC,
+    EXTREMES,
+    LIFE,
+    STATE,
+    STRIP_POSITION,
+)
 
 INTRODUCTION = """\
 # Variables of a result
@@ -22,13 +31,13 @@ INTRODUCTION = """\
 <!-- made by `python benchmarks/variables_page.py docs/variables.md` -->
 
 `bearingwear solve` and `life` write these variables; `bearingwear.solve` and `life` return them in
-Python. Each has its meaning and unit in `long_name` and `units`, as do the variables in files of
-studies, which are not listed here. [Conventions](conventions.md) define signs and axes. An item
-lists name, (dimensions), [unit] and meaning."""
+Python. The attributes `long_name` and `units` of each variable give its meaning and unit. This also
+applies to the files of studies, whose variables are not listed here. [Conventions](conventions.md)
+defines signs and axes. Each item gives the name, (dimensions), [unit] and meaning."""
 
 COORDINATES_SAID = (
-    "In files, coordinates with names are integers 0, 1, ... with `flag_meanings`; in Python they "
-    'are the names: `case.contact_load.sel(race="inner")`.'
+    "In files, named coordinates are integers 0, 1, ... with `flag_meanings`; in Python, they are "
+    'the names themselves: `case.contact_load.sel(race="inner")`.'
 )
 
 
@@ -80,6 +89,8 @@ def _item(text: str) -> str:
 
 def _sentence(variable: Variable) -> str:
     meaning = variable.long_name
+    if variable.name in EXTREMES and variable.name in DYNAMIC:
+        meaning += OVER_TURNS[f"time: {EXTREMES[variable.name]}imum"]
     if variable.flags == STATUS_NAMES:
         meaning += ": see [status](#status)"
     else:

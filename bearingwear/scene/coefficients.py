@@ -109,7 +109,8 @@ RUBBING = {
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins"),
         wear=LogSpread.of(*_ends("two_discs", "bearing_in_vacuum")),
         friction=LogSpread.of(0.03, 0.04),
-        why="range from a bearing that did not fail in vacuum to two discs during running-in",
+        why="the range extends from a bearing that did not fail in vacuum to two discs during "
+        "running-in",
     ),
 }
 """What `new` takes, by balls/races and film."""
