@@ -83,13 +83,13 @@ def cage_lines() -> list[tuple[str, ...]]:
         peak, most = np.nanmax(force), np.nanquantile(force, 0.99)
         lines.append(
             (f"force of {what} on the cage", f"at most {bound:g} N",
-             f"{peak:.0f} N at the peak, {most:.2g} N at 99 % of instants")
+             f"{peak:.0f} N peak, {most:.2g} N 99th percentile")
         )  # fmt: skip
     return lines
 
 
 def main() -> None:
-    text = table(("what", "measured", "program"), [*skid_lines(), *cage_lines()], 3)
+    text = table(("quantity", "measured", "computed"), [*skid_lines(), *cage_lines()], 3)
     print(text)
     PAGE.write_text(with_block(PAGE.read_text("utf-8"), "bounds", text), "utf-8")
 

@@ -134,8 +134,8 @@ def lift_off_rows() -> Iterator[Row]:
     F = 1e-3
     for name, near, far, expected in (
         ("pair", one, one, 2.0**1.5),
-        ("set 2:1, the single side comes off", two, one, 4.16),
-        ("set 2:1, the double side comes off", one, two, 2.08),
+        ("set 2:1, single side lifts off", two, one, 4.16),
+        ("set 2:1, double side lifts off", one, two, 2.08),
     ):
         closed = static_displacement(near, F) + static_displacement(far, F)
         yield Row("SNFA", f"lift-off, {name}", "F_0", expected, axial_force(near, closed) / F, 1e-3)
@@ -183,8 +183,8 @@ def torque_rows() -> Iterator[Row]:
     torques = [float(slow("bearing218", F)[1]["shaft_torque"]) for F in SKF_LOADS]
     scaled = [T / F ** (4 / 3) for T, F in zip(torques, SKF_LOADS, strict=True)]
     for F, value in zip(SKF_LOADS, scaled, strict=True):
-        what = f"218, torque over thrust^(4/3), {F:g} N"
-        yield Row("SKF", what, "of that at 17800 N", 1.0, value / scaled[1], 0.02)
+        what = f"218, torque / thrust^(4/3), {F:g} N"
+        yield Row("SKF", what, "relative to 17800 N", 1.0, value / scaled[1], 0.02)
 
 
 def orbit_rows() -> Iterator[Row]:
@@ -194,7 +194,7 @@ def orbit_rows() -> Iterator[Row]:
         cosine = math.cos(float(values["contact_angle"].mean()))
         expected = 0.5 * (1.0 - b.ball_diameter_mm / b.pitch_diameter_mm * cosine)
         found = float(values["orbit_speed"][0]) / (SLOW_RPM * math.pi / 30.0)
-        yield Row("kinematics", f"{name}, orbit over shaft speed", "1", expected, found, 5e-4)
+        yield Row("kinematics", f"{name}, orbital speed / shaft speed", "1", expected, found, 5e-4)
 
 
 @functools.cache
@@ -204,9 +204,9 @@ def catalogue_groups() -> tuple[Group, ...]:
     torques, _ = makers.torque_rows()
     return (
         *makers.rigidity_groups(makers.printed_rows()),
-        Group("radial over axial rigidity", "NSK, SNFA", makers.radial_rows(ratios), 0.10),
-        Group("low-speed torque, one friction", "SNFA", torques, 0.05),
-        Group("exponent of torque over preload", "SKF", makers.exponent_rows(), 0.03),
+        Group("ratio of radial to axial rigidity", "NSK, SNFA", makers.radial_rows(ratios), 0.10),
+        Group("low-speed torque, one coefficient", "SNFA", torques, 0.05),
+        Group("exponent of torque against preload", "SKF", makers.exponent_rows(), 0.03),
     )
 
 
@@ -215,11 +215,11 @@ def small_groups() -> tuple[Group, ...]:
     """The others, of few rows each."""
     return (
         Group("axial rigidity of a pair", "GMN", list(gmn_rows()), 0.03),
-        Group("place under load", "ISO 16281", list(deep_groove_rows()), 1e-3),
+        Group("displacement under load", "ISO 16281", list(deep_groove_rows()), 1e-3),
         Group("lift-off load", "SNFA", list(lift_off_rows()), 1e-3),
         Group("axial deflection", "SNFA", list(deflection_rows()), 0.05),
-        Group("torque over thrust^(4/3), 218", "SKF", list(torque_rows()), 0.02),
-        Group("orbit of balls, speed of cage", "kinematics", list(orbit_rows()), 5e-4),
+        Group("torque / thrust^(4/3), 218", "SKF", list(torque_rows()), 0.02),
+        Group("orbital speed of balls", "kinematics", list(orbit_rows()), 5e-4),
     )
 
 

@@ -84,13 +84,13 @@ def totals(groups: Iterable[Group]) -> str:
             (group.name, group.source, str(len(d)), one.said(group.rms), one.said(d.mean(), "+"),
              one.said(largest, "+"), one.said(group.allowed))
         )  # fmt: skip
-    heads = ("what", "source", "rows", "rms", "mean", "largest", "rms allowed")
+    heads = ("quantity", "source", "rows", "rms", "mean", "largest", "rms allowed")
     return table(heads, lines, 2)
 
 
 def row_table(rows: Iterable[Row]) -> str:
     """One line a row."""
-    heads = ("source", "what", "unit", "theirs", "program", "difference", "allowed")
+    heads = ("source", "quantity", "unit", "reference", "computed", "difference", "allowed")
     lines = [
         (row.source, row.what, row.unit, f"{row.expected:.6g}", f"{row.found:.6g}",
          row.said(row.difference, "+"), row.said(row.tolerance))

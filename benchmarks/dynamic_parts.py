@@ -162,13 +162,13 @@ def part_rows(mean, accepted, tried, points):
         ("rates, unbalanced forces, powers", rest),
         ("derivatives of the balls' forces", accepted * mean["blocks"]),
         (
-            "what else is kept of where a step begins",
+            "other data kept from the start of a step",
             accepted * (mean["linearise"] - mean["blocks"]),
         ),
         ("factorisation", tried * mean["factorise"]),
         ("solves", tried * mean["solve"]),
         ("stage sums, integrals", tried * others),
-        ("error, events, new base of the rotation", tried * mean["control"]),
-        ("equilibrium at the instants kept", points * mean["equilibrium"]),
+        ("error, events, reset of the rotation vector", tried * mean["control"]),
+        ("equilibrium at recorded instants", points * mean["equilibrium"]),
         ("averages and histories", points * mean["instant"]),
     ]

@@ -60,7 +60,7 @@ def qv(problem: ThrustProblem, D: float, *rule: str | int) -> np.ndarray:
 def errors() -> None:
     every = list(states())
     right = [qv(*state, "split", 100, 32) for state in every]
-    print("| along | across | total QV, median | worst | a contact's QV, worst |")
+    print("| along | across | total QV, median | worst | QV of a contact, worst |")
     print("| --- | ---: | ---: | ---: | ---: |")
     for name, n in ALONG:
         for m in ACROSS:
@@ -95,7 +95,7 @@ def in_time() -> None:
         for more in ([], worn)
     ]
     right = [qv_in_time(n, *s, "model.strips=100", "model.points_across=32") for n, s in cases]
-    print("| along | across | total QV, median | worst | a contact's QV, worst |")
+    print("| along | across | total QV, median | worst | QV of a contact, worst |")
     print("| --- | ---: | ---: | ---: | ---: |")
     for along, across in ((20, 4), (20, 8), (24, 8), (48, 24)):
         rule = f"model.strips={along}", f"model.points_across={across}"
@@ -136,7 +136,7 @@ def row(what: str, name: str, paper: float, hertz: float) -> None:
 
 
 def cost() -> None:
-    print("| what | scene | paper, ms | hertz, ms | ratio |\n| --- | --- | ---: | ---: | ---: |")
+    print("| case | scene | paper, ms | hertz, ms | ratio |\n| --- | --- | ---: | ---: | ---: |")
     for name in ("gyro_s1", "turbopump", "bearing218"):
         both = [scene_of(name, f"model.contact={c}") for c in ("paper", "hertz")]
         problems = [ThrustProblem.of(scene) for scene in both]

@@ -128,7 +128,8 @@ def radial_rows(ratios: Mapping[tuple[str, float, str], Sequence[float]]) -> lis
             if (of, at) == (maker, angle) and name in ("", what)
         ]
         what = (
-            f"radial over axial rigidity, {angle:g} degrees, {f'class {name}' if name else 'all'}"
+            f"ratio of radial to axial rigidity, {angle:g} degrees, "
+            f"{f'class {name}' if name else 'all'}"
         )
         rows.append(Row(maker, what, "1", theirs, float(np.mean(means)), RADIAL[maker]))
     return rows
@@ -220,7 +221,7 @@ def exponent_rows() -> list[Row]:
             P = float(one["preload_N"])
             low, high = (slow_torque(one, share * P) for share in (0.25, 4.0))
             exponent = math.log(high / low) / math.log(16.0)
-            what = f"{one['designation']}, exponent of torque over preload, 16:1"
+            what = f"{one['designation']}, exponent of torque against preload, 16:1"
             rows.append(Row("SKF", what, "1", EXPONENT, exponent, 0.03))
     return rows
 

@@ -1,6 +1,6 @@
-"""Spring or distance: lives of gyro_s1 at equal stiffness of the rotor on two bearings.
+"""Spring or spacer: lives of gyro_s1 at equal stiffness of the rotor on two bearings.
 
-`python benchmarks/pairs.py` prints the table of docs/accuracy.md, "Spring or distance". The preload
+`python benchmarks/pairs.py` prints the table of docs/accuracy.md, "Spring or spacer". The preload
 of each is the least that keeps the stiffness from new to the end of life; the rigid pair is set
 cold, so an inner ring that is warmer adds preload.
 """
@@ -53,7 +53,7 @@ def least_preload(scene: Scene, stiffness: float) -> tuple[float, dict] | None:
 
 
 def main() -> None:
-    print("| stiffness at least | inner ring | spring pair | rigid pair | longer life |")
+    print("| minimum stiffness | inner ring | spring pair | rigid pair | longer life |")
     print("| ---: | ---: | ---: | ---: | --- |")
     for stiffness in STIFFNESSES:
         for kelvin in WARMER:

@@ -139,7 +139,7 @@ def main() -> None:
     """A table of both."""
     warnings.simplefilter("ignore")
     count, seed = (int(text) for text in (sys.argv[1:] + ["24", "1"][len(sys.argv) - 1 :]))
-    heads = "turns | ms | each | as long | mean | as long | even | off by | growth"
+    heads = "turns | ms | each | time ratio | mean | time ratio | even | error | growth"
     print(f"| load | {heads} |\n| --- |{' ---: |' * (1 + heads.count('|'))}")
     rng = np.random.default_rng(seed)
     compared(drawn(np.random.default_rng(seed))[1])  # compiles

@@ -85,7 +85,7 @@ def shares() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     pv, heat = own.T
     limits = {
         "own p v": (PV, pv),
-        "one p v": (PV, np.full(len(pv), np.median(pv))),
+        "common p v": (PV, np.full(len(pv), np.median(pv))),
         "own heat": (HEAT, heat),
     }
     made = {
@@ -102,7 +102,7 @@ def shares() -> tuple[np.ndarray, dict[str, np.ndarray]]:
 
 TITLES = {
     "own p v": "p v of each bearing",
-    "one p v": "p v, one limit for all",
+    "common p v": "p v, one limit for all",
     "own heat": "heat of each bearing",
 }
 
@@ -148,10 +148,10 @@ def main() -> None:
         lines.append((name, *cells))
     heads = ["class", "NSK"]
     for name in made:
-        heads += [name, "20 sizes"]
+        heads += [name, "range"]
     text = table(heads, lines, 1)
     text += (
-        f"\n\np v at the limit: {own.min() / 1e6:.0f} to {own.max() / 1e6:.0f} MPa m/s, "
+        f"\n\np v at NSK's speed limit: {own.min() / 1e6:.0f} to {own.max() / 1e6:.0f} MPa m/s, "
         f"median {np.median(own) / 1e6:.0f}."
     )
     print(text)

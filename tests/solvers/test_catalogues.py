@@ -23,15 +23,15 @@ def groups(catalogues):
     [
         ("axial rigidity of a pair", "NSK", 256),
         ("axial clearance of a pair", "NSK", 256),
-        ("radial over axial rigidity", "NSK, SNFA", 8),
-        ("low-speed torque, one friction", "SNFA", 16),
-        ("exponent of torque over preload", "SKF", 8),
+        ("ratio of radial to axial rigidity", "NSK, SNFA", 8),
+        ("low-speed torque, one coefficient", "SNFA", 16),
+        ("exponent of torque against preload", "SKF", 8),
         ("axial rigidity of a pair", "GMN", 3),
-        ("place under load", "ISO 16281", 4),
+        ("displacement under load", "ISO 16281", 4),
         ("lift-off load", "SNFA", 3),
         ("axial deflection", "SNFA", 10),
-        ("torque over thrust^(4/3), 218", "SKF", 3),
-        ("orbit of balls, speed of cage", "kinematics", 2),
+        ("torque / thrust^(4/3), 218", "SKF", 3),
+        ("orbital speed of balls", "kinematics", 2),
     ],
 )
 def test_group(groups, name, source, count):

@@ -43,7 +43,7 @@ class CheckedTable:
     """Rows of what and on which scene, and numbers; how well the columns agree, by their heads."""
 
     title: str
-    axes: Sequence[str] = ("what", "scene")
+    axes: Sequence[str] = ("case", "scene")
     columns: Mapping[str, Agreement]
     rows: Sequence[Sequence[Any]]
 
