@@ -98,10 +98,10 @@ def main() -> None:
             for program, rounds in zip(programs, found[case], strict=True):
                 rounds.append(program.run(case))
     print(
-        "| case | before, ms/turn (least) | now (least) | times as fast | QV error before | now |",
+        "| case | old, ms/turn (least) | new (least) | ratio | QV error, old | new |",
         end="",
     )
-    print(" steps before | now |\n| --- |" + " ---: |" * 7)
+    print(" steps, old | new |\n| --- |" + " ---: |" * 7)
     for case, pair in found.items():
         cage, turns, tolerance = case
         cpu = [[r[0] for r in rounds] for rounds in pair]

@@ -194,7 +194,7 @@ def orbit_rows() -> Iterator[Row]:
         cosine = math.cos(float(values["contact_angle"].mean()))
         expected = 0.5 * (1.0 - b.ball_diameter_mm / b.pitch_diameter_mm * cosine)
         found = float(values["orbit_speed"][0]) / (SLOW_RPM * math.pi / 30.0)
-        yield Row("kinematics", f"{name}, orbital speed / shaft speed", "1", expected, found, 5e-4)
+        yield Row("kinematics", f"{name}, orbital / shaft speed", "1", expected, found, 5e-4)
 
 
 @functools.cache

@@ -127,10 +127,7 @@ def radial_rows(ratios: Mapping[tuple[str, float, str], Sequence[float]]) -> lis
             for (of, at, what), values in ratios.items()
             if (of, at) == (maker, angle) and name in ("", what)
         ]
-        what = (
-            f"ratio of radial to axial rigidity, {angle:g} degrees, "
-            f"{f'class {name}' if name else 'all'}"
-        )
+        what = f"radial to axial rigidity, {angle:g} degrees, {f'class {name}' if name else 'all'}"
         rows.append(Row(maker, what, "1", theirs, float(np.mean(means)), RADIAL[maker]))
     return rows
 
