@@ -81,9 +81,10 @@ accessible source was found |
 
 The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
 is assumed to end when half of a track is bare. The test ended without failure (run-out), so K_s/H
-was at most {bound:.2g} m²/N. For the two discs of [6], K_s/H was 4e-15 m²/N during running-in, or
-{rounded(4e-15 / bound, 2)} times as high. The 90 % interval of K_s/H in the table of coefficients
-extends from one of these values to the other, so the run-out lies at its lower end.
+was at most {bound:.2g} m²/N. For the two discs of [6], K_s/H was 4e-15 m²/N during running-in, or \
+{rounded(4e-15 / bound, 2)}
+times as high. The 90 % interval of K_s/H in the table of coefficients extends from one of these
+values to the other, so the run-out lies at its lower end.
 
 **Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
 much more slowly than a film in its first thousand cycles. A single K_s/H cannot describe both.
@@ -92,8 +93,8 @@ Moreover, film debris may still lubricate the bearing when the film in the model
 **Load.** According to Archard's law, the life of a track as wide as the Hertzian contact is
 proportional to F^(-2/3), so it is shorter by a factor of {archard:.2g} at four times the load. To
 match [2], K_s must increase with pressure to the power of {exponent():.2g} or more.
-`friction.film.pressure_exponent` can represent this ([theory](theory/23-films.md)). It is not used
-by default, because its value is based on a single pair of loads.
+`friction.film.pressure_exponent` represents such an increase ([theory](theory/23-films.md)). It is
+not used by default, because its value is based on a single pair of loads.
 
 1. [NASA, bearing endurance tests in vacuum](https://core.ac.uk/works/24927645)
 2. [Spalvins, 1971](https://ntrs.nasa.gov/citations/19720029182)
