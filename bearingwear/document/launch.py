@@ -47,8 +47,8 @@ def launch_document(scene: Scene, found: Launched) -> Document:
 def launch_verdict(found: Launched) -> list[str]:
     """Whether it gaps and whether it dents, in sentences."""
     said = [
-        f"{load.name}: the spring does not support the rotor; use more spring force, or a stop "
-        f"(arrangement.stop_um)"
+        f"{load.name}: the spring does not support the rotor; increase the spring force, or add a "
+        f"stop (arrangement.stop_um)"
         for load in found.loads
         if load.rotor is None
     ]

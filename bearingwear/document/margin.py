@@ -44,7 +44,7 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     if math.isnan(worst.torque):
         said = f"torque margin unknown: no steady state was found, {words}"
     elif worst.stalls:
-        said = f"the drive stalls: the resisting torque exceeds its torque, {words}"
+        said = f"the drive stalls: the resisting torque exceeds the drive torque, {words}"
     else:
         kept = "sufficient" if worst.margin >= 0.0 else "INSUFFICIENT"
         said = f"torque margin {digits(100.0 * worst.margin)} %, {kept}; worst corner: {words}"

@@ -88,7 +88,7 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     for label, method, friction, choice in lives:
         found = spreads_of(known, scene, method, friction, choice)
         if found and len(found) == len(COUNTS):
-            title = ": ".join(filter(None, ("spread of the life", label)))
+            title = ": ".join(filter(None, ("spread in life", label)))
             rows = spread_rows([found[way].rows for way in COUNTS])
             blocks.append(Block(title, COUNTED, tuple(rows)))
     missing = len(lives) - len(blocks)

@@ -95,7 +95,7 @@ def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]])
     assert drive is not None
     if scene.operation.shaft_speed_rpm == scene.operation.outer_speed_rpm:
         problem = (
-            "got equal speeds of both races, which require no torque, expected different speeds"
+            "got the same speed for both races, which requires no torque, expected different speeds"
         )
         raise NotAvailable(f"{scene.name}: operation.shaft_speed_rpm: {problem}")
     key, values = friction_interval(scene)

@@ -56,7 +56,7 @@ def solve_dynamic(
         if progress is not None:
             error = values["energy_account_error"]
             progress(
-                f"the error of the energy balance is {error:.1e} of the heat; the run is repeated "
+                f"the error in the energy balance is {error:.1e} of the heat; the run is repeated "
                 f"with tolerance {tolerance:g}"
             )
 
@@ -199,14 +199,14 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded QV drifts by {last.slopes[0]:+.1e} per turn"
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms each ball has the state of its neighbour, "
-        f"to within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
+        f"periodic: after {1e3 * motion.passing:.4g} ms, each ball is in the state of its "
+        f"neighbour to within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
     )
 
 
 def settled_sentence(last: LastWindow) -> str:
     if last.slopes is None:
-        return "unknown: fewer than three whole turns were evaluated"
+        return "unknown: fewer than three complete turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turn limit was reached"
     qv, wear = last.slopes[:2]
     said = f"{verdict}: QV drifts by {qv:+.1e} and wear by {wear:+.1e} per turn"

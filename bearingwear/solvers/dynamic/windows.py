@@ -160,7 +160,7 @@ class _Progress:
         then, before = self.recent[0]
         self.recent.append((now, done))
         left = (self.turns - done) * (now - then) / (done - before)
-        drift = "unknown yet" if slopes is None else f"{slopes[0]:+.1e} per turn"
+        drift = "not yet known" if slopes is None else f"{slopes[0]:+.1e} per turn"
         self.say(
             f"{done:.0f} of {self.turns:.0f} turns, {1e3 * done * self.turn:.3g} ms simulated in "
             f"{now - self.begun:.0f} s, about {left:.0f} s left, QV drift {drift}"

@@ -175,9 +175,9 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
 def effort(scene: Scene, chosen: Choice) -> str:
     """Rough estimate of the computing time of a solve, in words."""
     compiled = is_compiled(LARGEST_KERNEL[chosen.fidelity])
-    before = "" if compiled else f"up to {compile_time()} to compile the solver, once; then "
+    before = "" if compiled else f"up to {compile_time()} to compile the solver (once), then "
     if chosen.fidelity != "dynamic":
-        return f"effort: {before}milliseconds, at any accuracy"
+        return f"effort: {before}milliseconds at any accuracy"
     if is_found_periodic(chosen.reduced(scene)):
         return f"effort: {before}a tenth of a second"
     turns = scene.model.simulated_turns

@@ -73,7 +73,7 @@ def slip(chosen: Choice) -> Iterator[str]:
         yield f"slip: evaluated on the centre line of the ellipse ({who}), which neglects {size}"
     else:
         yield (
-            "slip: evaluated over the whole ellipse; evaluation on its centre line would miss "
+            "slip: evaluated over the whole ellipse; evaluation on its centre line would neglect "
             f"{size}"
         )
 
@@ -104,11 +104,13 @@ def pair(chosen: Choice) -> Iterator[str]:
     yield f"{a.kind.replace('_', ' ')}: {solved}; {preload}"
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
-        yield f"tandem: {counts} identical bearings on the two sides, equally loaded on each"
+        yield f"tandem: {counts} identical bearings on the two sides, with equal loads on each side"
     if asymmetries(chosen.scene):
-        yield "radial load and tilt: the values of the scene, applied to each bearing"
+        yield "radial load and tilt: the values in the scene, applied to each bearing"
     if a.rotor_mass_kg is not None and a.span_mm is not None:
-        rod = "" if a.rotor_transverse_inertia_kg_mm2 else ", transverse inertia of a slender rod"
+        rod = " with the transverse inertia of a slender rod"
+        if a.rotor_transverse_inertia_kg_mm2:
+            rod = ""
         yield f"natural frequencies: for a rigid rotor at standstill{rod} (assumed)"
 
 

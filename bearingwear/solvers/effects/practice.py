@@ -76,7 +76,7 @@ _CONTACT = "contact_angle", "contact_load", "semi_major_axis"
 
 def _for_less_pressure(e: Evidence) -> str:
     tilted = abs(e.scene.operation.tilt_mrad) > MOST_TILT
-    return "less tilt" if tilted else "less load or speed, or larger balls"
+    return "reduce the tilt" if tilted else "reduce the load or speed, or use larger balls"
 
 
 def dents(e: Evidence) -> Finding:
@@ -137,7 +137,7 @@ def faster_than_made_for(e: Evidence) -> Finding | None:
     o = e.scene.operation
     factor, name = entry.speed_factor(o.preload_method, o.preload_N)
     limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
-    kind = f"a rigid pair of class {name}" if name else "one under a light spring"
+    kind = f"in a rigid pair of class {name}" if name else "with light spring preload"
     return {
         "value": value,
         "limit": limit,
@@ -171,10 +171,14 @@ def inner_load(e: Evidence) -> Finding | None:
     known = e.state.values.get("unloaded_share", load == 0.0)
     lifted = float(np.max(known[:, INNER_SIDE]))
     if lifted > LONGEST_LIFTED:
-        time = f"{lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
+        time = f"{100.0 * lifted:.2g} % of the time, more than {100.0 * LONGEST_LIFTED:g} %"
         said = f"a ball is separated from the inner race for {time}"
         return {"excess": lifted / LONGEST_LIFTED, "said": said}
-    said = f"a ball's inner contact load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
+    least = f"{100.0 * LIGHTEST_INNER:g} %"
+    said = (
+        f"a ball's inner contact load is only {100.0 * share:.2g} % of its outer contact load, "
+        f"less than {least}"
+    )
     return {"excess": LIGHTEST_INNER / share, "said": said}
 
 
@@ -193,7 +197,7 @@ def friction_beyond(e: Evidence) -> Finding | None:
         return None
     excess, said = least / value, f"below {least:g}, the lowest measured value"
     if value > most:
-        excess, said = value / most, f"above {most:g}, at which metals seize"
+        excess, said = value / most, f"above {most:g}, the value at which metals seize"
     return {"value": value, "said": said, "excess": excess}
 
 

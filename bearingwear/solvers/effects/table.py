@@ -133,7 +133,7 @@ EFFECTS = (
         "pressure_above_yield",
         practice.dents,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
-        "the balls and races dent: use {take}",
+        "the balls and races dent: {take}",
         impractical=True,
     ),
     Effect(
@@ -141,12 +141,12 @@ EFFECTS = (
         practice.pressed_hard,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, the usual maximum for a "
         "long life (assumed)",
-        "fatigue is not modelled: use {take}",
+        "fatigue is not modelled: {take}",
     ),
     Effect(
         "ellipse_over_shoulder",
         practice.over_shoulder,
-        "the {race} contact ellipse reaches {value:.3g} degrees up its groove, beyond "
+        "the {race} contact ellipse extends {value:.3g} degrees up its groove, beyond "
         "{limit:.3g}, {source}",
         "edge pressure is not modelled: reduce the thrust, or use higher shoulders",
         impractical=True,
@@ -162,9 +162,9 @@ EFFECTS = (
     Effect(
         "speed_beyond_makers",
         practice.faster_than_made_for,
-        "{value:.6g} r/min is above the limit for {kind} of {bearing}: {limit:.0f} with grease, "
+        "{value:.6g} r/min is above the limit for {bearing} {kind}: {limit:.0f} with grease, "
         "{oil:.0f} with oil ({source})",
-        "reduce speed or preload, or consult the maker",
+        "reduce the speed or the preload, or consult the maker",
     ),
     Effect(
         "hoop_stress",
@@ -178,7 +178,8 @@ EFFECTS = (
         "inner_load_lost",
         practice.inner_load,
         "{said} (rule of thumb)",
-        "the balls may skid: use more preload, less speed or radial load, or ceramic balls",
+        "the balls may skid: increase the preload, reduce the speed or the radial load, or use "
+        "ceramic balls",
         impractical=True,
     ),
     Effect(
@@ -194,14 +195,14 @@ EFFECTS = (
         practice.radial_load,
         "a radial load of {load:.4g} N is large compared with a preload of {preload:.4g} N: at "
         "rest, a radial load of {lost:.3g} N unloads the first ball",
-        "use more preload, or a larger contact angle",
+        "increase the preload or the contact angle",
     ),
     Effect(
         "preload_grown",
         practice.grown_preload,
-        "with fixed position, the running preload of {value:.3g} N is {ratio:.2g} times the "
+        "the fixed-position preload at speed, {value:.3g} N, is {ratio:.2g} times the "
         "initial {preload:.4g} N (rule of thumb: at most three times)",
-        "the results include this; a spring keeps the preload constant",
+        "the results account for this; a spring keeps the preload constant",
     ),
     Effect(
         "temperature_beyond_practice",
@@ -221,7 +222,7 @@ EFFECTS = (
         "groove_worn",
         _groove,
         "a wear depth of {loss:.3g} um is {value:.2g} times the gap between ball and groove at "
-        "the edge of the ellipse; above {limit:g} the contact is no longer Hertzian",
+        "the edge of the ellipse; above {limit:g}, the contact is no longer Hertzian",
         "pressure, slip and wear are estimates",
     ),
     Effect("model", modelled=lambda chosen: [f"{chosen.fidelity}: {chosen.why}"]),
@@ -246,8 +247,8 @@ EFFECTS = (
     Effect(
         "growth_left_out",
         growth.growth_left_out,
-        "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed) it "
-        "would change the preload ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
+        "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed), "
+        "it would change the preload ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "set bearing.bore_mm",
         modelled=growth.growth_at_speed,
     ),
@@ -263,15 +264,15 @@ EFFECTS = (
         "fit_lost",
         growth.fit_lost,
         "the ring is loose on its seat ({seats}): heat and speed have eliminated the interference",
-        "use more interference, or a lower speed",
+        "increase the interference, or reduce the speed",
         impractical=True,
         modelled=growth.seats,
     ),
     Effect(
         "cage_weightless",
         lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
-        "the cage has no weight: gravity may alter its motion and change the wear of the pockets "
-        "and land by a factor of ten or more",
+        "the cage has no weight: gravity may alter its motion and change pocket and land wear by a "
+        "factor of ten or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
         modelled=motion.no_cage,
     ),

@@ -139,7 +139,7 @@ def test_the_answer_is_that_of_the_file(small_project):
     said = plain(" ".join(text for _, texts in points(found) for text in texts))
     assert f"Constant force outlasts fixed position: {ratio:.2g} times as long at µ = 0.02" in said
     assert "gyroscopic slip share reaches 50 % at µ = 0.02" in said
-    assert "spread of the life was not computed" in plain(table_of(found).lines[0])
+    assert "spread in life was not computed" in plain(table_of(found).lines[0])
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
         text = to_error(one.counted, one.error * one.counted)
