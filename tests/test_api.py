@@ -65,7 +65,7 @@ def test_new_is_that_of_the_command(tmp_path):
     )
     typed = bearingwear.load(tmp_path / "mine.yaml")
     assert made.description.startswith(typed.description)
-    assert "operation.shaft_speed_rpm: 19000, a million mm r/min" in made.description
+    assert "operation.shaft_speed_rpm: 19000, one million mm r/min" in made.description
     assert made.to_dict() | {"description": typed.description} == typed.to_dict()
 
 

@@ -76,7 +76,7 @@ def difference(
             )
         found = file_differences(a, b, tolerance)
     lines = [f"A {os.fspath(first)}", f"B {os.fspath(second)}", "", *_lines(found)]
-    tolerance_text = f" to {tolerance:g} of their largest values" if tolerance else ""
+    tolerance_text = f" to within {tolerance:g} of their largest values" if tolerance else ""
     lines.append(
         f"same {kind}: the scene and all {found.compared} variables agree{tolerance_text}"
         if found.same

@@ -47,7 +47,7 @@ INTERVAL = (0.05, 0.95)
 QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
-NO_QUANTILES = "the spread of the life was not computed"
+NO_QUANTILES = "the spread in life was not computed"
 SEE = "use the command bearingwear uncertainty"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
@@ -77,7 +77,7 @@ class Spread(NamedTuple):
         )
         if self.bearings.low == 0.0:
             text += " (0: a new bearing already meets an end-of-life criterion)"
-        share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"
+        share = f" (of the {100.0 * self.solved:.3g} % of lives that could be computed)"
         return text + (share if self.solved < 1.0 else "")
 
     @property
@@ -131,7 +131,8 @@ def load_quantiles(path: str | Path) -> xr.Dataset:
         not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
         or not np.isin(INTERVAL, found["probability"]).all()
     ):
-        raise CaseFileError(f"{path}: got a file of an earlier version, expected a recomputed file")
+        problem = "got a file from an earlier version, expected a recomputed file"
+        raise CaseFileError(f"{path}: {problem}")
     return found
 
 

@@ -72,7 +72,7 @@ def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) ->
     for key in [*other, *one]:
         if one.get(key) != other.get(key) and key not in MAY_DIFFER:
             raise CaseFileError(
-                f"{name}: {key}: got a case with {_shown(one.get(key))}, expected the value of "
+                f"{name}: {key}: got a case with {_shown(one.get(key))}, expected the value in "
                 f"the scene, {_shown(other.get(key))} (only wear, model and {REGULARISATION} may "
                 "differ)"
             )

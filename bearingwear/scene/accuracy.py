@@ -145,7 +145,7 @@ class Model:
     it changes nothing.
     """
 
-    fidelity: str = setting("The model to solve", choices=FIDELITIES, default="auto")
+    fidelity: str = setting("Model to solve", choices=FIDELITIES, default="auto")
     # fmt: off
     contact: str = setting("Contact model: paper evaluates slip on the centre line of the ellipse "
         "and neglects traction in the normal force balance; hertz evaluates slip over the whole "
@@ -157,14 +157,16 @@ class Model:
         "Whether traction is included in the balance of normal forces (overrides model.contact)",
         choices=NORMAL_BALANCES, default=None)
     cage_results: bool = setting(
-        "Solve the motion and wear of the cage, which requires the dynamic model", default=False)
+        "Whether to compute the motion and wear of the cage, which requires the dynamic model",
+        default=False)
     accuracy: str | float = setting(
         'Preset, or target error of the total QV, which sets all keys with the default "by '
         'model.accuracy". With cage_results or a clearance limit, model.dynamic_tolerance is at '
         f'most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")
-    strips: int = setting("Number of points or strips along each contact ellipse (split: the "
-        "maximum number, at least 20, with a quarter of them on each side of a pure-rolling point)",
+    strips: int = setting("Number of points or strips along each contact ellipse (with split, "
+        "the maximum number, at least 20; a quarter of them lie on each side of a pure-rolling "
+        "point)",
         "1", "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
         "Number of points across each strip if slip is evaluated over the ellipse", "1", "[1, 200]",

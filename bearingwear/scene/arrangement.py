@@ -52,7 +52,7 @@ class Arrangement:
     orientation: str = setting("Orientation of a pair: the contact lines meet the axis outside the "
         "pair (back to back) or inside it (face to face)", choices=("back_to_back", "face_to_face"),
         default="back_to_back")
-    external_axial_N: float = setting("Axial force on the rotor of a pair towards +X, which loads "
+    external_axial_N: float = setting("Axial force towards +X on the rotor of a pair, which loads "
         "the first bearing and unloads the second", "N", "[-1e7, 1e7]", default=0.0)
     spring_stiffness_N_um: float = setting("Stiffness of the preload spring in a spring pair",
                                            "N/um",
@@ -77,7 +77,7 @@ class Arrangement:
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
-        "Keys for which the second bearing of a pair differs from this scene, with their values",
+        "Keys of the second bearing of a pair that differ from this scene, with their values",
         allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
     # fmt: on
 

@@ -88,9 +88,9 @@ class Material:
         "GPa",
         "(0, 100]", default=None)
     thermal_expansion_1_K: float | None = setting(
-        f"Linear thermal expansion (if omitted, that of bearing steel, {STEEL_EXPANSION:g}, is "
-        "assumed; required if materials differ and temperatures are given)", "1/K", "[0, 1e-4]",
-        default=None)
+        "Coefficient of linear thermal expansion (if omitted, that of bearing steel, "
+        f"{STEEL_EXPANSION:g}, is assumed; required if materials differ and temperatures are "
+        "given)", "1/K", "[0, 1e-4]", default=None)
     film: Film | None = setting(
         "A solid film on the balls or races of this material (none if omitted)", default=None)
     running_in: RunningIn | None = setting("Running-in of the wear coefficient (none if omitted)",
@@ -110,8 +110,8 @@ class Cage:
     # fmt: off
     guiding_race: str = setting("Guidance of the cage: by the land of a race, or by the balls",
         choices=GUIDES, default="outer")
-    restitution: float = setting("Coefficient of restitution of the impacts of balls on pockets "
-        "and of the cage on its land",
+    restitution: float = setting("Coefficient of restitution for impacts of balls on pockets and "
+        "of the cage on its land",
         "1", "[0, 1]", default=0.5)
     inner_diameter_mm: float = setting("Inner diameter of the cage ring", "mm", "(0, 10000]")
     outer_diameter_mm: float = setting("Outer diameter of the cage ring, larger than the inner one",
@@ -220,8 +220,8 @@ class Wear:
         allowed="a number from 0 to 50000, or a list with one such number for each ball",
         default=(0.0,))
     counts: str = setting(
-        "Wear included in the total wear depth of the reported life (files contain the lives for "
-        "both choices)",
+        "Wear included in the total wear depth of the reported life (result files contain the "
+        "lives for both choices)",
         choices=COUNTS, default=COUNTS[1])
     ball_track: str = setting("Ball wear in a life with worn grooves: even, because the axes of "
         "the balls wander (spread), or in bands, because the axes are fixed", choices=BALL_TRACKS,

@@ -103,7 +103,8 @@ RUBBING = {
         rows=("archard", "dry_steel"),
         wear=LogSpread.of(*_ends("archard"), least=3.0),
         friction=LogSpread.of(0.8, 0.8, least=1.2),
-        why="dry steel; the spread is assumed, because the source covers one steel and one load",
+        why="dry steel; the spread is assumed, because the source covers only one steel and one "
+        "load",
     ),
     ("steel/steel", "mos2"): RubbingPair(
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins"),

@@ -24,7 +24,7 @@ class Film:
         "Wear coefficient of the film (if omitted, that of friction.film; for cage.film, that of "
         "the cage)", "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting("Hardness of the film (if omitted, that of "
-        "friction.film or of the material below; for cage.film, that of the cage)", "GPa",
+        "friction.film or of the underlying material; for cage.film, that of the cage)", "GPa",
         "[0.001, 100]", default=None)
     # fmt: on
 
@@ -35,7 +35,7 @@ class RunningIn:
 
     # fmt: off
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface; with wear it approaches the value of the material",
+        "Wear coefficient of the new surface; with wear, it approaches the value of the material",
         "1", _SHARE)
     # fmt: on
     depth_um: float = setting(
@@ -62,7 +62,7 @@ class FilmFriction:
         "Wear coefficient of both surfaces while a film remains (if omitted, the values of the "
         "materials)", "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film (if omitted, the value of the material below)", "GPa", "[0.001, 100]",
+        "Hardness of the film (if omitted, that of the underlying material)", "GPa", "[0.001, 100]",
         default=None)
     bare_ball_race: float | None = setting(
         "Coulomb coefficient where the film is worn through (if omitted, the value of the film)",

@@ -120,7 +120,7 @@ class BasedOn:
     """A scene file that is another one with some keys changed."""
 
     name: str = setting("Name of the scene", pattern=NAME)
-    description: str = setting("Replaces the description of the other scene", default="")
+    description: str = setting("Description that replaces that of the other scene", default="")
     # fmt: off
     based_on: str = setting("Name of the other scene, a file in the same folder (without .yaml)",
         pattern=NAME)

@@ -117,8 +117,8 @@ class Scene:
     lubricant: Lubricant = setting("Lubricant (if omitted, no drag)", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
-        "Distributions of uncertain values of the scene, each a block under the name of its key",
-        least=1, names=tuple(UNCERTAIN), each="Distribution of one value of the scene",
+        "Distributions of uncertain values in the scene, each a block under the name of its key",
+        least=1, names=tuple(UNCERTAIN), each="Distribution of one value in the scene",
         default=None)
     cage_uncertainty: Mapping[str, Distribution] | None = setting("Distributions of uncertain "
         "values of the cage for `bearingwear cage` (if omitted, they are assumed; {} means none)",
@@ -127,8 +127,7 @@ class Scene:
         "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
         default=None)
     cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions, each a "
-        "named case that contains the keys of the scene that change, with their new "
-        "values", least=1,
+        "named case that contains the changed keys of the scene and their new values", least=1,
         each="Keys of the scene and their values (neither preload nor kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
     model: Model = setting("Model and accuracy settings, which override the automatic choice",
@@ -224,7 +223,7 @@ class Scene:
         Raises
         ------
         SceneError
-            A ValueError with a message of one line, which names the key.
+            A ValueError with a one-line message that names the key.
         """
         from bearingwear.scene.read import variant
 

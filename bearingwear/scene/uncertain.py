@@ -78,15 +78,15 @@ class Distribution:
     """
 
     # fmt: off
-    distribution: str = setting("Kind of distribution, which is truncated to the possible values",
+    distribution: str = setting("Kind of distribution (truncated to the possible values)",
         choices=tuple(PARAMETERS))
     mean: float | None = setting(
-        "Mean of a normal distribution (if omitted, the value of the scene)",
+        "Mean of a normal distribution (if omitted, the value in the scene)",
         "as the value", default=None)
     standard_deviation: float | None = setting("Standard deviation of a normal distribution",
         "as the value", within="(0, inf)", default=None)
     median: float | None = setting(
-        "Median of a lognormal distribution (if omitted, the value of the scene)", "as the value",
+        "Median of a lognormal distribution (if omitted, the value in the scene)", "as the value",
         within="(0, inf)", default=None)
     factor: float | None = setting("Geometric standard deviation of a lognormal distribution: two "
         "thirds of the values lie between median/factor and median*factor", "1", "(1, 100]",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = "[-273.15, 1000]"
 _CONDUCTANCE = "[1e-6, 1e6]"
-_AS_REFERENCE = "the mounting temperature if omitted"
+_AS_REFERENCE = "(if omitted, the mounting temperature)"
 
 LARGEST_STRAIN = 0.01
 """Thermal expansion of a part, relative, beyond which a scene is refused."""
@@ -26,11 +26,11 @@ class Temperature:
     """Given temperatures of the parts; None where a part is as warm as what it is compared with."""
 
     # fmt: off
-    inner_ring_C: float | None = setting(f"Temperature of the inner ring, {_AS_REFERENCE}", "degC",
+    inner_ring_C: float | None = setting(f"Temperature of the inner ring {_AS_REFERENCE}", "degC",
         _DEGREES, default=None)
-    outer_ring_C: float | None = setting(f"Temperature of the outer ring, {_AS_REFERENCE}", "degC",
+    outer_ring_C: float | None = setting(f"Temperature of the outer ring {_AS_REFERENCE}", "degC",
         _DEGREES, default=None)
-    balls_C: float | None = setting(f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES,
+    balls_C: float | None = setting(f"Temperature of the balls {_AS_REFERENCE}", "degC", _DEGREES,
         default=None)
     shaft_C: float | None = setting("Temperature of the shaft (if omitted, axial positions are as "
         "mounted, and the fit assumes the temperature of the inner ring)", "degC", _DEGREES,
@@ -170,8 +170,8 @@ def _check_expansions(scene: Scene) -> None:
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
-                    "got nothing, expected a number from 0 to 1e-4 if parts of different materials "
-                    "have temperatures",
+                    "got nothing, expected a number from 0 to 1e-4 if temperatures are given for "
+                    "parts of different materials",
                     (key, "temperature", "thermal"),
                 )
     for key, kelvin, name in _warmed(scene):
@@ -180,8 +180,8 @@ def _check_expansions(scene: Scene) -> None:
             most = LARGEST_STRAIN / alpha
             raise SceneError(
                 key,
-                f"got a temperature {abs(kelvin):g} K from the mounting temperature, expected at "
-                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
+                f"got a temperature {abs(kelvin):g} K away from the mounting temperature, expected "
+                f"at most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
 
@@ -207,7 +207,7 @@ def _check_play(scene: Scene) -> None:
             balls = t.reference_C if t.balls_C is None else t.balls_C
             raise SceneError(
                 f"temperature.{ring}_ring_C",
-                f"got {given:g} with balls of {balls:g} degC; only allowed where the groove "
+                f"got {given:g} with balls of {balls:g} degC; only allowed if the groove "
                 f"remains wider than the balls (bearing.{ring}_groove_factor {factor:g})",
                 ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )

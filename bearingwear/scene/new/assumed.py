@@ -79,7 +79,7 @@ def size_of(
         for option, given in (("--bore", bore), ("--outside", outside)):
             if given is not None:
                 raise refused_option(
-                    option, given, f"only allowed without a designation, here {designation}"
+                    option, given, f"only allowed without a designation (here, {designation})"
                 )
         if maker is None:
             return designation_of(designation)
@@ -170,7 +170,7 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
     if name not in PRELOAD_CLASSES:
         why = "; classes of a maker require --maker"
         if entry:
-            why = f"; the catalogue states no class for {entry.designation}"
+            why = f"; the catalogue gives no preload class for {entry.designation}"
         raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)
     density = PRELOAD_CLASSES[name]
     rule = f"{name}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
@@ -182,7 +182,7 @@ def _usual_speed(
 ) -> tuple[float, str]:
     """Speed [r/min] that is assumed, and the rule."""
     if entry is None:
-        return rounded_to(SPEED_FACTOR / dm), "a million mm r/min over the pitch diameter"
+        return rounded_to(SPEED_FACTOR / dm), "one million mm r/min divided by the pitch diameter"
     factor, name = entry.speed_factor(method, preload)
     rule = f"{entry.maker}'s limit with grease"
     if name:
@@ -205,7 +205,7 @@ def _is_deep_groove(size: Designation, angle: float | None, clearance: str | flo
     option = "--clearance" if isinstance(clearance, str) else "--radial-clearance-um"
     if angle:
         raise refused_option(
-            option, clearance, f"only allowed without a contact angle, here {angle:g}"
+            option, clearance, f"only allowed without a contact angle (here, {angle:g})"
         )
     if size.name and not size.deep_groove:
         raise refused_option(
@@ -223,7 +223,7 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half)
         return max(3, balls), f"as many balls as fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
     balls = round(0.75 * math.pi / half)
-    return max(3, balls), "three quarters of the largest possible number"
+    return max(3, balls), "three quarters of the maximum number"
 
 
 def _free_angle(

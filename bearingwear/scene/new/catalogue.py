@@ -200,7 +200,7 @@ def identity_line(bearing: Mapping[str, Any]) -> str:
     inferred = grooves == MAKERS[entry.maker].grooves
     own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)
     printed = f"{entry.balls} balls of {entry.ball:g} mm"
-    balls = SOURCES[entry.source] if own else f"other than the {printed} of the catalogue"
+    balls = SOURCES[entry.source] if own else f"other than the {printed} in the catalogue"
     rule = "inferred from printed rigidities" if inferred else "assumed"
     return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rule}"
 
@@ -211,7 +211,7 @@ def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -
     if entry is None:
         return ""
     factor, name = entry.speed_factor(operation["preload_method"], operation["preload_N"])
-    kind = f"a rigid pair of class {name}" if name else "a bearing under a light spring"
+    kind = f"a rigid pair of class {name}" if name else "a bearing with light spring preload"
     return (
         f"{entry.maker} speed limit for {kind}: {factor * entry.speed_grease:.0f} r/min with "
         f"grease, {factor * entry.speed_oil:.0f} with oil"

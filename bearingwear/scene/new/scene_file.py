@@ -167,7 +167,7 @@ def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
     ours = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
     return (
         f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "
-        f"({entry.source}): at equal preload, these change the axial rigidity by "
+        f"({entry.source}); at equal preload, this changes the axial rigidity by "
         f"{100.0 * (entry.rated / ours - 1.0):+.1f} %; use --maker {entry.maker} for this bearing"
     )
 

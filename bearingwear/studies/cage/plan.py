@@ -32,9 +32,8 @@ class Ensemble:
     runs: int = setting("Maximum number of runs", within=f"[{FEWEST}, inf)", default=200)
     # fmt: off
     within: float = setting(
-        "Relative half-width of the 90 % interval of the work per turn at which the ensemble is "
-        "complete",
-        "1", "(0, 1)", default=0.1)
+        "Target relative half-width of the 90 % interval of the work per turn", "1", "(0, 1)",
+        default=0.1)
     seed: int = setting("Seed of the samples", within="[0, inf)", default=1)
     least_turns: int = setting(f"Minimum number of shaft turns per run (a multiple of {STRETCH})",
         "1", within="[30, inf)", default=30)
@@ -91,7 +90,7 @@ class CagePoint(NamedTuple):
 class CagePlan:
     """Everything in config/cage.yaml."""
 
-    scene: str = setting("Scene with all values that do not vary", pattern=NAME)
+    scene: str = setting("Scene that provides all values that are not varied", pattern=NAME)
     # fmt: off
     changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set",
         default_factory=dict)
@@ -106,7 +105,7 @@ class CagePlan:
     cage_friction: RisingAxis = setting("Coulomb coefficients of the pockets and land", "1")
     ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
     in_main_study: bool = setting(
-        "Whether `snakemake` without a target computes the map and reports it on its page",
+        "Whether `snakemake` without a target computes the map and adds it to the report page",
         default=False)
     # fmt: on
 

@@ -52,10 +52,10 @@ class DesignLimits(_LIMITS):
             one = LIMITED[key]
             for name in one.needs:
                 if scene.arrangement is None or getattr(scene.arrangement, name) is None:
-                    problem = f"got nothing; a requirement on the {one.words} needs it"
+                    problem = f"got nothing; it is needed for a requirement on the {one.words}"
                     raise SceneError(f"arrangement.{name}", problem, source=source)
             if one.block and getattr(scene, one.block) is None:
-                problem = f"got nothing; a requirement on the {one.words} needs it"
+                problem = f"got nothing; it is needed for a requirement on the {one.words}"
                 raise SceneError(one.block, problem, source=source)
 
     @property
@@ -128,8 +128,8 @@ class Design:
 
     map: MapAxes | None = setting("Axes of the map of lives", default=None)
     # fmt: off
-    small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives, which is "
-        "part of the main study if that includes the scene", default=None)
+    small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives; the map "
+        "is part of the main study if that study includes the scene", default=None)
     limits: DesignLimits = setting("Requirements, which apply from new to the end of life",
         default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(

@@ -35,7 +35,7 @@ class DynamicBlock(GridBlock):
     """Scenes that are solved dynamically, with their cage, over a grid of their own."""
 
     model: Mapping[str, Any] = setting(
-        "Keys of the block `model` of the scene that are set for these runs", default_factory=dict
+        "Keys of the scene's `model` block that are set for these runs", default_factory=dict
     )
 
 
@@ -47,7 +47,8 @@ class UncertainLives:
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names",
         default=())
     samples: int = setting(
-        "Half the number of lives sampled for each method and friction (a power of two)",
+        "Half the number of lives sampled for each method and friction coefficient (a power of "
+        "two)",
         within="[16, 4096]", default=SAMPLES)
     # fmt: on
     seed: int = setting("Seed of the sample", within="[0, inf)", default=1)
@@ -118,8 +119,8 @@ class Config:
     dynamic: tuple[DynamicBlock, ...] = setting(
         "Groups of scenes that are also solved dynamically", default=())
     points_per_job: int | None = setting("Number of grid points that a job solves; each has its "
-        "own file. If a job solves more than a line (all losses of a scene, method and friction), "
-        "it writes whole lines to one file. Null means one line, of at most 200 points",
+        "own file. If a job solves more than one line (all losses of a scene, method and "
+        "friction), it writes whole lines to one file. Null means one line of at most 200 points",
         within="[1, inf)",
         default=None)
     unsolved: str = setting("Effect of an unsolved case or life: the study ends with an error, "

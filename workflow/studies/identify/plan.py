@@ -33,7 +33,7 @@ class Statements:
 class IdentifyPlan:
     """Everything in config/identify.yaml."""
 
-    scene: str = setting("Scene with all values that do not vary")
+    scene: str = setting("Scene that provides all values that are not varied")
     marks: tuple[str, ...] = setting("Scenes that are also drawn")
     pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
     ball_count: tuple[int, ...] = setting("Numbers of balls", within="[1, inf)", least=1)

@@ -99,7 +99,7 @@ class SceneClass:
     draw: Mapping[str, Any] = setting(
         "Quantities to draw: keys of a scene, and values from which other keys follow"
     )
-    like: str = setting("Earlier class whose draws it inherits", default="")
+    like: str = setting("Earlier class whose draws are inherited", default="")
 
     def __post_init__(self) -> None:
         draws(self.draw)
