@@ -82,8 +82,8 @@ def solve(
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
         Overrides `model.fidelity` of the scene.
     restart : path, optional
-        A dynamic case file, from whose final state the run continues. The scenes may differ only
-        in `wear` and `model`.
+        A dynamic case file, from whose final state the run continues. The two scenes may differ
+        only in `wear` and `model`.
     progress : callable, optional
         Called with one line of text every few seconds of a dynamic solve.
 
@@ -170,8 +170,7 @@ def cage(
     runs : int
         Maximum number of runs.
     within : float
-        Relative half-width of the 90 % interval of the mean work per turn at which the ensemble is
-        complete.
+        Target relative half-width of the 90 % interval of the mean work per turn.
     seed : int
     life : bool
         Whether to compute the life of the cage as well, from ensembles at successive wear states.
@@ -190,7 +189,7 @@ def cage(
     Raises
     ------
     SceneError
-        A ValueError with a message of one line.
+        A ValueError with a one-line message.
     """
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.cage.life import cage_found
@@ -208,7 +207,7 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     ----------
     scene : path, dict or Scene
         A scene with `uncertainty.wear_coefficient` and a value that scatters between bearings. A
-        scene without `uncertainty` uses that of the table of coefficients.
+        scene without `uncertainty` uses the one in the table of coefficients.
     tests : path
         CSV file with a header and one row per test (docs/calibrate.md).
     workers : int
@@ -223,7 +222,7 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     Raises
     ------
     SceneError, CaseFileError
-        Both are ValueErrors with a message of one line, which names the invalid row and column.
+        Both are ValueErrors with a one-line message that names the invalid row and column.
     """
     from bearingwear.studies.uncertainty.calibration import calibrated
 
@@ -261,7 +260,7 @@ def load(path: str | os.PathLike[str] | xr.Dataset) -> xr.Dataset | Any:
     Raises
     ------
     SceneError, CaseFileError
-        Both are ValueErrors with a message of one line.
+        Both are ValueErrors with a one-line message.
     """
     if not isinstance(path, str | os.PathLike):
         return labelled(path)
@@ -288,7 +287,7 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     OutputError
-        An OSError with a message of one line.
+        An OSError with a one-line message.
     """
     from bearingwear.atomic import OutputError, write_text
 
@@ -321,7 +320,7 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
     Raises
     ------
     SceneError, CaseFileError
-        Both are ValueErrors with a message of one line.
+        Both are ValueErrors with a one-line message.
     """
     from bearingwear.document.show import scene_sheet, sheet
 
@@ -365,7 +364,7 @@ def new(
     Raises
     ------
     SceneError
-        A ValueError with a message of one line.
+        A ValueError with a one-line message.
     """
     from bearingwear.scene.new.scene_file import OPTIONS, checked_scene, scene_text
 
@@ -432,7 +431,7 @@ class Plot:
         Raises
         ------
         CaseFileError
-            A ValueError with a message of one line: the file cannot be read, or its kind cannot be
+            A ValueError with a one-line message: the file cannot be read, or its kind cannot be
             drawn.
         """
         return self._drawn(data, registry("PLOTS"), bearing)

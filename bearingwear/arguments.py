@@ -74,8 +74,8 @@ def command_parser() -> argparse.ArgumentParser:
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
-        help="continue a dynamic case from its final state; the scenes may differ only in wear, "
-        "model and friction.slip_regularisation_m_s",
+        help="continue a dynamic case from its final state; the two scenes may differ only in "
+        "wear, model and friction.slip_regularisation_m_s",
     )
     for sub in (check, solve, life, launch):
         sub.add_argument("--case", metavar="NAME", help="select one of the cases of the scene")
@@ -83,12 +83,12 @@ def command_parser() -> argparse.ArgumentParser:
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
-        "uncertainty", "compute the spread of lives due to the uncertain values of the scene"
+        "uncertainty", "compute the spread in life due to the uncertain values in the scene"
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
     _add_calibrate(
-        command("calibrate", "fit friction and wear coefficients to test results; write the scene")
+        command("calibrate", "fit friction and wear coefficients to tests, and write the scene")
     )
     _add_cage(command("cage", "compute cage motion and cage wear from an ensemble of runs"))
     recommend = command("recommend", "recommend a preload for given requirements")
@@ -105,7 +105,7 @@ def command_parser() -> argparse.ArgumentParser:
         command("compare", "list the differences between two result files; exit status 1 if any")
     )
     _add_plot(command("plot", "draw a result file"))
-    _add_study(command("study", "run the study of a scene, or a study of the current folder"))
+    _add_study(command("study", "run the study of a scene, or a study in the current folder"))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -126,8 +126,7 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
     cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
     cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="relative half-width of the 90 %% interval of the mean work at which the ensemble is "
-        "complete; default 0.1")
+        help="target relative half-width of the 90 %% interval of the mean work; default 0.1")
     cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
         help="minimum number of shaft turns per run; default 30; a hanging cage may change its "
@@ -152,9 +151,9 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
-        help="the scene file to write, named after the designation if omitted; an existing file is "
+        help="the scene file to write (default: named after the designation); an existing file is "
         "never overwritten. Designations: 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, "
-        "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any in its catalogue")
+        "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any in that maker's catalogue")
     new.add_argument("--maker", choices=tuple(MAKERS),
         help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
@@ -193,7 +192,7 @@ def _add_scene(sub: argparse.ArgumentParser) -> None:
 def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     setting = sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-        help="replace a value of the scene, for example operation.preload_N=9; may be repeated")
+        help="replace a value in the scene, for example operation.preload_N=9; may be repeated")
     setting.completer = _scene_keys  # type: ignore[attr-defined]
 
 
@@ -242,7 +241,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
         help="a scene to be studied (wear states, lives and their spread, recommended "
-        f"preload, page); the name of a study of the current folder ({', '.join(NAMES)}); or one "
+        f"preload, page); the name of a study in the current folder ({', '.join(NAMES)}); or one "
         "of its results (results/...), which is then recomputed; default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
         help="folder for the study of a scene; default: the name of the scene file")

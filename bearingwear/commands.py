@@ -56,7 +56,7 @@ def new(args: argparse.Namespace) -> int:
     check_folder(Path(path))
     _tell_of_new_folder(Path(path))
     lines = write_scene(path, given=known, designation=designation, **others)
-    print(f"{path}: written; assumed values and values from a catalogue, marked in the file:")
+    print(f"{path}: written; values assumed or taken from a catalogue, as marked in the file:")
     for line in lines:
         print(f"  {line}")
     for line in _tried(path):
@@ -151,7 +151,7 @@ def uncertainty(args: argparse.Namespace) -> int:
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not (found["solved_share"] > 0.0).any():
-        sys.stderr.write(one_line(f"{args.scene}: no life could be solved (see {args.output})"))
+        sys.stderr.write(one_line(f"{args.scene}: no life could be computed (see {args.output})"))
         return NOT_SOLVED
     if not args.quiet:
         _print_file(args.output, args)
@@ -175,7 +175,7 @@ def cage(args: argparse.Namespace) -> int:
         _print_file(args.output, args)
     if (found["status"] == 0).any():
         return OK
-    sys.stderr.write(one_line(f"{args.scene}: no run of the cage could be solved"))
+    sys.stderr.write(one_line(f"{args.scene}: none of the cage runs could be solved"))
     return NOT_SOLVED
 
 
@@ -207,7 +207,7 @@ def recommend(args: argparse.Namespace) -> int:
         sheet, solved = recommended_sheet(scene, _limits(args), *more)
     _print_sheet(sheet, args)
     if not solved:
-        sys.stderr.write(one_line(f"{args.scene}: no life could be solved at any preload"))
+        sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
     return OK if solved else NOT_SOLVED
 
 
@@ -243,7 +243,7 @@ def export(args: argparse.Namespace) -> int:
 
     scene, path = _scene(args), Path(args.output)
     if path.suffix not in (".csv", ".toml"):
-        raise UsageError(f"-o: got {args.output}, expected a name that ends with .csv or .toml")
+        raise UsageError(f"-o: got {args.output}, expected a name that ends in .csv or .toml")
     try:
         found = StiffnessOverSpeed.of(scene, args.speeds)
     except NotExported as error:

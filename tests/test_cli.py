@@ -454,7 +454,7 @@ def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
     scene.write_text(text.replace("preload_N: 7.0", "preload_N: 1.0e+6"), encoding="utf-8")
     assert main(["uncertainty", str(scene), "--samples", "4", "-o", str(file)]) == 3
     told, error = capsys.readouterr()
-    assert not told and error.endswith(f"{scene}: no life could be solved (see {file})\n")
+    assert not told and error.endswith(f"{scene}: no life could be computed (see {file})\n")
 
 
 def test_recommend_says_where_nothing_could_be_solved(capsys):
@@ -462,8 +462,8 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
     for limits in ([], ["--pressure", "2"]):
         assert main([*without_friction, *limits]) == 3
         told, error = capsys.readouterr()
-        assert error == f"{SCENE}: no life could be solved at any preload\n"
-    assert "No constant force preload satisfies all requirements: no life could be solved" in told
+        assert error == f"{SCENE}: no life could be computed at any preload\n"
+    assert "No constant force preload satisfies all requirements: no life could be computed" in told
 
 
 @pytest.mark.parametrize(

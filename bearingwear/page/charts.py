@@ -100,7 +100,7 @@ def _legend(chart: Chart) -> str:
         "Star: the method's longest life with all requirements satisfied.": any(
             c.star for c in chart.lines
         ),
-        "Vertical line: range of the lives of 90 % of the bearings.": any(
+        "Vertical line: range that contains the lives of 90 % of the bearings.": any(
             c.band for c in chart.lines
         ),
         "Dashed line and bar on the axis: the method violates a requirement.": any(

@@ -180,7 +180,7 @@ def to_ross(
     Raises
     ------
     SceneError, NotExported
-        Both are ValueErrors with a message of one line.
+        Both are ValueErrors with a one-line message.
     ImportError
         ROSS is not installed.
     """

@@ -108,7 +108,7 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
         stderr=subprocess.PIPE,
     )
     unread, lines = threading.Event(), ProgressLines()
-    lines.running = "the workflow starts"
+    lines.running = "starting the workflow"
 
     def relay(source: IO[bytes], target: TextIO) -> None:
         for line in source:

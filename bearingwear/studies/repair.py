@@ -54,12 +54,12 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
         fault = damage(path) if path.endswith(".nc") else None
         if fault:
             os.replace(path, path + SET_ASIDE)
-            yield f"{fault}; the file is set aside as {path}{SET_ASIDE} and computed again"
+            yield f"{fault}; the file was renamed to {path}{SET_ASIDE} and will be computed again"
         elif os.path.getmtime(path) > time.time():
             os.utime(path)
             redated += 1
     if redated:
-        yield f"{redated} files were dated in the future and are now dated today"
+        yield f"{redated} files were dated in the future; their dates were set to today"
 
 
 def _remove_abandoned(paths: Iterable[str]) -> None:
@@ -92,7 +92,7 @@ def off_grid(studies: Iterable[Study]) -> Iterator[str]:
             for file in stale:
                 file.replace(aside / file.name)
             some = ", ".join(file.name for file in stale[:2]) + (", ..." if stale[2:] else "")
-            yield f"{folder}: set aside in {OFF_GRID}/ as outside the grid: {len(stale)}, {some}"
+            yield f"{folder}: {len(stale)} outside the grid, moved to {OFF_GRID}/: {some}"
 
 
 def damage(path: str) -> str | None:

@@ -56,7 +56,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
     if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
         raise SceneError(
             "friction.film",
-            "got a film, or materials with one or with running_in, expected a single "
+            "got a film, or a material with film or running_in, expected a single "
             "friction.ball_race for a study (for a single life, use bearingwear life "
             f"{os.fspath(path)})",
             source=os.fspath(path),

@@ -88,8 +88,8 @@ def sweep(
     Warns
     -----
     UserWarning
-        Some points were not solved, or have warnings, each of which is reported once, at its worst
-        value.
+        Some points were not solved, or have warnings. Each warning is reported once, for the worst
+        case.
     """
     if what not in ("solve", "life"):
         raise ValueError(f"what: got {what!r}, expected solve, life")

@@ -319,7 +319,7 @@ def test_what_was_not_solved_comes_first(small_project, tmp_path, made):
     lives.to_netcdf(tmp_path / "wear_life.nc")
     tree = parsed(made([str(tmp_path / "wear_life.nc")], (), ()))
     said = words(next(tree.iter("main")))
-    assert said.startswith("Some results could not be solved: mine, 1 of the lives.")
+    assert said.startswith("Some results could not be computed: mine, 1 of the lives.")
 
 
 @pytest.mark.parametrize(

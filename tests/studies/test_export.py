@@ -112,7 +112,7 @@ def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
         StiffnessOverSpeed.of(pair.with_({"operation.preload_N": 0.0}), [1000.0])
     scene, out = str(files / "pair.yaml"), str(files / "a.json")
     assert main(["export", scene, "--speeds", "1000,2000", "-o", out]) == 2
-    assert "expected a name that ends with .csv or .toml" in capsys.readouterr().err
+    assert "expected a name that ends in .csv or .toml" in capsys.readouterr().err
     assert main(["export", scene, "--speeds", "9:1:3", "-o", out]) == 2
     assert "got '9:1:3', expected LOW:HIGH:COUNT" in capsys.readouterr().err
 

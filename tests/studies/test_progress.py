@@ -57,7 +57,7 @@ def test_a_job_that_waited_for_a_kernel_is_no_pace_for_the_others():
 
 def test_a_silent_study_says_that_a_job_compiles(tmp_path, monkeypatch):
     log, said = tmp_path / "job.log", []
-    log.write_bytes(b"compiling the solver, once on this machine ...\n")
+    log.write_bytes(b"compiling the solver (only once on this machine) ...\n")
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
     monkeypatch.setattr(progress, "tell_of_compiling", lambda: said.append(True))
     lines = JobLines(logging.StreamHandler(io.StringIO()))
@@ -84,7 +84,7 @@ def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
         (folder / f"{name}.nc").write_text(name)
     assert list(off_grid([study("1", "2")])) == []
     (line,) = off_grid([study("1", "3")])
-    assert "results/toy/cases: set aside in off_grid/" in line and "2.nc" in line
+    assert line == "results/toy/cases: 1 outside the grid, moved to off_grid/: 2.nc"
     assert {path.name for path in folder.iterdir()} == {"1.nc", "all.nc", OFF_GRID}
     assert list(off_grid([study("1", "2")])) == []
     assert (folder / "2.nc").read_text() == "2"

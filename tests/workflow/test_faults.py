@@ -151,7 +151,7 @@ def test_damaged_and_deleted_results_are_made_anew(solved):
     for hit in (path, *others):
         name = hit.relative_to(solved.root).as_posix()
         (line,) = [line for line in run.text.splitlines() if line.startswith(f"{name}: ")]
-        assert line.endswith(f"set aside as {name}.damaged and computed again")
+        assert line.endswith(f"renamed to {name}.damaged and will be computed again")
         assert not hit.exists() and Path(f"{hit}.damaged").exists()
     # two of the damaged cases are of one line
     assert run.jobs["grid_solve"] == 3 and run.jobs["grid_wear_life"] == 1

@@ -224,7 +224,8 @@ def test_a_point_off_the_grid_is_refused(solved):
     assert "friction 0.02, 0.08" in refused
     run = solved.run("-n", "results/gyro_s1/studies.nc")
     said = (
-        "results/gyro_s1/studies.nc: got a file of no study; did you mean results/gyro_s1/study.nc"
+        "results/gyro_s1/studies.nc: got a file that belongs to no study; did you mean "
+        "results/gyro_s1/study.nc"
     )
     assert run.status == 2 and run.text.splitlines()[1:] == [said]
 

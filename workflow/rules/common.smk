@@ -57,7 +57,7 @@ for target in sys.argv[1:] if workflow.is_main_process else ():
         near = difflib.get_close_matches(target, made, n=1)
         meant = f"did you mean {near[0]}" if near else "expected one that -n lists"
         if target not in made:
-            refuse(f"{target}: got a file of no study; {meant}")
+            refuse(f"{target}: got a file that belongs to no study; {meant}")
 
 # While one job compiles the largest kernel, those that need it wait: one core is for the others.
 if workflow.resource_settings.nodes is None:

@@ -57,7 +57,7 @@ NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
 CAGE_LIFE = table(
     Variable("cage_life", (), "1", "shaft turns to the end"),
     Variable("cage_life_interval", END.dims, "1",
-        "90 % interval of the life from the scatter of the runs alone"),
+        "90 % interval of the life due to the scatter of the runs alone"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
         "90 % interval of the life, allowing also for the uncertain wear coefficient of the cage"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
@@ -94,7 +94,9 @@ def with_cage_end(scene: Scene) -> Scene:
     assert cage is not None
     if end == end.without_cage:
         if cage.film is None:
-            problem = "got neither a film nor a limit, expected one that defines its end of life"
+            problem = (
+                "got neither a film nor a limit, expected one of the two, to define its end of life"
+            )
             raise SceneError("cage.film", problem)
         end = replace(end, **{"cage_film_worn_share": 1.0})
     for name in ("pocket_clearance_mm", "guide_clearance_mm"):

@@ -39,7 +39,8 @@ CAGE_RUN = table(
     Variable("land_force_99", (), "N", "99 % quantile of the normal force between the cage and "
         "its land"),
     Variable("shaft_torque", (), "N m", "torque of the shaft, mean"),
-    Variable("torque_noise", (), "N m", "standard deviation of the mean shaft torque of each turn"),
+    Variable("torque_noise", (), "N m",
+        "standard deviation of the shaft torque averaged over each turn"),
     Variable("whirl_ratio", (), "1",
         "number of orbits of the cage centre about the axis per shaft turn"),
     Variable("ball_ratio", (), "1", "ratio of the balls' orbit rate to the shaft speed"),

@@ -183,7 +183,7 @@ def quiet_region(motions: xr.Dataset) -> str:
     """Region of quiet cages, in a sentence."""
     every = designs(motions)
     quiet = [one for one in every if one.quiet >= MOSTLY]
-    gravity = "at every gravity in the map" if motions.sizes["gravity"] > 1 else "here"
+    gravity = "at every level of gravity in the map" if motions.sizes["gravity"] > 1 else "here"
     if not quiet:
         return f"No cage in the map is quiet {gravity}"
     if len(quiet) == len(every):

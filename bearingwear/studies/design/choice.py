@@ -95,7 +95,7 @@ def limits_of(design: xr.Dataset) -> DesignLimits:
     return DesignLimits(**json.loads(design.attrs["limits"]))
 
 
-NO_LIFE_SOLVED = "no life could be solved"
+NO_LIFE_SOLVED = "no life could be computed"
 
 
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
@@ -146,7 +146,8 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     solved = (line["status"] == OK).values
     alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
     if not alive.any():
-        return "new bearings meet an end-of-life criterion" if solved.any() else NO_LIFE_SOLVED
+        at_once = "new bearings already meet an end-of-life criterion"
+        return at_once if solved.any() else NO_LIFE_SOLVED
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
         return "the design is impractical at any preload"

@@ -26,7 +26,7 @@ from bearingwear.studies.dataset import counted
 INDEX_WORDS = (
     "Total Sobol index of log life: the share of its variance due to the value, including "
     "interactions. The preload is the recommended one; the scene defines the distributions. A "
-    "distribution without a mean or median uses the value of the scene."
+    "distribution without a mean or median uses the value in the scene."
 )
 
 

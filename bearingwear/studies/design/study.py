@@ -136,7 +136,7 @@ def _small(
             label="{scene}: other assumptions at the recommended preload", **found),
         step("spread", f"{_SMALL}/spread.nc",
             "studies.uncertainty.quantiles.recommended_life_quantiles", spread_of, settings=sample,
-            label="{scene}: spread of the lives at the recommended preload", work=1.0, **found),
+            label="{scene}: spread in life at the recommended preload", work=1.0, **found),
     ]  # fmt: skip
 
 

@@ -264,7 +264,7 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
         f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
-        f"all uncertain values of the scene. {causes_told(scene)}"
+        f"all uncertain values in the scene. {causes_told(scene)}"
         + ("" if all(life.spread for life in lives) else f" If no interval is given, {SEE}.")
     )
 

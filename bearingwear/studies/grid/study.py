@@ -156,7 +156,7 @@ def _lived(plan: Plan) -> list[Step]:
                 "samples": lives.samples,
                 "seed": lives.seed,
             },
-            label="{scene}: spread of its lives, mu {mu}", work=1.0),
+            label="{scene}: spread in life, mu {mu}", work=1.0),
     ]  # fmt: skip
 
 

@@ -260,7 +260,7 @@ def _curve(
     values = _logs(scene, names, rows, torque, workers)
     middle = float(values[_NODES // 2]) if friction else float(values[0])
     if not middle > _NONE:
-        problem = "got no life from the model, because it is zero or could not be solved"
+        problem = "got no life from the model, because it is zero or could not be computed"
         raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
     scatter, shift = _scatter(scene, torque, middle, workers)
     if not friction:

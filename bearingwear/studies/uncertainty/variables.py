@@ -48,8 +48,8 @@ ANALYSED = table(
         comment="probability 0.1 gives L10; the middle of batch_probability gives the scatter "
         "within a batch, its ends the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
-        "half-width of the confidence interval of that quantile, from sampling",
-        comment="the larger of the distances of the quantile from the two ends of the interval, "
+        "half-width of the confidence interval of that quantile, due to sampling",
+        comment="the larger of the distances from the quantile to the two ends of the interval, "
         "widened by the error of interpolated lives"),
     Variable("life_quantile", QUANTILE, "h",
         "quantile of the life, allowing for the scatter and the uncertainty of the batch",

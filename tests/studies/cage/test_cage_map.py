@@ -156,7 +156,7 @@ def test_what_cannot_be_improved_is_kept(small):
     _, motions = small
     less = motions.sel(cage_friction=[0.05, 0.1])
     assert recommended_cage(less).startswith("Keep the cage as it is (whirls 100 %): no quieter")
-    assert quiet_region(less) == "No cage in the map is quiet at every gravity in the map"
+    assert quiet_region(less) == "No cage in the map is quiet at every level of gravity in the map"
     failed = motions.map(lambda one: one * np.nan).assign_attrs(motions.attrs)
     assert recommended_cage(failed) == "No cage in the map could be solved"
 

@@ -27,7 +27,12 @@ EXTRA = table(
     Variable("repeats", (), "1", "number of timed solves"),
     Variable("life_wall_time", (), "s", "time to compute the life, median of the repeats"),
     Variable("life_processor_time", (), "s", "CPU time to compute the life, median of the repeats"),
-    Variable("wear_over_gap", (), "1", "loss at the end of life over the gap at the contact edge"),
+    Variable(
+        "wear_over_gap",
+        (),
+        "1",
+        "ratio of the loss at the end of life to the gap at the contact edge",
+    ),
     Variable(
         "simulated_turns",
         (),
@@ -39,8 +44,15 @@ EXTRA = table(
     Variable("estimate_residual_preload", (), "1", "estimated error of the residual preload"),
     Variable("estimate_wear_rate", (), "1", "estimated error of the rate of the total wear depth"),
     Variable("estimate_life", (), "1", "estimated error of the wear life"),
-    Variable("coriolis_energy_share", (), "1", "work of the Coriolis force over the heat"),
-    Variable("azimuth_energy_share", (), "1", "work of the circumferential force over the heat"),
+    Variable(
+        "coriolis_energy_share", (), "1", "ratio of the work of the Coriolis force to the heat"
+    ),
+    Variable(
+        "azimuth_energy_share",
+        (),
+        "1",
+        "ratio of the work of the circumferential force to the heat",
+    ),
 )
 """What else is kept of a point."""
 

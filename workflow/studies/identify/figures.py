@@ -120,7 +120,7 @@ def candidates_message(candidates: xr.Dataset) -> str:
     """What the study finds, in a sentence."""
     fits, basis = fitting(candidates), counted(candidates)
     if not fits.sizes["candidate"]:
-        return "No bearing of the grid fits the statements"
+        return "No bearing in the grid fits the statements"
     spans = []
     for name, one in methods(fits):
         hours = one["life"].isel(loss_basis=basis).values

@@ -18,8 +18,8 @@ from workflow.studies.identify.figures import candidates_message, fitting
 from workflow.studies.identify.search import CANDIDATE, FIT_RESULTS
 
 _SKID_NOTE = (
-    "The fit does not require slip of the whole ball in the rolling direction above 0.6 µm of "
-    "wear. The table lists the maximum skid ratio at the drag densities that agree."
+    "Above 0.6 µm of wear, the fit does not require the whole ball to slip in the rolling "
+    "direction. The table lists the maximum skid ratio at the drag densities that agree."
 )
 
 

@@ -126,8 +126,8 @@ def map_title(solved: xr.Dataset) -> str:
     verified, total = int((status == OK).sum()), status.size
     title = f"{solved.attrs['shown']}: {verified} of {total} points verified"
     if np.isin(status, WITHOUT_REASON).any():
-        return f"{title}, some of the others without a reason"
-    return f"{title}, the others with a reason" if verified < total else title
+        return f"{title}; no reason is given for some of the others"
+    return f"{title}; a reason is given for the others" if verified < total else title
 
 
 # Branches

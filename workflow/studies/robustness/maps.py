@@ -24,7 +24,7 @@ from workflow.studies.robustness.run import solved_values, study_attributes, vio
 _SHOWN = ("total_qv", "skid_ratio", "residual_preload")
 MAP_STATES = table(
     STATUS,
-    Variable("violations", (), "", "description of the error, empty without error", "O"),
+    Variable("violations", (), "", "description of the error; empty if there is none", "O"),
     *(CASE[name] for name in _SHOWN),
     Variable("gyroscopic_slip_share", (), "1", "larger gyroscopic share of the slip"),
 )

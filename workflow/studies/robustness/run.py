@@ -29,8 +29,8 @@ from workflow.studies.robustness.plan import (
 )
 
 TRIALS = table(
-    Variable("status", (), "", "how it ended; -1: no such bearing", "i1"),
-    Variable("violations", (), "", "description of the error, empty without error", "O"),
+    Variable("status", (), "", "outcome; -1: no such bearing", "i1"),
+    Variable("violations", (), "", "description of the error; empty if there is none", "O"),
     Variable("states", (), "1", "number of steady states found; 0 if none or not requested", "i1"),
     Variable("largest_qv_ratio", (), "1", "largest relative difference of QV among them"),
 )

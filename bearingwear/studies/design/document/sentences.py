@@ -51,7 +51,8 @@ TAKE = {
 
 _HELD = {
     "none": "No requirement limits this preload: it gives the longest life.",
-    "not_solved": "The next preload of the map could not be solved; it may give a longer life.",
+    "not_solved": "The life at the next preload of the map could not be computed, and may be "
+    "longer.",
     "end_of_life": "No requirement limits this preload, but at other preloads another criterion "
     "is reached earlier.",
     "impractical": "Preloads that give a longer life make the design impractical.",
@@ -63,8 +64,8 @@ SIMILAR = 0.9
 """Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
-    "Use lives for comparison only, not as hours: the wear coefficient is known to an order of "
-    "magnitude at best."
+    "Use the lives for comparison only, not as absolute values: the wear coefficient is known to "
+    "an order of magnitude at best."
 )
 
 SHORT_LIFE = 500.0
@@ -179,7 +180,7 @@ def what_it_gives(found: xr.Dataset) -> list[str]:
     scene, end, first = scene_of(found), ending_measure(lives[0][1]), f"{said}."
     if end:
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
-        first += f" It ends at a {end.words} of {in_print(limit)}."
+        first += f" The life ends at a {end.words} of {in_print(limit)}."
     return [first, NO_OIL] if life < SHORT_LIFE and not scene.get("calibrated") else [first]
 
 
@@ -224,8 +225,8 @@ def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> list[str]:
     if method == "fixed_position":
         offset = " (offset {:.2g} to {:.2g} µm)".format(*(_offset(found, end) for end in ends))
     return [
-        f"{name} from {low} to {high} N{offset} gives at least {100 * SIMILAR:g} % of this "
-        f"life{kept}."
+        f"{name} with a preload from {low} to {high} N{offset} gives at least "
+        f"{100 * SIMILAR:g} % of this life{kept}."
     ]
 
 
@@ -238,7 +239,8 @@ def spacer_offset(found: xr.Dataset) -> list[str]:
     offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
     return [
         f"A spacer offset of {offset:.2g} µm between the bearings produces {preload_text(best)} "
-        f"N; an error of ±{0.5 * (more - less):.2g} µm in the offset changes it by 10 %."
+        f"N; an error of ±{0.5 * (more - less):.2g} µm in the offset changes this preload by "
+        "10 %."
     ]
 
 
