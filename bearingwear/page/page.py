@@ -48,8 +48,8 @@ GLOSSARY = {
     "rolling direction and driven by the gyroscopic moment.",
     "requirement": "A condition that the bearing or machine must meet from new to the end of life, "
     "such as a minimum stiffness. It restricts the choice of preload.",
-    "end-of-life criterion": "A limit set in the scene, such as a wear depth, at which a bearing "
-    "counts as worn out. The first limit reached determines the end of life.",
+    "end-of-life criterion": "A value, set in the scene, at which a bearing counts as worn out, "
+    "such as a wear depth. The first value reached determines the end of life.",
     "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",
     "total wear depth": "The loss of ball diameter plus, if the wear of the races is counted, the "
     "wear depth of both grooves. It reduces the interference between balls and grooves.",
