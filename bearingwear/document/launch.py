@@ -103,7 +103,7 @@ def _limits(found: Launched) -> tuple[Row, ...]:
     if found.frequencies is not None:
         names = ("axial", "radial", "conical")
         rows += [
-            Row(f"{name} frequency at rest", "Hz", (float(f),), f"{name}_frequency")
+            Row(f"{name} natural frequency at rest", "Hz", (float(f),), f"{name}_frequency")
             for name, f in zip(names, found.frequencies, strict=True)
         ]
     return tuple(rows)
