@@ -177,7 +177,7 @@ def test_plot(scene, tmp_path):
     life = bearingwear.life(scene)
     assert bearingwear.plot(life).axes and bearingwear.plot.life(life).axes
     assert bearingwear.plot.case(tmp_path / "case.nc").get_suptitle() == drawn.get_suptitle()
-    with pytest.raises(CaseFileError, match="plot: got a file of the kind life, expected case"):
+    with pytest.raises(CaseFileError, match="plot: got a file of kind life, expected case"):
         bearingwear.plot.case(life)
     with pytest.raises(CaseFileError, match="kind sweep, expected case, life"):
         bearingwear.plot(bearingwear.sweep(scene, {"operation.preload_N": [7]}, workers=1))

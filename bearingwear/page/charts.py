@@ -106,7 +106,7 @@ def _legend(chart: Chart) -> str:
         "Dashed line and bar on the axis: the method violates a requirement.": any(
             c.beyond for c in chart.lines
         ),
-        "Diamond: beyond it, another criterion determines the end of life.": any(
+        "Diamond: beyond this point, another criterion determines the end of life.": any(
             len(set(c.ends)) > 1 for c in chart.lines
         ),
     }

@@ -23,7 +23,7 @@ def figure_of(
     dataset = chosen_bearing(dataset, name, bearing)
     if kind not in figures:
         known = ", ".join(figures) or "none"
-        raise CaseFileError(f"{name}: got a file of the kind {kind}, expected {known}")
+        raise CaseFileError(f"{name}: got a file of kind {kind}, expected {known}")
     figure: Figure = function(figures[kind])(dataset)
     return figure
 

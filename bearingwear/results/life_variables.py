@@ -68,7 +68,7 @@ LIFE = table(
         "load-weighted gyroscopic share of the slip"),
     Variable("history_skid_ratio", _STEP, "1", "lag of the orbit rate behind that of pure rolling"),
     Variable("history_ball_diameter_loss_rate", _STEP_COUNTS, "m s-1",
-        "rate of the total wear depth"),
+        "rate of increase in total wear depth"),
     Variable("history_ball_wear_rate", _STEP, "m3 s-1", "wear rate of one ball"),
     Variable("history_race_wear_rate", _STEP_RACE, "m3 s-1", "wear rate of the whole race"),
     Variable("history_axial_displacement", _STEP, "m", "axial displacement of the inner race"),

@@ -146,13 +146,15 @@ def _life(file: Any) -> Iterator[Block]:
     for k, part in enumerate(WEARING):
         gone = float(values(file, "film_gone")[k])
         if not math.isnan(gone):
-            text = f"{gone:.3g} turns" if math.isfinite(gone) else "not before the end"
-            lines.append(f"film of the {part} worn through: {text}")
+            text = "not worn through before the end"
+            if math.isfinite(gone):
+                text = f"worn through after {gone:.3g} turns"
+            lines.append(f"film of the {part}: {text}")
     low, high = values(file, "motion_changes").tolist()
     lines.append(
-        "another motion becomes dominant: not before the end"
+        "no other motion becomes dominant before the end"
         if math.isnan(low)
-        else f"another motion becomes dominant: after {low:.3g} to {high:.3g} turns"
+        else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
     if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]

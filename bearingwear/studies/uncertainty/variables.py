@@ -75,6 +75,6 @@ ANALYSED = table(
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half-width of its confidence interval"),
     Variable("life_sample", (INPUTS, "member", BASIS), "h",
-        "lives of independent bearings at evenly spaced probabilities, sorted"),
+        "sorted lives of independent bearings, at evenly spaced probabilities"),
 )  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

@@ -4,11 +4,14 @@ from bearingwear.results.variable import STATUS, Variable, table
 
 QUANTITIES = table(
     Variable("total_qv", (), "W", "QV of the bearing"),
-    Variable("qv_inner", (), "W", "QV of an inner contact, mean over the balls"),
-    Variable("qv_outer", (), "W", "QV of an outer contact, mean over the balls"),
+    Variable("qv_inner", (), "W", "mean QV of the inner contacts"),
+    Variable("qv_outer", (), "W", "mean QV of the outer contacts"),
     Variable("residual_preload", (), "N", "residual preload"),
     Variable(
-        "wear_rate", (), "m s-1", "rate of the total wear depth, counted as the scene specifies"
+        "wear_rate",
+        (),
+        "m s-1",
+        "rate of increase in total wear depth, counted as the scene specifies",
     ),
     Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage, pockets and land"),
     Variable("life", (), "h", "wear life from new, counted as the scene specifies"),
@@ -42,7 +45,9 @@ EXTRA = table(
     Variable("steps", (), "1", "steps taken and repeated"),
     Variable("estimate_total_qv", (), "1", "estimated error of QV of the bearing"),
     Variable("estimate_residual_preload", (), "1", "estimated error of the residual preload"),
-    Variable("estimate_wear_rate", (), "1", "estimated error of the rate of the total wear depth"),
+    Variable(
+        "estimate_wear_rate", (), "1", "estimated error of the rate of increase in total wear depth"
+    ),
     Variable("estimate_life", (), "1", "estimated error of the wear life"),
     Variable(
         "coriolis_energy_share", (), "1", "ratio of the work of the Coriolis force to the heat"

@@ -393,7 +393,8 @@ def _statuses(design: xr.Dataset) -> Block:
     said = (
         f"{design['status'].size} lives at combinations of preload, method, friction and speed, "
         f"from {solves} steady states; {failed} states were not found. {grooves} Hertzian grooves.",
-        "A life that could not be computed has a status with the reason, and is never chosen.",
+        "A life that could not be computed has a status that gives the reason, and is never "
+        "chosen.",
     )
     rows = (
         Row("status", "", tuple(in_words(STATUS_NAMES[int(k)]) for k in codes)),
