@@ -45,14 +45,14 @@ def code_folder() -> str:
         folder = Path(tempfile.mkdtemp(prefix="bearingwear-numba-"))
     if given and folder != folders[0]:
         tell(
-            f"NUMBA_CACHE_DIR: {given} cannot be written, or others can write there; compiled code "
-            f"is in {folder}"
+            f"NUMBA_CACHE_DIR: {given} is not writable, or others can write to it; compiled code "
+            f"is stored in {folder}"
         )
     return str(folder)
 
 
 def tell_of_compiling() -> None:
-    tell(f"compiling the solver, once on this machine; it may take {compile_time()} ...")
+    tell(f"compiling the solver (only once on this machine); this may take {compile_time()} ...")
 
 
 @functools.cache
