@@ -126,33 +126,34 @@ def with_contact(before, one, R, r, u, v_r, t, weight, across, share, length, wi
     e_x, e_z = math.cos(one.alpha), -math.sin(one.alpha)
     R_d = 2.0 * one.r_g * R / (one.r_g + R)
     a, b = one.a, one.b
-    for k in range(t.size * across.size):
-        i, j = k // across.size, k % across.size
+    for i in range(t.size):
         x = a * t[i]
-        y = b * math.sqrt(1.0 - (x / a) ** 2) * across[j]
+        half = b * math.sqrt(1.0 - (x / a) ** 2)
         h = math.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
         p_x, p_z = h * n_x + x * e_x, h * n_z + x * e_z
-        # Ball surface: velocity of the centre, plus w x p. Race surface: omega_race x position.
-        ball_x = u[1] * p_z - u[2] * y
-        ball_y = -u[3] * r + u[2] * p_x - u[0] * p_z
-        ball_z = u[0] * y - u[1] * p_x
-        race_y, race_z = -one.omega * (r + p_z), one.omega * y
-        v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
-        v_2 = race_y - ball_y
-        v = math.hypot(v_1, v_2)
-        shear = one.pressed * one.Q * weight[i] * share[j]
-        shear += (one.mu - one.pressed) * one.Q * length[i] * width[j]
-        F = shear / math.hypot(v, v_r)
-        F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
-        m_x += y * F_z - p_z * F_y
-        m_y += p_z * F_x - p_x * F_z
-        m_z += p_x * F_y - y * F_x
-        f_x += F_x
-        f_y += F_y
-        f_z += F_z
-        heat += F * v * v
-        qv += v * one.Q * weight[i] * share[j]
-        race += F_y * race_y + F_z * race_z
+        for j in range(across.size):
+            y = half * across[j]
+            # Ball surface: velocity of the centre, plus w x p. Race surface: omega_race x position.
+            ball_x = u[1] * p_z - u[2] * y
+            ball_y = -u[3] * r + u[2] * p_x - u[0] * p_z
+            ball_z = u[0] * y - u[1] * p_x
+            race_y, race_z = -one.omega * (r + p_z), one.omega * y
+            v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
+            v_2 = race_y - ball_y
+            v2 = v_1**2 + v_2**2
+            load = one.Q * weight[i] * share[j]
+            shear = one.pressed * load + (one.mu - one.pressed) * one.Q * length[i] * width[j]
+            F = shear / math.sqrt(v2 + v_r**2)
+            F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
+            m_x += y * F_z - p_z * F_y
+            m_y += p_z * F_x - p_x * F_z
+            m_z += p_x * F_y - y * F_x
+            f_x += F_x
+            f_y += F_y
+            f_z += F_z
+            heat += F * v2
+            qv += math.sqrt(v2) * load
+            race += F_y * race_y + F_z * race_z
     return Work(m_x=m_x, m_y=m_y, m_z=m_z, f_x=f_x, f_y=f_y, f_z=f_z, heat=heat, qv=qv, race=race)
 
 

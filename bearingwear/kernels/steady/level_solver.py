@@ -57,6 +57,8 @@ class Solution(NamedTuple):
 def line_search(p, v_r, seat, u, size, tolerance, halvings):
     """Shorten Newton's step in `p.step` until it lessens the residual.
 
+    Most full steps do, so the Jacobian, which the next step needs, is found with the residual.
+
     Returns
     -------
     found, size, seat
@@ -68,9 +70,8 @@ def line_search(p, v_r, seat, u, size, tolerance, halvings):
             p.trial[i] = u[i] + damping * p.step[i]
         moved = motion_equilibrium(p.bearing, p.trial, seat)
         if usable(moved.state) == OK:
-            status = friction_balance(p, v_r, moved.state, p.trial, p.shifted, False)
-            if status == OK:
-                new = balance_size(p.bearing, moved.state, p.shifted)
+            if full_jacobian(p, v_r, moved, p.trial) == OK:
+                new = balance_size(p.bearing, moved.state, p.residual)
                 if new < (1.0 - DESCENT * damping) * size or new <= tolerance:
                     return True, new, moved
         damping *= 0.5
@@ -88,12 +89,11 @@ def newton(p, v_r, seat, u, tolerance):
     tolerance : float
         On the residual, as a share of the friction forces [1].
     """
-    size, floor = UNKNOWN, 0.0
+    status, floor = full_jacobian(p, v_r, seat, u), 0.0
+    if status != OK:
+        return Solution(status=status, seat=seat, iterations=0, size=UNKNOWN)
+    size = balance_size(p.bearing, seat.state, p.residual)
     for iteration in range(NEWTON_STEPS):
-        status = full_jacobian(p, v_r, seat, u)
-        if status != OK:
-            return Solution(status=status, seat=seat, iterations=iteration, size=size)
-        size = balance_size(p.bearing, seat.state, p.residual)
         if size <= tolerance:
             return Solution(status=OK, seat=seat, iterations=iteration, size=size)
         noise = rounding(p.bearing, seat.state, u, p.jacobian)
@@ -114,6 +114,7 @@ def newton(p, v_r, seat, u, tolerance):
         seat = moved
         if near and new > SLOW * size:
             return Solution(status=OK, seat=seat, iterations=iteration, size=new)
+        size = new
     status = OK if size <= max(NEAR_ROUNDING, floor) else NOT_CONVERGED
     return Solution(status=status, seat=seat, iterations=NEWTON_STEPS, size=size)
 
