@@ -10,11 +10,11 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from html import escape
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 from bearingwear.scene.accuracy import FIDELITIES, Model, check_model
 from bearingwear.scene.arrangement import Arrangement, check_arrangement, sides_of
@@ -69,10 +69,13 @@ __all__ = [
     "Wear",
     "key_of_scene",
     "most_balls",
+    "once",
 ]
 
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
+
+Value = TypeVar("Value")
 
 NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
 
@@ -237,16 +240,22 @@ class Scene:
 
         What a scene does without (cage, end of life or one of its criteria) is left out.
         """
-        plain = plain_data(self)
-        loss = self.wear.ball_diameter_loss_um
-        if len(loss) == 1:
-            plain["wear"]["ball_diameter_loss_um"] = loss[0]
-        return plain
+        return plain_data(self)
 
-    @functools.cached_property
+    @property
+    def plain(self) -> Mapping[str, Any]:
+        """`to_dict`, parts of which other scenes share: do not write to it."""
+        return self._shared[0]
+
+    @property
     def json(self) -> str:
         """`to_dict` as JSON: the attribute `scene` of a result."""
-        return json.dumps(self.to_dict())
+        return self._shared[1]
+
+    @functools.cached_property
+    def _shared(self) -> tuple[dict[str, Any], str]:
+        given = {name: getattr(self, name) for name in _field_names(Scene)}
+        return _of_mapping({name: part for name, part in given.items() if part is not None})
 
 
 @functools.cache
@@ -270,10 +279,57 @@ def plain_data(value: Any) -> Any:
                 plain[name] = part
             elif part is not None:
                 plain[name] = plain_data(part)
+        if value.__class__ is Wear and len(value.ball_diameter_loss_um) == 1:
+            (plain["ball_diameter_loss_um"],) = value.ball_diameter_loss_um
         return plain
     if isinstance(value, Mapping):
         return {key: plain_data(part) for key, part in value.items()}
     return list(value) if isinstance(value, tuple) else value
+
+
+_MOST_KEPT = 256
+_KEPT: dict[int, tuple[Any, Any, str]] = {}
+"""Blocks by their id, with plain data and JSON: scenes in a loop have most of them in common."""
+
+
+def _of_block(block: Any) -> tuple[Any, str]:
+    known = _KEPT.get(id(block))
+    if known is None:
+        if len(_KEPT) >= _MOST_KEPT:
+            _KEPT.clear()
+        plain = plain_data(block)
+        known = _KEPT[id(block)] = (block, plain, json.dumps(plain))
+    return known[1:]
+
+
+def _of_mapping(given: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+    """Plain data and JSON of a mapping of blocks, mappings and values."""
+    plain, texts = {}, []
+    for name, part in given.items():
+        if _field_names(part.__class__):
+            plain[name], text = _of_block(part)
+        elif isinstance(part, Mapping):
+            plain[name], text = _of_mapping(part)
+        else:
+            plain[name] = plain_data(part)
+            text = json.dumps(plain[name])
+        texts.append(f"{json.dumps(name)}: {text}")
+    return plain, f"{{{', '.join(texts)}}}"
+
+
+def once(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
+    """A function that computes its value once for each scene, and keeps it there."""
+    name = f"{of_scene.__module__}.{of_scene.__qualname__}"
+
+    @functools.wraps(of_scene)
+    def kept(scene: Scene) -> Value:
+        values = scene.__dict__
+        if name not in values:
+            values[name] = of_scene(scene)
+        found: Value = values[name]
+        return found
+
+    return kept
 
 
 def key_of_scene(path: str) -> Part | None:

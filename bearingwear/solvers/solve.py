@@ -76,13 +76,12 @@ def result_of(
     elapsed: float,
 ) -> Result:
     """A result with the scene, the model and its warnings."""
-    plain = scene.to_dict()
     provenance = {
-        "scene": json.dumps(plain),
+        "scene": scene.json,
         "fidelity": chosen.fidelity,
         "modelled": json.dumps(list(chosen.reasons)),
         "warnings": json.dumps(warnings_of(scene, chosen, values)),
     }
     result = Result(values, {**attrs, **provenance}, elapsed)
-    result.scene = plain  # or it would be read from the attribute
+    result.scene = scene.plain  # or it would be read from the attribute
     return result

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene
+from bearingwear.scene.scene import Material, Scene, once
 from bearingwear.scene.warmth import Fits, Temperature, expansion
 from bearingwear.solvers.bearing.mounted import GPA, MM, RPM, UM
 
@@ -179,10 +179,16 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     return RingGrowth(speed, fit, pressure, seat_lost=at_rest > 0.0 and overlap <= 0.0)
 
 
-def growth_of(scene: Scene, bore: float | None = None) -> Growth:
-    """All that changes the bearing as mounted; with a bore [m] where the scene does not say it."""
-    heat, b = thermal_expansion(scene), scene.bearing
-    bore = bore if b.bore_mm is None else b.bore_mm * MM
+@once
+def growth_of(scene: Scene) -> Growth:
+    """All that changes the bearing as mounted."""
+    bore = scene.bearing.bore_mm
+    return growth_with_bore(scene, None if bore is None else bore * MM)
+
+
+def growth_with_bore(scene: Scene, bore: float | None) -> Growth:
+    """`growth_of` with a bore of the inner ring [m], which is rigid without one."""
+    heat = thermal_expansion(scene)
     return Growth(heat, inner_growth(scene, heat, bore), outer_growth(scene, heat))
 
 

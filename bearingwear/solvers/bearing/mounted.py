@@ -3,7 +3,7 @@
 import math
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene
+from bearingwear.scene.scene import Material, Scene, once
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
@@ -56,6 +56,7 @@ def groove_geometry(
     )
 
 
+@once
 def mounted_geometry(scene: Scene) -> Geometry:
     """Groove geometry and material pair of a scene, before anything has grown."""
     b = scene.bearing

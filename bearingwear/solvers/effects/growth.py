@@ -15,6 +15,7 @@ from bearingwear.solvers.bearing.growth import (
     axial_change,
     grown,
     growth_of,
+    growth_with_bore,
     is_held,
 )
 from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
@@ -64,7 +65,7 @@ def assumed_bore(scene: Scene) -> float:
 
 def change_at_speed(scene: Scene) -> float:
     """Change of a fixed-position preload by the growth of the turning rings alone [1]."""
-    growth = growth_of(scene, assumed_bore(scene))
+    growth = growth_with_bore(scene, assumed_bore(scene))
     alone = Growth(_COLD, growth.inner._replace(fit=0.0), growth.outer._replace(fit=0.0))
     return preload_change(scene, alone)
 
