@@ -244,7 +244,7 @@ def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
 def table_of_lives(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
     """Each life counting balls and races [h] in both files, their difference, and its estimate."""
     apart = []
-    for job in [job for job in a if job in b and "life" in a[job]["values"]]:
+    for job in [job for job in a if job in b and np.ndim(a[job]["values"].get("life")) == 1]:
         one, other = (np.asarray(found[job]["values"]["life"])[1] for found in (a, b))
         estimate = np.asarray(a[job]["values"].get("life_error_estimate", [np.nan] * 2))[1]
         apart.append(abs(other / one - 1.0))

@@ -62,6 +62,7 @@ class Layout(NamedTuple):
 
     coordinates: Mapping[str, Entry]
     variables: Mapping[str, Entry]
+    sizes: Mapping[str, int]  # of their dimensions
 
     @property
     def every(self) -> dict[str, Entry]:
@@ -131,7 +132,8 @@ def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
     along = {
         name: entry._replace(dims=(dim, *entry.dims)) for name, entry in layout.variables.items()
     }
-    return Contents(layout._replace(variables=along), data, attrs)
+    sizes = {dim: len(results), **layout.sizes}
+    return Contents(layout._replace(variables=along, sizes=sizes), data, attrs)
 
 
 @functools.cache
@@ -181,10 +183,11 @@ def _layout(
                 entry.attrs["cell_methods"] = method
                 if entry.dims[: len(TIME)] != TIME:
                     entry.attrs["long_name"] += OVER_TURNS[method]
-    coordinates = _coordinates({dim for e in solved.values() for dim in e.dims}, given, sizes)
+    used = dict.fromkeys(dim for entry in solved.values() for dim in entry.dims)
+    coordinates = _coordinates(used, given, sizes)
     if balls and "ball" in coordinates and sizes["ball"] == 1:
         coordinates["ball"].attrs["represents"] = np.int32(balls)
-    return Layout(coordinates, solved)
+    return Layout(coordinates, solved, {dim: sizes[dim] for dim in used})
 
 
 def _coordinates(

@@ -114,7 +114,7 @@ def _shapes(result: Result) -> tuple[Any, ...]:
 def _dataset(contents: Contents, by_name: bool = False) -> xr.Dataset:
     layout, data, attrs = contents
     indexed = _indexed(layout.coordinates, data, by_name)
-    return _joined(_variables(layout.variables, data, by_name), indexed, attrs)
+    return _joined(_variables(layout.variables, data, by_name), indexed, layout.sizes, attrs)
 
 
 def _unchecked(
@@ -152,7 +152,10 @@ class _Indexed(NamedTuple):
 
 
 def _joined(
-    variables: dict[str, xr.Variable], indexed: _Indexed, attrs: dict[str, Any]
+    variables: dict[str, xr.Variable],
+    indexed: _Indexed,
+    sizes: Mapping[str, int],
+    attrs: dict[str, Any],
 ) -> xr.Dataset:
     """A dataset of variables that are known to fit together.
 
@@ -167,11 +170,8 @@ def _joined(
     for name, one in indexed.variables.items():
         data = one._data if name in indexed.indexes else one.values.copy()  # an index is immutable
         every[name] = _unchecked(type(one), one._dims, data, dict(one.attrs), dict(one.encoding))
-    sizes: dict[Any, int] = {}
-    for dims, shape in {one._dims: one._data.shape for one in every.values()}.items():
-        sizes.update(zip(dims, shape, strict=True))
     names, indexes = set(indexed.variables), dict(indexed.indexes)
-    return construct(every, coord_names=names, dims=sizes, attrs=attrs, indexes=indexes)
+    return construct(every, coord_names=names, dims=dict(sizes), attrs=attrs, indexes=indexes)
 
 
 _KNOWN_COORDINATES: dict[Any, _Indexed] = {}
