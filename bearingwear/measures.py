@@ -244,7 +244,7 @@ MEASURES = (
         limit=("Minimum axial stiffness of the arrangement", "(0, inf)"),
         note="a single bearing counts as half of a symmetric pair, which is a spring pair or, "
             "with fixed-position preload, a rigid pair",
-        means="of both bearings at a fixed position, but of only one under constant force",
+        means="both bearings contribute at a fixed position, but only one under constant force",
         option="--stiffness", mark="d", letter="A", brief=True),
     Measure(key="axial_stiffness_N_um", words="axial stiffness of one bearing",
         label="stiffness, one bearing", unit="N/um",

@@ -159,7 +159,7 @@ def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
 
 def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
     model = scene.model
-    across = f" times {model.points_across} across" if model.slip_is_over == "ellipse" else ""
+    across = f" by {model.points_across} across" if model.slip_is_over == "ellipse" else ""
     always = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
         f", friction regularised below a slip of {scene.friction.slip_regularisation_m_s:g} m/s"

@@ -120,7 +120,7 @@ def no_cage(chosen: Choice) -> Iterator[str]:
     elif not chosen.cage:
         yield (
             "cage: neglected, including the wear of balls in its pockets; "
-            "model.cage_results: true includes it"
+            "set model.cage_results: true to include it"
         )
 
 

@@ -72,7 +72,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     preload = float(found["preload"][0])
     assert answer.title == f"mine: use a spring preload of {preload:g} N (constant force)"
     said = told(answer)
-    assert said["Expected life"].startswith(f"Life {Rough(spring).text} h")
+    assert said["Expected life"].startswith(f"The life is {Rough(spring).text} h")
     assert f"the {Rough(fixed).text} h with fixed position" in said["Expected life"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
     assert (
@@ -165,7 +165,7 @@ def test_a_fixed_position_is_set_by_an_offset(files):
         "if the inner ring is more than 9.1 K warmer than the rest"
         in (said["What would change the choice"])
     )
-    assert "The life ends at a residual preload of 40 %" in said["Expected life"]
+    assert "It ends at a residual preload of 40 %" in said["Expected life"]
     assert "at speed" not in answer.title
     found["residual_preload_at_start"][1] = 3.0 * preload
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(found, design).title

@@ -80,8 +80,8 @@ NEAREST = 3
 """Reversals of the choice that a sentence names; the table has all of them."""
 
 CALIBRATED = (
-    "Wear and friction were calibrated with {rows} tests ({tests}). The interval of the life "
-    "covers the remaining uncertainty and the scatter between bearings."
+    "Wear and friction were calibrated with {rows} tests ({tests}). The interval given for "
+    "the life covers the remaining uncertainty and the scatter between bearings."
 )
 
 COUNTED_WORDS = ("the balls alone", "balls and races")
@@ -157,7 +157,7 @@ def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
     gain = float(one["beyond_life"]) / float(one["life"][counted(found)]) - 1.0
     said = (
         f"No requirement limits this preload, but a {less} one gains little: the life is "
-        f"{percent_in_text(gain)} longer with {beyond:.7g} N"
+        f"{percent_in_text(gain)} longer at {beyond:.7g} N"
     )
     if _at_speed(one):
         then = digits(float(one["beyond_running_preload"]))
@@ -169,7 +169,7 @@ def what_it_gives(found: xr.Dataset) -> list[str]:
     """The life, beside that of the other method, and what a short one means."""
     lives, pair = by_life(found), is_pair(scene_of(found))
     life = lives[0][2]
-    said = f"Life {Rough(life).text} h (wear of {COUNTED_WORDS[counted(found)]})"
+    said = f"The life is {Rough(life).text} h (wear of {COUNTED_WORDS[counted(found)]})"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
@@ -180,7 +180,7 @@ def what_it_gives(found: xr.Dataset) -> list[str]:
     scene, end, first = scene_of(found), ending_measure(lives[0][1]), f"{said}."
     if end:
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
-        first += f" The life ends at a {end.words} of {in_print(limit)}."
+        first += f" It ends at a {end.words} of {in_print(limit)}."
     return [first, NO_OIL] if life < SHORT_LIFE and not scene.get("calibrated") else [first]
 
 
@@ -396,7 +396,8 @@ def by_ball_track(found: xr.Dataset) -> list[str]:
     for track, column in zip(tracks, lives.T.tolist(), strict=True):
         hours = " and ".join(Rough(life).text for life in column)
         sentences.append(f"{hours} h if the balls wear {TRACK_WORDS[track]}")
-    return [f"{' and '.join(method_names(found))}: lives of {', '.join(sentences)}.".capitalize()]
+    names, lived = " and ".join(method_names(found)), ", and ".join(sentences)
+    return [f"{names}: lives of {lived}.".capitalize()]
 
 
 def what_is_not_possible(found: xr.Dataset) -> list[str]:
