@@ -17,7 +17,7 @@ def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
     """Torque margin of a scene with a drive."""
     worst = worst_corner(corners)
     heading = (
-        f"{scene.name}: torque margin at {scene.operation.preload_N:g} N of preload",
+        f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",
         *margin_sentences(scene, corners),
     )
     facts = {"kind": "torque margin", "scene": scene.name, "worst": corner_words(worst)}

@@ -194,7 +194,7 @@ def grooves_of(entry: CatalogueBearing | None) -> tuple[tuple[float, float], str
     """Inner and outer groove factor, and where they come from."""
     known = entry and MAKERS[entry.maker].grooves
     if known:
-        return known, "inferred from printed rigidities"
+        return known, "inferred from the printed rigidities"
     return GROOVES, "assumed: the largest factor for which ISO 281 load ratings apply"
 
 

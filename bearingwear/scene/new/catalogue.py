@@ -201,7 +201,7 @@ def identity_line(bearing: Mapping[str, Any]) -> str:
     own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)
     printed = f"{entry.balls} balls of {entry.ball:g} mm"
     balls = SOURCES[entry.source] if own else f"other than the {printed} in the catalogue"
-    rule = "inferred from printed rigidities" if inferred else "assumed"
+    rule = "inferred from the printed rigidities" if inferred else "assumed"
     return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rule}"
 
 

@@ -115,7 +115,8 @@ def temperature(chosen: Choice) -> Iterator[str]:
         yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"
     else:
         size = _effect(scene, lambda one: change_by_warm_ring(one, 1.0))
-        per_kelvin = " per kelvin by which the inner ring is warmer than the rest" if held else ""
+        each = " for each kelvin by which the inner ring is warmer than the rest"
+        per_kelvin = each if held else ""
         yield f"temperature: neglected; {size}{per_kelvin}"
 
 

@@ -104,7 +104,10 @@ def pair(chosen: Choice) -> Iterator[str]:
     yield f"{a.kind.replace('_', ' ')}: {solved}; {preload}"
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
-        yield f"tandem: {counts} identical bearings on the two sides, with equal loads on each side"
+        yield (
+            f"tandem: {counts} identical bearings on the two sides, which share the load of their "
+            "side equally"
+        )
     if asymmetries(chosen.scene):
         yield "radial load and tilt: the values in the scene, applied to each bearing"
     if a.rotor_mass_kg is not None and a.span_mm is not None:

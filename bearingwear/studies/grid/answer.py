@@ -126,16 +126,17 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         points.append(("Uncertainty", [at_once]))
     if others:
         points.append(("Other bearings", _elsewhere(others)))
-    preload = scene["operation"]["preload_N"]
+    preload = f"{scene['operation']['preload_N']:g} N"
+    title = f"{name}: with the given preload of {preload} for both methods"
     return Document(
-        (f"{name}: with the given {preload:g} N for both methods, {_headline(here, contests)}",),
+        (f"{title}, {_headline(here, contests)}",),
         {"scene": name, "bearing": bearing_line(scene)},
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            lives_block(f"{name}: lives at the given {preload:g} N", here, scene),
+            lives_block(f"{name}: lives at the given preload of {preload}", here, scene),
         ),
         ("wear_life",),
-        subject=f"As given: {preload:g} N",
+        subject=f"As given: {preload}",
         rank=RANK,
     )
 
@@ -228,7 +229,9 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
             continue
         by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
         margins = ", ".join(f"{margin} at {frictions}" for margin, frictions in by_margin)
-        said.append(_sentence(f"{_one(winner)} outlasts {_one(won[0].other)}: {margins}"))
+        said.append(
+            _sentence(f"{_one(winner)} gives a longer life than {_one(won[0].other)}: {margins}")
+        )
     return said
 
 
@@ -239,9 +242,9 @@ def _one(method: str) -> str:
 
 def _margin(ratio: float) -> str:
     if ratio == math.inf:
-        return "only this method meets no end-of-life criterion when new"
+        return "the other life is zero"
     if ratio < 1.1:
-        return f"by {percent_in_text(ratio - 1.0)}"
+        return f"{percent_in_text(ratio - 1.0)} longer"
     return f"{ratio:.2g} times as long"
 
 

@@ -62,7 +62,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     frame(
         figure,
         f"{', '.join(scene_of(study)['name'] for study in studies)} at {mu_is(friction)}: "
-        f"QV in {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its initial "
+        f"QV with {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its initial "
         "value",
         [
             key(label, **look)

@@ -163,7 +163,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     frame(
         figure,
         (f"{bearing}: " if columns == 1 else "")
-        + f"QV in {'a ' * is_pair(scene)}{method_words(scene, name)} after {loss:g} µm of wear, "
+        + f"QV {'in a' if is_pair(scene) else 'with'} {method_words(scene, name)} after "
+        f"{loss:g} µm of wear, "
         "relative to new: " + ", ".join(shares),
         method_keys((name for name, _ in states), scene_of(studies[0]))
         + race_keys()
