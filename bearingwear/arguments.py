@@ -87,11 +87,7 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    _add_calibrate(
-        command(
-            "calibrate", "fit friction and wear coefficients to test results, and write the scene"
-        )
-    )
+    _add_calibrate(command("calibrate", "fit friction and wear coefficients to test results"))
     _add_cage(command("cage", "compute cage motion and cage wear from an ensemble of runs"))
     recommend = command("recommend", "recommend a preload for given requirements")
     _add_scene_with_changes(recommend)
