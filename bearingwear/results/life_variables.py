@@ -128,7 +128,7 @@ LIFE = table(
     Variable("band_depth", ("groove_state", "band_place"), "m",
         "wear depth of the bands on the balls"),
     # of a dynamic life alone
-    Variable("history_status", _STEP, "", "whether the dynamic run was solved", "i1",
+    Variable("history_status", _STEP, "", "whether the dynamic run succeeded", "i1",
         flags=STATUS_NAMES),
     Variable("history_start", _STEP, "", "start of the dynamic run", "i1",
         flags=("start_anew", "end_of_the_step_before")),

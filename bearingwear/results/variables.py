@@ -54,7 +54,7 @@ COORDINATES = (
         Variable("strip", ("strip",), "1", "index of the strip on the contact ellipse", "i4"),
         Variable("counts", ("counts",), "", "wear included in the loss", "i1", flags=COUNTS),
         Variable("steady_state", ("steady_state",), "1", "index of the steady state", "i4"),
-        Variable("step", ("step",), "1", "index of the step of the life", "i4"),
+        Variable("step", ("step",), "1", "index of the life step", "i4"),
         # CF's standard_name "time" is for dates: it asks for units with a date to count from
         Variable("time", ("time",), "s", "simulated time"),
         Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
@@ -241,7 +241,7 @@ STATE = ALWAYS | table(
         "estimated relative numerical error of the shaft torque", comment=ESTIMATE,
         label="error of the torque", shown="%"),
     Variable("friction_power_error_estimate", (), "1",
-        "estimated relative numerical error of the power of friction and drag", comment=ESTIMATE,
+        "estimated relative numerical error of the friction and drag power", comment=ESTIMATE,
         label="error of the friction power", shown="%"),
     Variable("power_balance_error", (), "1",
         "residual of the power balance, relative to the shaft power"),

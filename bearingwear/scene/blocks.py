@@ -79,9 +79,9 @@ class Material:
     poisson_ratio: float = setting("Poisson's ratio", "1", "[0, 0.5)", example="0.3")
     density_kg_m3: float = setting("Density", "kg/m3", "[10, 30000]", example="7800")
     # fmt: off
-    brinell_hardness_GPa: float = setting("Brinell hardness as a pressure, the H of Archard's law",
+    brinell_hardness_GPa: float = setting("Brinell hardness as a pressure, H in Archard's law",
         "GPa", "[0.001, 100]", example="6.6")
-    wear_coefficient: float = setting("Dimensionless wear coefficient, the K_s of Archard's law",
+    wear_coefficient: float = setting("Dimensionless wear coefficient, K_s in Archard's law",
         "1", "(0, 1]", example="5.0e-6")
     yield_pressure_GPa: float | None = setting("Maximum contact pressure without denting, used for "
         "a warning (default: 4.2, which is from ISO 76 for steel and assumed for other materials)",
