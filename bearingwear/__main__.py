@@ -4,6 +4,7 @@ Ctrl-C ends it at once with 130, SIGTERM with 143. Neither raises an exception, 
 modules, compiled code and callbacks catch exceptions or turn them into others.
 """
 
+import atexit
 import os
 import signal
 import sys
@@ -18,6 +19,8 @@ def run_program() -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         # a shell has Ctrl-C ignored for what runs in the background
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            # Python restores the default as it ends: the signal would kill it after its work
+            atexit.register(signal.signal, number, signal.SIG_IGN)
             signal.signal(number, lambda n, _: _end(process, n))
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")

@@ -128,6 +128,27 @@ def test_an_interrupt_at_a_bad_moment(arguments, number, said, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+ENDING = """
+import os, signal, sys
+from bearingwear import __main__, cli
+
+class Last:
+    def __del__(self, kill=os.kill, process=os.getpid(), number=signal.SIGINT):
+        print("late", flush=True)
+        kill(process, number)
+
+last = Last()
+cli.main = lambda: 3
+sys.exit(__main__.run_program())
+"""
+
+
+def test_an_interrupt_while_python_ends():
+    """The work is done, and its exit status stands."""
+    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (3, "late\n", "")
+
+
 # life
 
 
