@@ -34,8 +34,9 @@ SYSTEM = table(
         label="lift-off force"),
     Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
         comment="towards +X", label="rotor shift"),
-    Variable("natural_frequency", ("mode",), "Hz", "natural frequency of the rigid rotor",
-        comment="at standstill; by default, the centre of mass is midway between the bearings, and "
+    Variable("natural_frequency", ("mode",), "Hz",
+        "natural frequency of the rigid rotor at standstill",
+        comment="by default, the centre of mass is midway between the bearings, and "
                 "the transverse inertia is that of a slender rod",
         label="natural frequency"),
     Variable("rotor_balance_residual", (), "1",

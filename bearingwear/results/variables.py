@@ -184,7 +184,7 @@ STATE = ALWAYS | table(
     Variable("quasistatic_stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "quasi-static stiffness of the bearing",
         comment="units as in stiffness_matrix; not symmetric; for displacements fixed in space, "
-        "which act on each ball with the period of its orbit"),
+        "which each ball meets once per orbit"),
     Variable("initial_axial_displacement", (), "m", "axial displacement at rest, unworn"),
     Variable("gyroscopic_moment", _BALL, "N m", "gyroscopic moment on the ball, magnitude",
         averaged=True),

@@ -117,7 +117,7 @@ def check_films(scene: Scene) -> None:
     if friction.film is not None and friction.ball_race is not None:
         raise SceneError(
             "friction.ball_race",
-            f"got {friction.ball_race:g} with friction.film, expected one of the two",
+            f"got {friction.ball_race:g} with friction.film, expected only one of them",
             ("friction.film",),
         )
     parts = (b.ball_material, b.race_material)

@@ -57,14 +57,16 @@ def _started(file: str, settings: Sequence[str]) -> subprocess.Popen | None:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             return None
-        return subprocess.Popen(
-            [sys.executable, "-m", "bearingwear.studies.ahead", file, *settings],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C is for the command
-            pass_fds=[lock.fileno()],  # which is locked until the process ends
-        )
+        with contextlib.suppress(OSError, ValueError):  # of a name that no process can be given
+            return subprocess.Popen(
+                [sys.executable, "-m", "bearingwear.studies.ahead", file, *settings],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C is for the command
+                pass_fds=[lock.fileno()],  # which is locked until the process ends
+            )
+    return None
 
 
 def _end_with_command() -> None:

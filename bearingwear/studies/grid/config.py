@@ -79,7 +79,7 @@ class RunningAverage:
     """Figures of the mean wear rates since the start."""
 
     reference: str | None = setting(
-        "Name of a file config/reference/NAME.csv whose values are also plotted",
+        "Name of a reference file (config/reference/NAME.csv) whose values are also plotted",
         pattern=NAME,
         default=None,
     )
