@@ -9,7 +9,7 @@ import threading
 import time
 from typing import Any, TextIO
 
-LINE_EVERY = 3.0
+LINE_EVERY = 2.0
 """Seconds between two lines of progress, and before the first."""
 
 SILENCE = 2.6

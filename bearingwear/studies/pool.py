@@ -113,10 +113,10 @@ class TimeLeft:
         self._done[kind] = self._done.get(kind, 0.0) + count
         self._last = now
 
-    def drop(self, kind: str) -> None:
-        """No more of a kind come."""
+    def limit(self, kind: str, count: float = 0.0) -> None:
+        """No more than so many of a kind come in all; without a number, none from now on."""
         cost = self._ahead.get(kind, (0.0, 1.0))[1]
-        self._ahead[kind] = self._done.get(kind, 0.0), cost
+        self._ahead[kind] = max(count, self._done.get(kind, 0.0)), cost
 
     @property
     def seconds(self) -> float:

@@ -107,7 +107,7 @@ def test_time_left_of_kinds_that_follow_each_other(monkeypatch):
     assert left.seconds == 0.5 * 6 + 0.5 * 5 * 4
     clock[0] = 10.0
     assert left.seconds == 0.5 * 6 + 0.5 * 5 * 4 - 1.0
-    left.drop("quick")
+    left.limit("quick")
     left.expect("long", 6)
     clock[0] = 13.0
     left.done("long", 1)

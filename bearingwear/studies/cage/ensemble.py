@@ -31,7 +31,7 @@ from bearingwear.studies.cage.motion import MOTIONS
 from bearingwear.studies.cage.plan import FEWEST, Ensemble
 from bearingwear.studies.cage.run import ACROSS, CAGE_RUN, cage_run
 from bearingwear.studies.dataset import filled
-from bearingwear.studies.pool import Tell, in_processes, told_in_lines
+from bearingwear.studies.pool import Tell, TimeLeft, in_processes, told_in_lines
 
 RunRow = dict[str, Any]
 """Values of `CAGE_RUN` of a run, and what it drew."""
@@ -191,17 +191,31 @@ def ensemble_of(
         kept.read(rows)
     jobs = [_Job(solved, spread, plan, k) for k in range(len(rows), plan.runs)]
     made: Any = in_processes(_done, jobs, workers, "bearingwear.cage")
-    each = told_in_lines(made, len(jobs), "{} of at most {} runs", tell=tell) if tell else made
+    each, left, begun = made, TimeLeft({}), len(rows)
+    if tell:
+        each = told_in_lines(made, len(jobs), "{} of at most {} runs", tell=tell, left=left)
     with contextlib.closing(made):
         while not _is_enough(rows, plan) and (row := next(each, None)) is not None:
             if kept is not None:
                 kept.add(len(rows), row)
             rows.append(row)
+            left.limit("", _expected_runs(rows, plan) - begun)
     return _dataset(rows[: plan.runs], names, attributes)
 
 
 def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
     return len(rows) >= plan.runs or (len(rows) % _CHECKED_EVERY == 0 and is_met(rows, plan))
+
+
+def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
+    """Runs in all after which the interval is met, if further runs scatter as those so far do."""
+    values = work(rows)
+    if len(values) < 3 or not values.any():
+        return plan.runs
+    deviation = float(values.std(ddof=1) / (plan.within * abs(values.mean())))
+    needed = (float(norm.ppf(INTERVAL[1])) * deviation) ** 2
+    checked = _CHECKED_EVERY * math.ceil(max(needed, FEWEST, len(rows)) / _CHECKED_EVERY)
+    return min(checked, plan.runs)
 
 
 def _dataset(

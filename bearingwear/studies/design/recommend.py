@@ -259,7 +259,7 @@ class Search:
             self.tell("the best preloads between those of the map")
             solve = partial(self._solve, _SEARCH)
             found = answered([self._searched(one) for one in known], solve)
-        self.left.drop(_SEARCH)
+        self.left.limit(_SEARCH)
         rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):

@@ -93,7 +93,7 @@ def found_lives(
             return solve
 
         hertzian = interpolated(places, solver(hertzian_lives, _QUICK), *HERTZIAN, HERTZIAN_TO)
-        left.drop(_QUICK)
+        left.limit(_QUICK)
         asked = np.flatnonzero(np.isfinite(hertzian.log[:, _RACES]))
         if not (asked.size and hertzian.kind[:, 2].any()):
             return _found(hertzian)
