@@ -33,7 +33,7 @@ def one_line(text: str) -> str:
 
 
 class ProgressLines:
-    """Lines of progress on standard error and, where there are none, how long the last one is ago.
+    """Lines of progress on standard error and, where there are none, what runs for how long.
 
     A terminal shows that in a line that is renewed each second; elsewhere, lines come after 3, 5,
     10, ... s. Nothing is written after the block of which this is the context.
@@ -42,11 +42,11 @@ class ProgressLines:
     """
 
     left: Any = None  # `TimeLeft`, where it is known
-    running = ""  # what runs, in words
 
     def __init__(self, source: str = "") -> None:
         self._source = f"{source}: " if source else ""
-        self._last = time.monotonic()
+        self._last = self._since = time.monotonic()
+        self._running = ""
         self._lock, self._ended = threading.RLock(), threading.Event()
         self._shown = ""  # in the line that is renewed
         self._thread = threading.Thread(target=self._break_silence, daemon=True)
@@ -66,6 +66,16 @@ class ProgressLines:
         # a run goes on where nobody reads about its progress any more
         with contextlib.suppress(OSError, ValueError):
             self.line(one_line(f"{self._source}{text}{self._time_left()}"))
+
+    @property
+    def running(self) -> str:
+        """What runs, in words."""
+        return self._running
+
+    @running.setter
+    def running(self, text: str) -> None:
+        if text != self._running:
+            self._running, self._since = text, time.monotonic()
 
     def line(self, text: str, stream: TextIO | None = None) -> None:
         """Print a line, which ends by itself."""
@@ -91,9 +101,9 @@ class ProgressLines:
     def _break_silence(self) -> None:
         is_terminal, wait = sys.stderr.isatty(), SILENCE
         while not self._ended.wait(0.08 * SILENCE):
-            quiet = time.monotonic() - self._last
-            what = f": {self.running}" if self.running else ""
-            text = f"{self._source}running for {quiet:.0f} s{self._time_left()}{what}"
+            now = time.monotonic()
+            quiet, what = now - self._last, f": {self.running}" if self.running else ""
+            text = f"{self._source}running for {now - self._since:.0f} s{self._time_left()}{what}"
             if is_terminal and quiet > 0.4 * SILENCE:
                 self._write(printable(text)[: shutil.get_terminal_size().columns - 1])
             elif quiet < SILENCE:

@@ -144,10 +144,10 @@ class Measure:
         known = [values[name] for name in self.extremes if name in values]
         return functools.reduce(np.fmin if self.falls else np.fmax, known)
 
-    def words_of(self, name: str) -> str:
+    def words_of(self, name: str, short: bool = False) -> str:
         """Words for one of its variables or extremes."""
         kinds = dict(zip(self.variables, self.kinds, strict=True))
-        return f"{kinds.get(name, '')} {self.words}".strip()
+        return f"{kinds.get(name, '')} {self.short if short else self.words}".strip()
 
     def shown(self, value: Any) -> Any:
         """A value [SI] in its unit."""

@@ -21,9 +21,11 @@ MARGINS = (56.0, 14.0, 10.0, 40.0)
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LANE = 9.0
 """Height of the bar on the axis where a method violates a requirement."""
+_VIOLATED = "violates a requirement"
 _STAR = "M0-9 2.1-2.9 8.6-2.8 3.4 1.1 5.3 7.3 0 3.6-5.3 7.3-3.4 1.1-8.6-2.8-2.1-2.9Z"
 _DIAMOND = "M0-6L5 0 0 6-5 0Z"
 _Place = Callable[[float, float], tuple[float, float]]
+_CAP = "M-5 0h10"
 _DOT = "M-2.2 0a2.2 2.2 0 1 0 4.4 0a2.2 2.2 0 1 0-4.4 0"
 
 
@@ -72,6 +74,7 @@ def chart_html(
     group: charts that have one cursor.
     size: width and height [px].
     """
+    is_large = size == LARGE_CHART
     said = ", ".join(f"{line.name} {_starred(chart, line)}" for line in chart.lines if line.star)
     words = f"{chart.title}: {chart.y_label} against {chart.x_label}"
     limit = ""
@@ -79,17 +82,17 @@ def chart_html(
         limit = f" {'≥' if chart.at_least else '≤'} {digits(chart.limit)}{_unit(chart.y_label)}"
     keys = "".join(
         f'<span class="{line.method}"><i></i>{escape(line.name)} '
-        f"<b>{escape(_starred(chart, line))}</b></span>"
+        f"<b>{escape(_starred(chart, line, is_large))}</b></span>"
         for line in chart.lines
     )
-    legend = _legend(chart) if size == LARGE_CHART else ""
+    legend = _legend(chart) if is_large else ""
     return Markup(
         f'<figure class="chart" id="{name}" data-group="{group}">'
         f"<figcaption>{escape(chart.title)}<span>{escape(limit)}</span></figcaption>"
         f'<p class="keys">{keys}</p>'
         f'<svg viewBox="0 0 {size[0]:g} {size[1]:g}" role="img" '
         f'aria-label="{escape(words + limit)}. Recommended: {escape(said or "none")}." '
-        f"data-chart='{escape(_numbers(chart), quote=True)}'>{_drawn(chart, size)}</svg>"
+        f"data-chart='{escape(_numbers(chart, is_large), quote=True)}'>{_drawn(chart, size)}</svg>"
         f"{legend}</figure>"
     )
 
@@ -100,10 +103,10 @@ def _legend(chart: Chart) -> str:
         "Star: the method's longest life with all requirements satisfied.": any(
             c.star for c in chart.lines
         ),
-        "Vertical line: range that contains the lives of 90 % of the bearings.": any(
+        "Error bar: range that contains the lives of 90 % of the bearings.": any(
             c.band for c in chart.lines
         ),
-        "Dashed line and bar on the axis: the method violates a requirement.": any(
+        "Dashed line and bar above the axis: preloads that violate a requirement.": any(
             c.beyond for c in chart.lines
         ),
         "Diamond: beyond this point, another criterion determines the end of life.": any(
@@ -114,8 +117,11 @@ def _legend(chart: Chart) -> str:
     return f'<p class="note">{said}</p>' if said else ""
 
 
-def _numbers(chart: Chart) -> str:
-    """What the script needs beside the marks."""
+def _numbers(chart: Chart, places: bool) -> str:
+    """What the script needs beside the marks.
+
+    places: whether recommended preloads are named where the cursor is at none.
+    """
     x, y = _axes(chart)
     return json.dumps(
         {
@@ -123,6 +129,7 @@ def _numbers(chart: Chart) -> str:
             "x": [x.low, x.high],
             "y": [y.low, y.high],
             "units": [_unit(chart.x_label), _unit(chart.y_label)],
+            "places": places,
             "lines": [
                 {
                     "points": line.points,
@@ -137,13 +144,14 @@ def _numbers(chart: Chart) -> str:
     )
 
 
-def _starred(chart: Chart, line: ChartLine) -> str:
-    """What a line has at the recommended preload."""
+def _starred(chart: Chart, line: ChartLine, place: bool = True) -> str:
+    """What a line has at the recommended preload, and which one that is."""
     if not line.star:
         return "–"
     x, y = line.star
     number = Rough(y).text if line.band else digits(y)
-    return f"{number}{_unit(chart.y_label)} at {x:.4g}{_unit(chart.x_label)}"
+    where = f" at {x:.4g}{_unit(chart.x_label)}" if place else ""
+    return f"{number}{_unit(chart.y_label)}{where}"
 
 
 def _unit(label: str) -> str:
@@ -196,6 +204,14 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
         )
     for k, line in enumerate(chart.lines):
         marks += _line(line, k, at, height, chart.log_y)
+    ranges = [a for line in chart.lines for a, _ in line.beyond]
+    if ranges and size == LARGE_CHART:
+        first, lanes = min(ranges), len(chart.lines)
+        marks.append(
+            f'<text class="lanes" data-from="{first:g}" data-lane="{lanes}" '
+            f'x="{max(at(first, 1.0)[0], 0.0) + 2:.1f}" y="{height - lanes * _LANE - 4:g}">'
+            f"{_VIOLATED}</text>"
+        )
     # bars lie under all lines, stars over them
     marks.sort(key=lambda mark: ("star" in mark) - ("rect" in mark))
     return (
@@ -232,6 +248,8 @@ def _line(line: ChartLine, k: int, place: _Place, height: float, log: bool) -> I
     if line.band and line.star:
         x = line.star[0]
         yield _stroke(f"band {line.method}", (x, line.band[0]), (x, line.band[1]), place)
+        for end in line.band:
+            yield _mark("band", line.method, _CAP, x, end, place)
     changed = {k for k in range(1, len(line.ends)) if line.ends[k] != line.ends[k - 1]}
     for k, (x, y, is_allowed) in enumerate(known):
         if y is not None:

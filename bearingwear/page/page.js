@@ -117,6 +117,10 @@ class Chart {
       mark.setAttribute("width", Math.max(b - a, 0));
       mark.setAttribute("y", this.height - (+mark.dataset.lane + 1) * LANE);
     }
+    for (const said of this.field.querySelectorAll("text.lanes")) {
+      said.setAttribute("x", Math.max(this.share(+said.dataset.from, 0) * this.width, 0) + 2);
+      said.setAttribute("y", this.height - said.dataset.lane * LANE - 4);
+    }
     const limit = this.field.querySelector(".limit");
     if (limit) {
       const y = Math.min(Math.max(this.place(1, +limit.dataset.limit)[1], 0), this.height);
@@ -177,7 +181,7 @@ class Chart {
       }
       const units = this.data.units;
       const value = point && point[1] !== null ? digits(point[1], line.digits) + units[1] : "–";
-      const place = point && (x === null || Math.abs(point[0] / x - 1) > 1e-6);
+      const place = point && (x === null ? this.data.places : Math.abs(point[0] / x - 1) > 1e-6);
       said.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
       const end = point && line.ends[line.points.findIndex(([at]) => at === point[0])];
       if (end && x !== null) said.textContent += `, ended by ${end}`;
@@ -242,7 +246,8 @@ const sliders = [...document.querySelectorAll(".slider")].map((box) => {
 
   function stand(x) {
     const recommended = stars.some((star) => star[0] === x) ? " (recommended)" : "";
-    output.textContent = x === null ? "at the recommended preloads" : `at ${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
+    const at = x === null ? "the recommended preloads" : `${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
+    output.textContent = `Values at ${at}`;
     input.setAttribute("aria-valuetext", output.textContent);
     if (x !== null) input.value = stops.indexOf(x);
   }

@@ -116,7 +116,7 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
             if line.startswith(COMPILING):
                 tell_of_compiling()  # once, whichever jobs do
             elif text.startswith(RUNNING_JOBS):
-                lines.running = text.removeprefix(RUNNING_JOBS).strip()
+                lines.running = text.removeprefix(RUNNING_JOBS).strip() or "ending the workflow"
             elif not (unread.is_set() or line.startswith(_PROFILE)):
                 try:
                     lines.line(text, target)

@@ -127,16 +127,21 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
     if others:
         points.append(("Other bearings", _elsewhere(others)))
     preload = f"{scene['operation']['preload_N']:g} N"
-    title = f"{name}: with the given preload of {preload} for both methods"
+    given = f"the given preload of {preload}"
     return Document(
-        (f"{title}, {_headline(here, contests)}",),
-        {"scene": name, "bearing": bearing_line(scene)},
+        (f"{name}: with {given} for both methods, {_headline(here, contests)}",),
+        {
+            "scene": name,
+            "bearing": bearing_line(scene),
+            # the heading after a recommendation, which may prefer the other method
+            "beside": f"For comparison: both methods with the preload of the scene file, {preload}",
+        },
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            lives_block(f"{name}: lives at the given preload of {preload}", here, scene),
+            lives_block(f"{name}: lives at {given}", here, scene),
         ),
         ("wear_life",),
-        subject=f"As given: {preload}",
+        subject=f"Scene preload: {preload}",
         rank=RANK,
     )
 
@@ -195,8 +200,8 @@ def _compared(lives: Sequence[MethodLife]) -> str:
     if len(worn) > 1:
         grooves += " where wear is deep"
     return (
-        f"This comparison, {grooves}, ignores the requirements. At the preloads recommended for "
-        "each method, the order may differ."
+        f"This comparison, {grooves}, ignores the requirements. At the recommended preloads, the "
+        "order may differ."
     )
 
 

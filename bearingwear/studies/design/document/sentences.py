@@ -64,14 +64,13 @@ SIMILAR = 0.9
 """Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
-    "Use the lives for comparison only, not as absolute values: the wear coefficient is known to "
-    "an order of magnitude at best."
+    "Use it for comparison only: the wear coefficient is known to an order of magnitude at best"
 )
 
 SHORT_LIFE = 500.0
 """Life [h] below which a bearing evidently has no lubricant film."""
 
-NO_OIL = "Such a short life is typical without a lubricant film (not modelled)."
+NO_OIL = ", and the model assumes that no lubricant film separates the balls from the races"
 
 _RUNS_APART = 1.5
 """Running preload over the initial one, or the reverse, that is worth a word."""
@@ -165,11 +164,13 @@ def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
     return f"; a {less} preload gains little", f"{said}."
 
 
-def what_it_gives(found: xr.Dataset) -> list[str]:
-    """The life, beside that of the other method, and what a short one means."""
+def what_it_gives(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
+    """The life and its spread, beside that of the other method, and what to use it for."""
     lives, pair = by_life(found), is_pair(scene_of(found))
-    life = lives[0][2]
-    said = f"The life is {Rough(life).text} h (wear of {COUNTED_WORDS[counted(found)]})"
+    method, _, life = lives[0]
+    between = f"; {BEARINGS_BETWEEN}: {one.bearings.text} h" if (one := spread[method]) else ""
+    wear = f"wear of {COUNTED_WORDS[counted(found)]}"
+    said = f"The computed life is {Rough(life).text} h ({wear}{between})"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
@@ -180,30 +181,67 @@ def what_it_gives(found: xr.Dataset) -> list[str]:
     scene, end, first = scene_of(found), ending_measure(lives[0][1]), f"{said}."
     if end:
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
-        first += f" It ends at a {end.words} of {in_print(limit)}."
-    return [first, NO_OIL] if life < SHORT_LIFE and not scene.get("calibrated") else [first]
+        reaches = "falls to" if end.falls else "reaches"
+        first += f" It ends when the {end.words} {reaches} the criterion of {in_print(limit)}."
+    if scene.get("calibrated"):
+        return [first]
+    return [first, f"{NO_CLOCK}{NO_OIL if life < SHORT_LIFE else ''}."]
 
 
-def what_limits_it(found: xr.Dataset) -> list[str]:
-    """Requirements that prevent a longer life by either method, and distances to a sudden drop."""
+def what_limits_it(found: xr.Dataset, design: xr.Dataset | None = None) -> list[str]:
+    """Requirements that prevent a longer life by either method, and distances to a sudden drop.
+
+    design: the map, which tells whether a lower preload or a higher one has a longer life.
+    """
     said: list[str] = []
     scene, given = scene_of(found), limits_of(found).given
+    violated = ""
     for method, one, _ in by_life(found):
-        name = ACTIVE[int(one["active_limit"])]
+        name, newtons = ACTIVE[int(one["active_limit"])], preload_text(one)
         if name in given:
-            longer = "Any preload with a longer life"
+            longer, shorter = _longer_and_shorter(found, method, design)
+            what = "the same requirement" if violated == name else limit_text(name, given[name])
+            required = what if violated == name else f"a requirement: {what}"
+            violated = name
             if said:  # of the other method
                 other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
-                newtons = preload_text(one)
-                longer = f"With {other}, any preload with a longer life than at {newtons} N"
-            said.append(f"{longer} violates a requirement: {limit_text(name, given[name])}.")
+                said.append(f"With {other}, the preload of {newtons} N is limited by {required}.")
+                continue
+            text = f"Any preload with a longer life violates {required}."
+            if longer:
+                text = (
+                    f"A {longer} preload gives a longer life but violates {required}. A {shorter} "
+                    "preload gives a shorter life."
+                )
+            said.append(text)
         elif not said:
             said.append(_HELD.get(name) or _at_the_end(found, one)[1])
     return [*said, *map(sentence, _cliffs(found))]
 
 
-def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> list[str]:
-    """Preloads of the map next to the recommended one with a similar life by the same method."""
+def _longer_and_shorter(
+    found: xr.Dataset, method: str, design: xr.Dataset | None
+) -> tuple[str, str]:
+    """Which preloads of the map give a longer life, and which a shorter one: `lower`."""
+    if design is None:
+        return "", ""
+    chosen = dict(methods(found))[method]
+    best, line = float(chosen["preload"]), dict(methods(at_scene(design)))[method]
+    lives = line["life"].isel(loss_basis=counted(found)).values
+    longer = line["preload"].values[lives > float(chosen["life"][counted(found)])]
+    if longer.size and longer.max() < best:
+        return "lower", "higher"
+    if longer.size and longer.min() > best:
+        return "higher", "lower"
+    return "", ""
+
+
+def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> tuple[float, float]:
+    """Ends of the range of preloads with a similar life by the same method [N].
+
+    It consists of the recommended preload and of those next to it in the map that satisfy all
+    requirements.
+    """
     method, best, life = by_life(found)[0]
     line, chosen = dict(methods(at_scene(design)))[method], float(best["preload"])
     preloads: list[float] = line["preload"].values.tolist()
@@ -216,32 +254,39 @@ def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> list[str]:
     below = itertools.takewhile(similar, [p for p in reversed(preloads) if p < chosen])
     above = itertools.takewhile(similar, [p for p in preloads if p > chosen])
     known = [chosen, *below, *above]
-    if len(known) == 1:
-        return []
-    kept = " and satisfies all requirements" if limits_of(found).given else ""
-    ends = min(known), max(known)
-    low, high = map(digits, ends)
-    name, offset = _as_subject(found, method), ""
-    if method == "fixed_position":
-        offset = " (offset {:.2g} to {:.2g} µm)".format(*(_offset(found, end) for end in ends))
-    return [
-        f"{name} with a preload from {low} to {high} N{offset} gives at least "
-        f"{100 * SIMILAR:g} % of this life{kept}."
-    ]
+    return min(known), max(known)
 
 
-def spacer_offset(found: xr.Dataset) -> list[str]:
-    """Which difference in length of its spacers sets the recommended fixed position."""
+def how_to_set_it(design: xr.Dataset | None, found: xr.Dataset) -> list[str]:
+    """Which difference in length of its spacers sets a fixed position, and tolerances."""
     method, best, _ = by_life(found)[0]
-    if method != "fixed_position":
-        return []
-    preload = float(best["preload"])
-    offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
-    return [
-        f"A spacer offset of {offset:.2g} µm between the bearings produces {preload_text(best)} "
-        f"N; an error of ±{0.5 * (more - less):.2g} µm in the offset changes this preload by "
-        "10 %."
-    ]
+    is_fixed, preload = method == "fixed_position", float(best["preload"])
+    low, high = (preload, preload) if design is None else similar_preloads(design, found)
+    kept = "satisfies all requirements and " if limits_of(found).given else ""
+    newtons = f"{digits(low)} to {digits(high)} N"
+    said = []
+    if is_fixed:
+        offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
+        said.append(
+            f"A spacer offset of {offset:.3g} µm between the bearings produces "
+            f"{preload_text(best)} N at rest; an error of {0.5 * (more - less):.2g} µm changes it "
+            "by 10 %."
+        )
+    if low == high:
+        return said
+    text = f"The range from {newtons}"
+    if is_fixed:
+        start, end = _offset(found, low), _offset(found, high)
+        text = f"An offset from {start:.3g} to {end:.3g} µm ({newtons})"
+    text += f" {kept}gives at least {100 * SIMILAR:g} % of this life"
+    if kept and preload in (low, high):  # the recommended one has no tolerance on one side
+        middle = f"the middle of the range, {digits(0.5 * (low + high))} N"
+        if is_fixed:
+            half = 0.5 * (end - start)
+            tolerance = f"±\N{NO-BREAK SPACE}{math.floor(10.0 * half) / 10.0:.2g} µm"
+            middle = f"{0.5 * (start + end):.3g}\N{NO-BREAK SPACE}{tolerance}"
+        text += f"; to allow for tolerances, specify {middle}"
+    return [*said, f"{text}."]
 
 
 def _offset(found: xr.Dataset, preload: float) -> float:
@@ -296,7 +341,7 @@ def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) ->
     lives = by_life(found)
     if len(lives) < 2:
         return "No preload of the other method satisfies the requirements."
-    near = []
+    near, active = [], ACTIVE[int(lives[0][1]["active_limit"])]
     for row in room_rows(found):
         low, now, high = row.values
         known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
@@ -306,7 +351,8 @@ def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) ->
             label = "the " + required + row.label.replace("end: ", "end-of-life criterion on ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
-            near.append((away, f"{label} is {ends}{unit} (now {digits(now)})"))
+            is_active = row.name == f"{LIMIT_KEY}{active}"
+            near.append(((not is_active, away), f"{label} is {ends}{unit} (now {digits(now)})"))
     near.sort(key=lambda one: one[0])
     said = [text for _, text in near]
     if beside is not None and (kelvin := beside.attrs.get(REVERSED_BY_WARMTH)):
@@ -371,8 +417,9 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         if mine.longest:
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in "
-                f"{Rough(mine.longest_share).text} % of the sampled bearings "
-                f"({mine.longest.text} % allowing for sample size and numerical errors)."
+                f"{Rough(mine.longest_share).text} % of the simulated bearings "
+                f"({mine.longest.text} % allowing for sample size and numerical errors), if no "
+                "other input differs from its given value."
             )
     else:
         band, taken = band_by_wear(scene, life)
@@ -383,7 +430,7 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
                 f"uncertain{by_table}."
             )
     calibration = scene.get("calibrated")
-    return [*said, CALIBRATED.format(**calibration) if calibration else NO_CLOCK]
+    return [*said, CALIBRATED.format(**calibration)] if calibration else said
 
 
 def by_ball_track(found: xr.Dataset) -> list[str]:

@@ -49,11 +49,10 @@ from bearingwear.studies.design.document.sentences import (
     by_life,
     headline,
     how_sure,
+    how_to_set_it,
     method_names,
     room_rows,
     sentence,
-    similar_preloads,
-    spacer_offset,
     what_is_not_possible,
     what_it_gives,
     what_limits_it,
@@ -215,12 +214,11 @@ def _points(
     said: list[tuple[str, list[str], str]] = []
     if best is not None:
         others = [] if beside is None else what_others_change(beside, found, best)
-        changes, (limit, *limits) = what_would_change_it(found, beside), what_limits_it(found)
-        near = [] if design is None else similar_preloads(design, found)
+        changes, limits = what_would_change_it(found, beside), what_limits_it(found, design)
         said = [
-            ("Expected life", what_it_gives(found), "verdict"),
-            ("What limits it", [limit, *limits], "lead"),
-            ("Setting the preload", [*spacer_offset(found), *near], "lead"),
+            ("Expected life", what_it_gives(found, spread), "verdict"),
+            ("What limits the preload", limits, "lead"),
+            ("Setting the preload", how_to_set_it(design, found), "lead"),
             ("What would change the choice", [changes, *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
@@ -267,7 +265,8 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         if name in found and np.isfinite(found[name]).any():
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
     rows = [row._replace(note=_worst_case(found, row.name)) for row in rows]
-    notes = [causes_told(scene_of(found))] if any(spread.values()) else []
+    notes = ["Minimum and maximum values are extremes at speed, from new to the end of life."]
+    notes += [causes_told(scene_of(found))] if any(spread.values()) else []
     notes += by_ball_track(found)
     return Block("recommended", tuple(method_names(found)), tuple(rows), tuple(notes), place="lead")
 
@@ -326,7 +325,7 @@ def _new_and_worn(found: xr.Dataset) -> Block:
         )
         for one in SHORT_TABLE
     ]
-    return Block("at that preload", tuple(columns), tuple(rows))
+    return Block("at the recommended preload", tuple(columns), tuple(rows))
 
 
 def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
@@ -401,4 +400,5 @@ def _statuses(design: xr.Dataset) -> Block:
         Row("lives", "", tuple(map(int, counts)), "lives"),
     )
     known = len(codes) == 1 and codes[0] == OK
-    return Block("The map", rows=() if known else rows, axes=1, lines=said[: 2 - known])
+    lines = said[: 2 - known]
+    return Block("Number of computed lives", rows=() if known else rows, axes=1, lines=lines)

@@ -23,10 +23,10 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
 def held_words(name: str, extremes: Callable[[str], Any]) -> str:
     """What keeps a preload from a longer life, and which of its kinds by the extremes there."""
     one = LIMITED.get(name)
-    if one is None or len(one.kinds) == 1:
+    if one is None:
         return LIMIT_WORDS[name]
     value, which = one.critical(extremes)
-    return one.words_of(which) if value == value else one.words
+    return one.words_of(which, short=True) if value == value else one.short
 
 
 def ending_measure(one: Any) -> Measure | None:
