@@ -69,9 +69,9 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
-                f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady life "
-                f"with wear.counts ball_and_races, slip over the ellipse, and even wear of "
-                f"filmed balls"
+                f"{scene.name}: model.contact: got worn with {found[0]}, expected the steady "
+                f"model with wear.counts ball_and_races, slip over the ellipse, and even wear of "
+                f"balls that have a film or run in"
             )
         return scene, "grooves: worn profile, as requested by model.contact"
     if scene.model.contact != "auto" or found:

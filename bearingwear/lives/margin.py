@@ -22,7 +22,7 @@ from bearingwear.solvers.compose import solver_of
 Losses = tuple[float, ...]
 """Of ball diameter, of each bearing [m]."""
 
-_NEW, _WORN, _BARE = "new", "worn", "film gone"
+_NEW, _WORN, _BARE = "new", "worn", "film worn off"
 _ENDS = 0.05, 0.95
 
 

@@ -260,4 +260,4 @@ class Motion:
         if self.progress is not None:
             loss = self.parts.loss(node.worn).mean() / parameters.UM
             hours = node.x / 3600.0, horizon / 3600.0
-            self.progress(f"{hours[0]:.3g} h of about {hours[1]:.3g} h, {loss:.3g} um worn")
+            self.progress(f"{hours[0]:.3g} h of about {hours[1]:.3g} h, {loss:.3g} um of wear")

@@ -71,8 +71,8 @@ def difference(
         kind, other_kind = kind_of(a), kind_of(b)
         if kind != other_kind:
             raise CaseFileError(
-                f"{os.fspath(second)}: got a {other_kind} and a {kind}, expected two files of the "
-                "same kind"
+                f"{os.fspath(second)}: got the kinds {other_kind} and {kind}, expected two files "
+                "of the same kind"
             )
         found = file_differences(a, b, tolerance)
     lines = [f"A {os.fspath(first)}", f"B {os.fspath(second)}", "", *_lines(found)]

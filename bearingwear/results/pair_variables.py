@@ -23,24 +23,24 @@ PAIR_COORDINATES = table(
 # fmt: off
 SYSTEM = table(
     Variable("system_axial_stiffness", (), "N m-1",
-        "combined dynamic axial stiffness of both bearings",
+        "combined dynamic axial stiffness of the two bearings",
         label="dynamic stiffness of the pair"),
     Variable("system_quasistatic_axial_stiffness", (), "N m-1",
-        "combined quasi-static axial stiffness of both bearings",
+        "combined quasi-static axial stiffness of the two bearings",
         label="quasi-static stiffness of the pair"),
     Variable("lift_off_force", (), "N",
-        "minimum axial force on the rotor that unloads a bearing at rest",
-        comment="in either direction; with worn balls, at running temperature",
+        "minimum axial force on the rotor that unloads one of the bearings at rest",
+        comment="in either direction; allows for ball wear and running temperature",
         label="lift-off force"),
     Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
-        comment="towards +X", label="rotor shift"),
+        comment="positive towards +X", label="rotor shift"),
     Variable("natural_frequency", ("mode",), "Hz",
         "natural frequency of the rigid rotor at standstill",
         comment="by default, the centre of mass is midway between the bearings, and "
                 "the transverse inertia is that of a slender rod",
         label="natural frequency"),
     Variable("rotor_balance_residual", (), "1",
-        "residual of the rotor's force and position balance, relative to the larger preload"),
+        "residual of the rotor's force and position balances, relative to the larger preload"),
 )
 """Of the arrangement, once for both bearings."""
 # fmt: on

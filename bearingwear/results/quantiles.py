@@ -77,7 +77,7 @@ class Spread(NamedTuple):
         )
         if self.bearings.low == 0.0:
             text += " (0: a new bearing already meets an end-of-life criterion)"
-        share = f" (of the {100.0 * self.solved:.3g} % of lives that could be computed)"
+        share = f" (among the {100.0 * self.solved:.3g} % of bearings whose lives could be computed)"
         return text + (share if self.solved < 1.0 else "")
 
     @property

@@ -35,14 +35,14 @@ class Steps:
 
     first: float = setting("First value", within="(0, inf)")
     last: float = setting("Last value", within="(0, inf)")
-    step: float = setting("Distance between two values", within="(0, inf)")
+    step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
         beyond = abs(self.first + (self.count - 1) * self.step - self.last)
         if not 1 <= self.count <= MOST_POINTS or beyond > 1e-6 * self.step:
             raise ValueError(
-                f"got {self.first:g} to {self.last:g} by {self.step:g}, expected at most "
-                f"{MOST_POINTS} equal steps to the last value"
+                f"got {self.first:g} to {self.last:g} in steps of {self.step:g}, expected at most "
+                f"{MOST_POINTS} equal steps that end at the last value"
             )
 
     @property
@@ -65,7 +65,7 @@ class Values:
 class RisingAxis(tuple[float, ...]):
     """Rising numbers > 0."""
 
-    ALLOWED = "a list of increasing numbers > 0, or their first value, last value and step"
+    ALLOWED = "a list of increasing numbers > 0, or the first value, last value and step"
 
     @classmethod
     def from_plain(cls, given: Any) -> RisingAxis:

@@ -113,6 +113,8 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     def relay(source: IO[bytes], target: TextIO) -> None:
         for line in source:
             text = line.decode("utf-8", "replace")
+            if line.startswith(b"Traceback"):
+                unread.wait(0.2)  # it may be of the interrupt that ends this command
             if line.startswith(COMPILING):
                 tell_of_compiling()  # once, whichever jobs do
             elif text.startswith(RUNNING_JOBS):

@@ -46,7 +46,7 @@ def code_folder() -> str:
     if given and folder != folders[0]:
         tell(
             f"NUMBA_CACHE_DIR: {given} is not writable, or others can write to it; compiled code "
-            f"is stored in {folder}"
+            f"is stored in {folder} instead"
         )
     return str(folder)
 

@@ -50,7 +50,7 @@ MEANS = tuple(
 
 SUMMARY = table(
     Variable("share", OF_MOTION.dims, "1", "share of the runs that end in each motion"),
-    Variable("share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of that share"),
+    Variable("share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of share"),
     *(
         one
         for name in MEANS
@@ -174,7 +174,7 @@ def ensemble_of(
     spread, said = cage_spread(solved)
     names = [*cage_drawn(solved, spread, plan, 0).values]
     attributes = {
-        "title": f"Ensemble of cages of {scene.name}",
+        "title": f"Ensemble of cage runs: {scene.name}",
         "kind": ENSEMBLE_KIND,
         "scene": scene.json,
         "ensemble": json.dumps(asdict(plan)),

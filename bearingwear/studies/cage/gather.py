@@ -19,7 +19,7 @@ from bearingwear.studies.dataset import coordinate, stacked
 MAP_KIND = "cage map"
 
 CAGE_AXES = {
-    "gravity_m_s2": (Variable("gravity", ("gravity",), "m s-2", "gravity across the shaft"), 1.0),
+    "gravity_m_s2": (Variable("gravity", ("gravity",), "m s-2", "gravity perpendicular to the shaft"), 1.0),
     "guiding_race": (
         Variable("guide", ("guide",), "", "guidance of the cage", "i1", flags=GUIDES),
         None,
@@ -55,7 +55,7 @@ def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, An
     shape = {CAGE_AXES[name][0].name: len(values) for name, values in checked.axes.items()}
     together = stacked(parts, shape, leave_out=("run", "value", "across"))
     counts = np.reshape([part.sizes["run"] for part in parts], tuple(shape.values()))
-    about = {"long_name": "runs of the ensemble", "units": "1"}
+    about = {"long_name": "number of runs in the ensemble", "units": "1"}
     together = together.assign(runs=(tuple(shape), counts, about))
     for name, given in checked.axes.items():
         axis, factor = CAGE_AXES[name]
@@ -63,7 +63,7 @@ def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, An
         together = together.assign_coords(coordinate(axis, codes))
     changed = variant(scene, checked.changes)
     together.attrs = dict(parts[0].attrs) | {
-        "title": f"Map of cages of {changed.name}",
+        "title": f"Map of cages: {changed.name}",
         "kind": MAP_KIND,
         "scene": changed.json,
     }

@@ -55,25 +55,24 @@ PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
 NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
 
 CAGE_LIFE = table(
-    Variable("cage_life", (), "1", "shaft turns to the end"),
+    Variable("cage_life", (), "1", "number of shaft turns to the end of the cage's life"),
     Variable("cage_life_interval", END.dims, "1",
-        "90 % interval of the life due to the scatter of the runs alone"),
+        "90 % interval of cage_life due to the scatter of the runs alone"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
-        "90 % interval of the life, allowing also for the uncertain wear coefficient of the cage"),
-    Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
-    Variable("cage_end", (), "", "criterion that determines the end of life", "i1", flags=CRITERIA),
+        "90 % interval of cage_life, allowing also for the uncertain wear coefficient of the cage"),
+    Variable("cage_hours", (), "h", "time to the end of the cage's life", scale=HOURS_PER_SECOND),
+    Variable("cage_end", (), "", "criterion that ends the cage's life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "number of shaft turns until a film is worn through"),
     Variable("motion_changes", END.dims, "1", "number of shaft turns until the dominant motion "
         "changes"),
-    Variable("node_turns", NODE.dims, "1", "shaft turns at each ensemble"),
+    Variable("node_turns", NODE.dims, "1", "number of shaft turns completed before each ensemble"),
     Variable("node_depth", (*NODE.dims, *PART.dims), "m", "wear depth"),
     Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work per shaft turn"),
-    Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),
-    Variable("other_hours", (), "h", "life of the balls and races, steady model",
+    Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of the runs that end in each motion"),
+    Variable("other_hours", (), "h", "computed life of the balls and races, steady model",
         scale=HOURS_PER_SECOND),
     Variable("other_hours_interval", END.dims, "h",
-        "90 % interval of the life of the balls and races, allowing for the uncertain wear "
-        "coefficient and hardness",
+        "90 % interval of other_hours, allowing for the uncertain wear coefficient and hardness",
         scale=HOURS_PER_SECOND),
     Variable("other_end", (), "", "criterion that determines the end of life of the balls and "
         "races",
@@ -95,7 +94,7 @@ def with_cage_end(scene: Scene) -> Scene:
     if end == end.without_cage:
         if cage.film is None:
             problem = (
-                "got neither a film nor a limit, expected one of the two, to define its end of life"
+                "got neither a film nor a limit, expected one of them to define the end of life"
             )
             raise SceneError("cage.film", problem)
         end = replace(end, **{"cage_film_worn_share": 1.0})
@@ -153,7 +152,7 @@ class EnsembleWear(Motion):
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
-                f"turns, {pocket:.3g} and {land:.3g} um worn off the pockets and land")  # fmt: skip
+                f"turns; wear depth {pocket:.3g} um in the pockets, {land:.3g} um at the land")  # fmt: skip
 
 
 class BetweenEnsembles(Trapezoid):

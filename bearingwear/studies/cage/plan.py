@@ -34,7 +34,7 @@ class Ensemble:
     within: float = setting(
         "Target relative half-width of the 90 % interval of the work per turn", "1", "(0, 1)",
         default=0.1)
-    seed: int = setting("Seed of the samples", within="[0, inf)", default=1)
+    seed: int = setting("Random seed for the samples", within="[0, inf)", default=1)
     least_turns: int = setting(f"Minimum number of shaft turns per run (a multiple of {STRETCH})",
         "1", within="[30, inf)", default=30)
     most_turns: int = setting("Maximum number of shaft turns in a run that has not settled",
@@ -90,11 +90,11 @@ class CagePoint(NamedTuple):
 class CagePlan:
     """Everything in config/cage.yaml."""
 
-    scene: str = setting("Scene that provides all values that are not varied", pattern=NAME)
+    scene: str = setting("Scene that provides all values except those that vary", pattern=NAME)
     # fmt: off
-    changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set",
+    changes: Mapping[str, Any] = setting("Keys to set in the scene", name="set",
         default_factory=dict)
-    gravity_m_s2: tuple[float, ...] = setting("Gravity along -Z, for the weight of the cage",
+    gravity_m_s2: tuple[float, ...] = setting("Gravity along -Z, which determines the weight of the cage",
         "m/s2", within="[0, inf)", least=1)
     guiding_race: tuple[str, ...] = setting("Guiding surface of the cage", choices=GUIDES, least=1,
         default=("outer",))
@@ -102,7 +102,7 @@ class CagePlan:
         "the cage", "um", within="[0, inf)", least=1, default=(0.0,))
     pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
     guide_clearance_mm: RisingAxis = setting("Diametral clearances at the land", "mm")
-    cage_friction: RisingAxis = setting("Coulomb coefficients of the pockets and land", "1")
+    cage_friction: RisingAxis = setting("Coulomb friction coefficients of the pockets and land", "1")
     ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
     in_main_study: bool = setting(
         "Whether `snakemake` without a target computes the map and adds it to the report page",

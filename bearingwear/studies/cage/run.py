@@ -24,7 +24,7 @@ from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
 from bearingwear.studies.cage.plan import STRETCH
 
-ACROSS = Variable("across", ("across",), "", "direction across the shaft", "i1", flags=("Y", "Z"))
+ACROSS = Variable("across", ("across",), "", "direction perpendicular to the shaft", "i1", flags=("Y", "Z"))
 
 CAGE_RUN = table(
     STATUS,
@@ -38,7 +38,7 @@ CAGE_RUN = table(
     Variable("land_force", (), "N", "mean normal force between the cage and its land"),
     Variable("land_force_99", (), "N", "99 % quantile of the normal force between the cage and "
         "its land"),
-    Variable("shaft_torque", (), "N m", "torque of the shaft, mean"),
+    Variable("shaft_torque", (), "N m", "mean shaft torque"),
     Variable("torque_noise", (), "N m",
         "standard deviation of the shaft torque averaged over each turn"),
     Variable("whirl_ratio", (), "1",
@@ -48,7 +48,7 @@ CAGE_RUN = table(
     Variable("offset_scatter", (), "m",
         "standard deviation of the distance of the cage's centre from the axis"),
     Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
-    Variable("turns", (), "1", "shaft turns simulated"),
+    Variable("turns", (), "1", "number of shaft turns simulated"),
     Variable("energy_account_error", (), "1", "residual of the energy balance, relative to the "
                                               "heat"),
 )  # fmt: skip

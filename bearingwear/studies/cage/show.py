@@ -35,8 +35,8 @@ _ROWS = (
     ("land_force", "land force, mean"),
     ("land_force_99", "land force, 99 %"),
     ("shaft_torque", "shaft torque"),
-    ("torque_noise", "turn-to-turn noise of the torque"),
-    ("whirl_ratio", "whirl rate over shaft speed"),
+    ("torque_noise", "turn-to-turn noise in the torque"),
+    ("whirl_ratio", "whirl rate / shaft speed"),
 )
 
 
@@ -53,7 +53,7 @@ def ensemble_sheet(file: Any) -> Document:
     share, runs = values(file, "share"), status.size
     heading = [
         f"{scene['name']}: cage, {runs} runs: {shares_in_words(share) or 'no motion'}",
-        f"90 % intervals; the work is {'known' if int(file.met) else 'not known'} to "
+        f"90 % intervals; the work is {'known' if int(file.met) else 'not known'} to within "
         f"{100.0 * plan['within']:g} %{'' if int(file.met) else f' after {runs} runs'}",
     ]
     facts = {"kind": "cage ensemble", "scene": scene["name"], "runs": runs, "met": int(file.met)}
@@ -76,9 +76,9 @@ def ensemble_sheet(file: Any) -> Document:
     if tolerance := getattr(file, "dynamic_tolerance", 0.0):
         error = f"{100.0 * CAGE_ERROR:g} %"
         accuracy = (
-            f"in addition to its interval, the work of a motion has an error of up to {error}"
+            f"the work in each motion has an error of up to {error}, in addition to its interval"
             if tolerance <= CAGE_TOLERANCE
-            else f"the error of the work may exceed {error}; the default tolerance is "
+            else f"the error in the work may exceed {error}; the default tolerance is "
             f"{CAGE_TOLERANCE:g}"
         )
         lines.append(f"step tolerance {tolerance:g}: {accuracy}")
@@ -137,7 +137,7 @@ def _life(file: Any) -> Iterator[Block]:
         rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
             ("cage_life_interval", "due to the scatter of the runs"),
-            ("cage_life_interval_with_wear", "and due to K_s of the cage"),
+            ("cage_life_interval_with_wear", "and the cage's K_s"),
         ):
             low, high = values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
@@ -149,7 +149,7 @@ def _life(file: Any) -> Iterator[Block]:
             text = "not worn through before the end"
             if math.isfinite(gone):
                 text = f"worn through after {gone:.3g} turns"
-            lines.append(f"film of the {part}: {text}")
+            lines.append(f"film on the {part}: {text}")
     low, high = values(file, "motion_changes").tolist()
     lines.append(
         "no other motion becomes dominant before the end"
@@ -158,7 +158,9 @@ def _life(file: Any) -> Iterator[Block]:
     )
     if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
-        first = "balls and races end first" if not hours <= other else "the cage ends first"
+        first = (
+            "the cage lasts longer" if not hours <= other else "the balls and races last longer"
+        )
         ends = Interval(*values(file, "other_hours_interval").tolist())
         lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval due to K_s/H: "
             f"{ends.text} h), ended by {words}; {first}")  # fmt: skip
@@ -201,7 +203,7 @@ def _draw_life(panel: Any, found: xr.Dataset) -> None:
         depth = 1e6 * found["node_depth"].values[:, k]
         panel.plot(turns, depth, line, color="black", marker=".", label=part)
     panel.set_xlabel("shaft turns")
-    panel.set_ylabel("worn off the cage (µm)")
+    panel.set_ylabel("wear depth of the cage (µm)")
     panel.legend()
 
 

@@ -77,7 +77,7 @@ def cage_document(path: Path) -> Document:
         column("torque noise", means("torque_noise", noise), noise.unit),
     )  # fmt: skip
     lines = [
-        "Work is normal force times slip per shaft turn, listed with its mean and 90 % interval. "
+        "Work is normal force times slip per shaft turn; its mean and 90 % interval are listed. "
         "Multiplied by K_s/H of the cage material, it gives the wear volume.",
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
@@ -163,8 +163,8 @@ def own_design(motions: xr.Dataset, every: list[MappedCage]) -> MappedCage | Non
 
 _IN_DESIGN = {
     "imbalance": "an imbalance of {}",
-    "pocket_clearance": "{} in the pockets",
-    "guide_clearance": "{} at the land",
+    "pocket_clearance": "a pocket clearance of {}",
+    "guide_clearance": "a land clearance of {}",
     "cage_friction": "a friction coefficient of {}",
 }
 
@@ -183,7 +183,7 @@ def quiet_region(motions: xr.Dataset) -> str:
     """Region of quiet cages, in a sentence."""
     every = designs(motions)
     quiet = [one for one in every if one.quiet >= MOSTLY]
-    gravity = "at every level of gravity in the map" if motions.sizes["gravity"] > 1 else "here"
+    gravity = "at every level of gravity" if motions.sizes["gravity"] > 1 else "here"
     if not quiet:
         return f"No cage in the map is quiet {gravity}"
     if len(quiet) == len(every):
