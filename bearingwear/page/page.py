@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import groupby
@@ -31,8 +31,10 @@ from bearingwear.results.units import Rough, in_print, key_in_words, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.results.words import scene_of
 from bearingwear.scene.arrangement import METHODS
+from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.changes import KIND_KEY, METHOD_KEY
 from bearingwear.scene.checking.errors import leaves
+from bearingwear.scene.read import as_data
 
 _TEMPLATE, _STYLE, _SCRIPT = (
     Path(__file__).with_name(name) for name in ("page.html", "page.css", "page.js")
@@ -109,8 +111,8 @@ def page(
     sections: Iterable[Path] = (),
     docs: Iterable[Path] = (),
     answers: Iterable[Path] = (),
+    scenes: Iterable[Path] = (),
     data: Mapping[str, Sequence[str]] | None = None,
-    descriptions: Mapping[str, str] | None = None,
 ) -> str:
     """The page, as HTML.
 
@@ -121,24 +123,23 @@ def page(
     answers: what studies answer (`Document.stored`, .json); the one of the least rank leads.
         Markdown and figures in folders beside one belong to it. The scenes of recommendations (.nc)
         are the inputs where there are no sections.
+    scenes: files of the scenes, for their descriptions, which may have changed since the results
+        were made, and for the values that they mark as assumed.
     data: files behind each figure, by its path.
-    descriptions: of scenes by their names, where they have changed since the results were made.
-    May raise CaseFileError.
+    May raise CaseFileError and SceneError.
     """
     results, leading = list(sections), list(answers)
     _check_kinds(results, (".nc", ".md", *SUFFIXES))
     _check_kinds(leading, (".json", ".nc", ".md", *SUFFIXES))
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     made = [*datasets.values(), *(load(file) for file in leading if file.suffix == ".nc")]
-    scenes = _sections(datasets)
-    inputs = [section.scene for section in scenes.values()] or list(map(scene_of, made))
-    for scene in inputs:
-        if text := (descriptions or {}).get(scene["name"]):
-            scene["description"] = text
+    studied = _sections(datasets)
+    inputs = [section.scene for section in studied.values()] or list(map(scene_of, made))
+    assumed = _as_in_files(inputs, scenes)
     figures = list(drawings([*results, *leading], data or {}))
     answered = _answered(leading, figures)
     taken = {figure.path for one in answered for figure in one.drawn} | set(leading)
-    across = _handed_out(scenes, [one for one in figures if one.path not in taken], results)
+    across = _handed_out(studied, [one for one in figures if one.path not in taken], results)
     style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
     return (
         _environment()
@@ -149,15 +150,16 @@ def page(
             named_once=partial(_without_name, inputs),
             inputs=inputs,
             sketch=_sketch(inputs, answered),
-            sections=list(scenes.values()),
+            sections=list(studied.values()),
             across=across,
             unsolved=[
                 (section.scene["name"], what, source - solved)
-                for section in scenes.values()
+                for section in studied.values()
                 for what, solved, source in section.solved
                 if solved < source
             ],
-            keys=list(key_blocks(inputs)),
+            keys=list(key_blocks(inputs, assumed)),
+            assumed=assumed,
             versions=_versions(made),
             docs=[(file, _title(file)) for file in docs],
             glossary=GLOSSARY,
@@ -166,6 +168,18 @@ def page(
             hashes={"style": _csp_hash(style), "script": _csp_hash(script)},
         )
     )
+
+
+def _as_in_files(inputs: Sequence[dict[str, Any]], files: Iterable[Path]) -> set[str]:
+    """Give scenes the descriptions of their files; returns the keys that all of these assume."""
+    named = {as_data(file)[0]["name"]: file for file in files}
+    assumed: list[set[str]] = []
+    for scene in inputs:
+        if file := named.get(scene["name"]):
+            if text := " ".join(as_data(file)[0].get("description", "").split()):
+                scene["description"] = text
+            assumed.append(assumed_keys(file))
+    return set.intersection(*assumed) if len(assumed) == len(inputs) > 0 else set()
 
 
 def _handed_out(
@@ -367,12 +381,17 @@ def _title(file: Path) -> str:
 
 
 KeyRow = tuple[str, list[str], bool]
+ASSUMED = "\N{NO-BREAK SPACE}*"
+"""After the name of an assumed quantity."""
 _NAMES = ("name", "description")
 _MOST = 4  # scene_differences that are named
 
 
-def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[KeyRow]:
-    """Rows of the table of scenes: key in words, a value for each, whether they differ."""
+def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) -> Iterator[KeyRow]:
+    """Rows of the table of scenes: key in words, a value for each, whether they differ.
+
+    assumed: keys of values that are marked as assumed.
+    """
     flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
     for scene, values in zip(scenes, flat, strict=True):
         if is_pair(scene) and METHOD_KEY not in values:  # both were studied
@@ -382,12 +401,15 @@ def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[KeyRow]:
     for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
         if name not in _NAMES:
             row = [values.get(name, "–") for values in flat]
-            yield key_label(name), row, len(set(row)) > 1
+            mark = ASSUMED if name in assumed else ""
+            yield f"{key_label(name)}{mark}", row, len(set(row)) > 1
 
 
-def key_blocks(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[KeyRow]]]:
+def key_blocks(
+    scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()
+) -> Iterator[tuple[str, list[KeyRow]]]:
     """Rows of `key_rows` by the block of the scene that they belong to."""
-    rows = groupby(key_rows(scenes), key=lambda row: row[0].partition(": ")[0])
+    rows = groupby(key_rows(scenes, assumed), key=lambda row: row[0].partition(": ")[0])
     for block, members in rows:
         yield (
             block,

@@ -55,7 +55,7 @@ for target in sys.argv[1:] if workflow.is_main_process else ():
         jobs = [job for study in STUDIES.values() for job in study.jobs]
         made = {path for job in jobs for path in job.made()}
         near = difflib.get_close_matches(target, made, n=1)
-        meant = f"did you mean {near[0]}" if near else "expected one that -n lists"
+        meant = f"did you mean {near[0]}" if near else "expected one that `snakemake -n` lists"
         if target not in made:
             refuse(f"{target}: got a file that belongs to no study; {meant}")
 
@@ -193,14 +193,10 @@ def decisive(scene, replaced=()):
     return json.dumps([kept, assumed], sort_keys=True)
 
 
-def described():
-    """Descriptions of the scenes by their names; no result is made again for one."""
+def scene_sources():
+    """Scene files of the studies; the page reads their descriptions, which make no result anew."""
     files = [path for study in STUDIES.values() for path in study.inputs()]
-    scenes = (as_data(path)[0] for path in dict.fromkeys(files) if is_scene(path))
-    return {
-        scene["name"]: " ".join(scene.get("description", "").split())
-        for scene in scenes
-    }
+    return [path for path in dict.fromkeys(files) if is_scene(path)]
 
 
 def made_from(job):

@@ -8,6 +8,7 @@ rule page:
         sections=[path for study in STUDIES.values() for path in study.page_sections()],
         answers=[path for study in STUDIES.values() for path in study.page_answers()],
         docs=DOCS,
+        scenes=scene_sources(),
     output:
         report(
             PAGE,
@@ -29,7 +30,6 @@ rule page:
                         for study in STUDIES.values()
                         for figure, data in study.behind_figures().items()
                     },
-                    "descriptions": described(),
                 }
             )
         ),
