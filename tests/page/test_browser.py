@@ -201,7 +201,7 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
     assert set(stars) <= set(stops) and len(stops) > 2
     for k in (0, len(stops) - 1, *(stops.index(star) for star in stars)):
         slider.fill(str(k))
-        assert shown.inner_text().startswith(f"at {stops[k]:.4g} N")
+        assert shown.inner_text().startswith(f"Values at {stops[k]:.4g} N")
         assert ("recommended" in shown.inner_text()) == (stops[k] in stars)
         texts = iter(said.all_inner_texts())
         for chart in data:
@@ -221,7 +221,7 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
     slider.focus()
     slider.fill(str(len(stops) - 1))
     page.keyboard.press("ArrowLeft")
-    assert shown.inner_text().startswith(f"at {stops[-2]:.4g} N")
+    assert shown.inner_text().startswith(f"Values at {stops[-2]:.4g} N")
     box.locator("button").click()
     assert said.all_inner_texts() == before
 

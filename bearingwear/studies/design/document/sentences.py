@@ -64,13 +64,13 @@ SIMILAR = 0.9
 """Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
-    "Use it for comparison only: the wear coefficient is known to an order of magnitude at best"
+    "Use it for comparison only: wear coefficients are known to an order of magnitude at best"
 )
 
 SHORT_LIFE = 500.0
 """Life [h] below which a bearing evidently has no lubricant film."""
 
-NO_OIL = ", and the model assumes that no lubricant film separates the balls from the races"
+NO_OIL = ", and no lubricant film is assumed"
 
 _RUNS_APART = 1.5
 """Running preload over the initial one, or the reverse, that is worth a word."""
@@ -82,6 +82,7 @@ CALIBRATED = (
     "Wear and friction were calibrated with {rows} tests ({tests}). The interval given for "
     "the life covers the remaining uncertainty and the scatter between bearings."
 )
+
 
 COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in the order of `COUNTS`."""
@@ -168,9 +169,12 @@ def what_it_gives(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> lis
     """The life and its spread, beside that of the other method, and what to use it for."""
     lives, pair = by_life(found), is_pair(scene_of(found))
     method, _, life = lives[0]
-    between = f"; {BEARINGS_BETWEEN}: {one.bearings.text} h" if (one := spread[method]) else ""
-    wear = f"wear of {COUNTED_WORDS[counted(found)]}"
-    said = f"The computed life is {Rough(life).text} h ({wear}{between})"
+    counts = COUNTED_WORDS[counted(found)]
+    means = [] if counts == COUNTED_WORDS[-1] else [f"wear of {counts}"]
+    if one := spread[method]:
+        means.append(f"{BEARINGS_BETWEEN}: {one.bearings.text} h")
+    said = f"The computed life is {Rough(life).text} h"
+    said += f" ({'; '.join(means)})" if means else ""
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
