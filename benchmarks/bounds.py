@@ -82,8 +82,8 @@ def cage_lines() -> list[tuple[str, ...]]:
         force = found[f"history_{name}_force"].values
         peak, most = np.nanmax(force), np.nanquantile(force, 0.99)
         lines.append(
-            (f"force of {what} on the cage", f"at most {bound:g} N",
-             f"{peak:.0f} N peak, {most:.2g} N 99th percentile")
+            (f"force exerted on the cage by {what}", f"at most {bound:g} N",
+             f"peak {peak:.0f} N, 99th percentile {most:.2g} N")
         )  # fmt: skip
     return lines
 

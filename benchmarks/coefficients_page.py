@@ -1,6 +1,6 @@
 """The page of measured and assumed coefficients of wear and friction.
 
-`python benchmarks/coefficients_page.py docs/coefficients.md` makes it anew.
+`python benchmarks/coefficients_page.py docs/coefficients.md` regenerates it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Assumed:
     """K_s/H without a source."""
 
     surface: str
-    wear: float  # [m2/N]; NaN where nothing is assumed, either
+    wear: float  # [m2/N]; NaN if no value is assumed
     taken_by: str
     why: str
 
@@ -43,14 +43,14 @@ ASSUMED = (
         surface="silicon nitride on steel",
         wear=6.7e-17,
         taken_by="`turbopump` and `new --ball-material silicon_nitride`",
-        why="abstracts of papers on this pair contain no number, either for M50 in vacuum "
+        why="the abstracts of papers on this pair give no value, either for M50 in vacuum "
         "(Tong and others, 2011) or for fretting on bearing steel (Kalin and others, 1997)",
     ),
     Assumed(
         surface="phenolic cage on steel",
         wear=3.3e-13,
-        taken_by="cages of `gyro_s1` to `s3` and of `new`",
-        why="published numbers apply to other fibres or to lubrication with oil",
+        taken_by="the cages in `gyro_s1` to `s3` and those from `new`",
+        why="published values apply to other fibres or to oil lubrication",
     ),
     Assumed(
         surface="steel cage",
@@ -62,7 +62,7 @@ ASSUMED = (
         surface="lead film on steel",
         wear=math.nan,
         taken_by="no scene",
-        why="only bearing lives are published ([films against tests](film_tests.md)), not K_s/H",
+        why="published tests give bearing lives ([film tests](film_tests.md)), but not K_s/H",
     ),
 )
 """Assumed values, because no source was found."""
@@ -73,30 +73,33 @@ _INTRODUCTION = """\
 
 <!-- made by `python benchmarks/coefficients_page.py docs/coefficients.md` -->
 
-The wear volume is K_s/H times load times slip distance. Papers report K_s/H in mm³/(N m), which is
-1e-9 m²/N. Each item cites an accessible source, and states which part of it was read. The
-[assumed](#assumed) values are listed separately, because no published number was found for lead
-films, phenolic cages, or silicon nitride on steel.
+The wear volume is the product of K_s/H, load and slip distance. Papers report K_s/H in mm³/(N m);
+1 mm³/(N m) equals 1e-9 m²/N. Each item cites an accessible source and states which part of the
+source was read. No published values were found for lead films, phenolic cages, or silicon nitride
+on steel, so [assumed](#assumed) values are listed separately.
 
-Coefficients for the same pair differ by orders of magnitude between sources, so a test of your own
-bearing is more reliable than this table: see [from a test to hours](calibrate.md). [Films against
-tests](film_tests.md) reports the error of predictions made with this table."""
+For the same pair of materials, the coefficients differ by orders of magnitude between sources, so a
+test of your own bearing is more reliable than these values: see [From a test to
+hours](calibrate.md). [Film tests](film_tests.md) compares predictions made with these values with
+published tests."""
 
 _TAKEN = """\
-`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median for a pair, and a
-lognormal spread whose 90 % interval covers the sources for that pair."""
+`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median for the pair and a
+lognormal distribution whose 90 % interval covers the values from the sources for that pair.
+*Factor* is the geometric standard deviation."""
 
 _SPREAD = """\
-If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` use the spread of its
-pair about the values of the scene, and report this. Steel is identified by stiffness and density;
-any film is treated as MoS2, the only film with a source. For any other pair, the spread is assumed:
-a factor of {wear.factor:g} for K_s/H and {friction.factor:g} for friction. The assumed scatter of
-wear within a batch is a factor of {scatter:g}."""
+If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` apply the spread for its
+pair of materials to the values in the scene, and report this. A material is identified as steel by
+its Young's modulus and density; any film is treated as MoS2, the only film for which a source was
+found. For any other pair, the spread is assumed: a factor of {wear.factor:g} for K_s/H and
+{friction.factor:g} for friction. The assumed scatter in wear within a batch is a factor of
+{scatter:g}."""
 
 _NO_SOURCE = """\
-`mos2_gyro` uses the value of steel/steel with mos2 for its film (1.2e-16 m²/N), and that of archard
-for the steel below it (2.0e-14 m²/N). The values of all other scenes are assumed, because no source
-was found:"""
+`mos2_gyro` uses the value for steel/steel with mos2 for its film (1.2e-16 m²/N), and the archard
+value for the steel beneath it (2.0e-14 m²/N). The values in all other scenes are assumed, because
+no source was found:"""
 
 
 def page_of_coefficients() -> str:
@@ -139,7 +142,7 @@ def _span(ends: tuple[float, float], unit: float = 1.0, after: str = "") -> str:
     if "nan" in (low, high):
         if low == high:
             return "not given"
-        return f"at most {high}{after}" if low == "nan" else f"from {low}{after}"
+        return f"at most {high}{after}" if low == "nan" else f"at least {low}{after}"
     return f"{low}{after}" if low == high else f"{low} to {high}{after}"
 
 

@@ -1,8 +1,8 @@
-"""Films against the tests that were found in the open: docs/film_tests.md and its figure.
+"""Predictions for films, compared with published tests: docs/film_tests.md and its figure.
 
     python benchmarks/film_tests.py docs
 
-Coefficients are those of docs/coefficients.md; nothing is tuned for a test.
+Coefficients are those of docs/coefficients.md; nothing is tuned to a test.
 """
 
 from __future__ import annotations
@@ -55,44 +55,45 @@ def page() -> str:
     bound, archard = K * rev / SEEN, 4.0 ** (2.0 / 3.0)
     _draw(rev, (low, high), archard)
     text = f"""\
-# Films against tests
+# Film tests
 
 <!-- made by `python benchmarks/film_tests.py docs` -->
 
-This page compares the program with published tests of solid-lubricant films. It uses one set of
-sourced coefficients ([table](coefficients.md)), which were not tuned for any test. Only two of the
-six tests can be predicted; with median coefficients, both predictions fail.
+This page compares predictions with published tests of solid-lubricant films. All predictions use
+the same published [coefficients](coefficients.md), which were not tuned to any test. Only two of
+the six test results can be predicted; with median coefficients, both predictions fail.
 
 ![Revolutions until a film is worn through; life against load](figures/film_tests.svg)
 
-| sputtered MoS2, 0.6 µm, angular-contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
+| sputtered MoS2, 0.6 µm, angular contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
 {rounded(SEEN, 3)} revolutions | {rounded(rev, 2)} (90 % interval {rounded(low, 1)} to \
 {rounded(high, 1)}) | {SEEN / rev:.2g} or more | the prediction **fails** |
-| sputtered MoS2, 0.2 to 0.65 µm, pin on disc, at four times the load [2] | life falls \
+| sputtered MoS2, 0.2 to 0.65 µm, pin on disc, at four times the load [2] | the life falls \
 by a factor of {LIVES[0] / LIVES[1]:.3g} or more | a factor of {archard:.2g} (Archard's law) | \
 {LIVES[0] / LIVES[1] / archard:.2g} or more | the prediction **fails** |
-| lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | 50 µm lasted 15 h, \
-other films 2 to 6 h | – | | not predicted, because no coefficient for lead was found |
-| lead alloys, same conditions [4] | 22.5 and 19.3 h | – | | not predicted, for the same reason |
+| lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | a 50 µm film lasted \
+15 h, other films 2 to 6 h | – | | not predicted, because no coefficient for lead was found |
+| lead alloys, same conditions [4] | lasted 22.5 and 19.3 h | – | | not predicted, for the \
+same reason |
 | PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstood 2000 N/mm² at a spin velocity \
 of 5 m/s | – | | not predicted, because the model does not include film rupture |
 | SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared, because no \
 accessible source was found |
 
-The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed. Its life
-is assumed to end when half of a track is bare. The test ended without failure (run-out), so K_s/H
-was at most {bound:.2g} m²/N. For the two discs of [6], K_s/H was 4e-15 m²/N during running-in, or \
-{rounded(4e-15 / bound, 2)}
-times as high. The 90 % interval of K_s/H in the table of coefficients extends from one of these
-values to the other, so the run-out lies at its lower end.
+The abstract of [1] does not state the bearing size; a 7204C with NSK's ball complement is assumed.
+Its life is assumed to end when half of a track is bare. The test ended without failure (run-out),
+so K_s/H was at most {bound:.2g} m²/N. In the two-disc test [6], K_s/H was 4e-15 m²/N during
+running-in, {rounded(4e-15 / bound, 2)} times as high. The 90 % interval of K_s/H in the table of
+coefficients extends from one of these values to the other, so the run-out lies at its lower end.
 
 **Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
 much more slowly than a film in its first thousand cycles. A single K_s/H cannot describe both.
-Moreover, film debris may still lubricate the bearing when the film in the model is worn through.
+Moreover, film debris may continue to lubricate the bearing after the film has worn through in the
+model.
 
 **Load.** According to Archard's law, the life of a track as wide as the Hertzian contact is
 proportional to F^(-2/3), so it is shorter by a factor of {archard:.2g} at four times the load. To
-match [2], K_s must increase with pressure to the power of {exponent():.2g} or more.
+match [2], K_s must be proportional to the pressure raised to a power of {exponent():.2g} or more.
 `friction.film.pressure_exponent` represents such an increase ([theory](theory/23-films.md)). It is
 not used by default, because its value is based on a single pair of loads.
 
@@ -103,20 +104,20 @@ not used by default, because its value is based on a single pair of loads.
 5. [Nosaka and others, 1993](https://www.scilit.net/publications/d14c1a0a71f25a93674a469b727af1f5)
 6. [Seynstahl and others, 2023](https://www.mdpi.com/2075-4442/11/8/335)
 
-Of references 1 to 5, only the abstracts were read.
+Only the abstracts of these references were read.
 """
     return "\n".join(_wrapped(line) for line in text.split("\n"))
 
 
 def _wrapped(line: str) -> str:
-    """A row `| test | measured | computed | off by | verdict |` as an item of a list."""
+    """A row `| test | measured | computed | factor | verdict |` as an item of a list."""
     if not line.startswith("| "):
         return line
     test, seen, program, off, verdict = (cell.strip() for cell in line.strip("|").split(" |"))
     if program == "–":
         text = f"{test}: {seen}; {verdict}."
     else:
-        factor = f", off by a factor of {off}" if off else ""
+        factor = f", too low by a factor of {off}" if off else ""
         text = f"{test}: {seen}. Computed: {program}{factor}; {verdict}."
     return textwrap.fill(text, 100, initial_indent="- ", subsequent_indent="  ")
 

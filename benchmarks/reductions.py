@@ -103,7 +103,8 @@ def difference(one: dict, other: dict, name: str) -> float:
 def main() -> None:
     figure, panels = new_figure(1, 1, 6.4, 4.0)
     axes, found = panels[0, 0], []
-    print("| reduction | scene | times as fast | total QV | loss rate, balls | and races |")
+    heads = "loss rate, balls | loss rate, balls and races"
+    print(f"| reduction | scene | times as fast | total QV | {heads} |")
     print("| --- | --- | ---: | ---: | ---: | ---: |")
     for k, reduction in enumerate(REDUCTIONS):
         for name in reduction.scenes:

@@ -76,8 +76,8 @@ def rows_of_study(scene: Scene) -> np.ndarray:
 
 
 def errors(cases: Iterator[tuple[str, Scene, int]], beginning: str, rows_of: Rows) -> None:
-    columns = "solved | error stated | but for | found beyond | median | 95 % | 99 % | worst"
-    print(f"| lives | {columns} |\n| --- | --- |" + " ---: |" * 7)
+    columns = "computed | stated error | stated share | actual share | median | 95 % | 99 % | max"
+    print(f"| sample | {columns} |\n| --- | --- |" + " ---: |" * 7)
     for name, scene, count in (one for one in cases if one[0].startswith(beginning)):
         of = [*(scene.uncertainty or {})]
         names = [one for one in of if one not in WORN]
@@ -127,8 +127,8 @@ def cost(most: int, beginning: str) -> None:
 def seeds(beginning: str, count: int = 20) -> None:
     """Errors and intervals of quantiles over seeds, against those of a large sample."""
     ends = ("", "_low", "_high")
-    columns = "error 5 % | 50 % | 95 % | half width 5 % | 50 % | 95 % | covered 5 % | 50 % | 95 %"
-    print(f"| lives | {columns} |\n| --- |" + " ---: |" * 9)
+    columns = "error 5 % | 50 % | 95 % | half-width 5 % | 50 % | 95 % | covered 5 % | 50 % | 95 %"
+    print(f"| sample | {columns} |\n| --- |" + " ---: |" * 9)
     for name, scene, _ in (one for one in scenes() if one[0].startswith(beginning)):
         if "hertz" not in name:
             continue  # longer by far

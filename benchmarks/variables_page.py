@@ -48,24 +48,24 @@ def page_of_variables() -> str:
     of_a_life = [variable for name, variable in LIFE.items() if name not in GROWN]
     coordinates = [*COORDINATES.values(), STRIP_POSITION]
     sections = (
-        ("Of every case", "Values are NaN if the case was not solved.", ALWAYS.values()),
-        ("Of a case, if its model computes them", "", others),
+        ("Every case", "Values are NaN if the case was not solved.", ALWAYS.values()),
+        ("Cases, depending on the model", "", others),
         (
-            "Of a dynamic case",
+            "Dynamic cases",
             "Histories contain values at the instants of `time`.",
             DYNAMIC.values(),
         ),
-        ("Of a life", "Histories contain values at each `step` of the wear.", of_a_life),
+        ("Lives", "Histories contain values at each wear `step`.", of_a_life),
         (
-            "Of a bearing with growth or temperature",
-            "Both cases and lives include these variables.",
+            "Bearings with growth or temperature",
+            "Cases and lives may include these variables.",
             grown,
         ),
         (
-            "Of two bearings",
+            "Pairs of bearings",
             "For a pair (`arrangement`), each of these variables has one value for both bearings. "
-            "All other variables have `bearing` as their first dimension, except status, life, its "
-            "error and time.",
+            "All other variables have `bearing` as their first dimension, except status, life, "
+            "the error in the life, and time.",
             SYSTEM.values(),
         ),
         ("Coordinates", COORDINATES_SAID, coordinates),

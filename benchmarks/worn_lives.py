@@ -78,8 +78,8 @@ def told(value: float) -> str:
 
 def table() -> None:
     """Hertzian and worn lives, balls worn evenly and in bands, films; also of a pair."""
-    head = ("bearing", "method", "Hertzian h", "worn h", "worn/Hertzian", "in bands h", "filmed h")
-    print("| " + " | ".join((*head, "CPU s")) + " |\n" + "| --- " * 8 + "|")
+    head = ("bearing", "method", "Hertzian, h", "worn, h", "worn/Hertzian", "in bands, h")
+    print("| " + " | ".join((*head, "with film, h", "CPU, s")) + " |\n" + "| --- " * 8 + "|")
     rows: dict[str, dict[str, tuple[float, float, float, float]]] = {}
     for name in BEARINGS:
         for method in METHODS:
@@ -105,7 +105,8 @@ def table() -> None:
         cells = (hertz, worn, worn / hertz, bands, np.nan, spent)  # films: refused
         print(f"| {name}, pair, 50 N | {in_words(method)} | " + " | ".join(map(told, cells)) + " |")
     print(
-        "\nConstant force over fixed position:\n\n| bearing | Hertzian | worn | in bands | filmed |"
+        "\nLife with constant force divided by life with fixed position:\n\n"
+        "| bearing | Hertzian | worn | in bands | with film |"
     )
     print("| --- " * 5 + "|")
     for name, found in rows.items():
