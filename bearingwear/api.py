@@ -387,7 +387,7 @@ def new(
     others |= {"bore": bore, "outside": outside}
     try:
         text, assumed = scene_text(name, given=given, **others)
-        return checked_scene(text, f"Values not given: {'; '.join(assumed)}.")
+        return checked_scene(text, f"Assumed or catalogue values: {'; '.join(assumed)}.")
     except SceneError as error:
         raise error.in_source(_argument(error.source)) from None
 

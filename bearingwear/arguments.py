@@ -26,7 +26,7 @@ from bearingwear.studies import NAMES
 
 BAD_INPUT = 2
 
-STUDY_NAMES = ", ".join(("a scene, MINE.yaml", "a file below results/", "all", *NAMES))
+STUDY_NAMES = ", ".join(("a scene, MINE.yaml", "a file under results/", "all", *NAMES))
 """What `study` accepts, for messages."""
 
 
@@ -64,11 +64,11 @@ def command_parser() -> argparse.ArgumentParser:
         sub.set_defaults(run=name)
         return sub
 
-    _add_new(command("new", "write a commented scene from a few catalogue numbers"))
+    _add_new(command("new", "write a commented scene file from a few catalogue values"))
     check = command("check", "check a scene and report which model would be used, and why")
     solve = command("solve", "solve a scene and print a sheet of results; -o writes a case file")
-    launch = command("launch", "determine whether the bearings of a rotor open or dent at launch")
-    life = command("life", "compute the wear life and print its sheet; -o writes a life file")
+    launch = command("launch", "determine whether the bearings of a rotor gap or dent at launch")
+    life = command("life", "compute wear life and print a sheet of results; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
@@ -78,7 +78,7 @@ def command_parser() -> argparse.ArgumentParser:
         "wear, model and friction.slip_regularisation_m_s",
     )
     for sub in (check, solve, life, launch):
-        sub.add_argument("--case", metavar="NAME", help="select one of the cases of the scene")
+        sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
     for sub in (solve, life):
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
@@ -98,11 +98,11 @@ def command_parser() -> argparse.ArgumentParser:
         command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
     )
     _add_export(command("export", "write the stiffness at given speeds, as CSV or as ROSS TOML"))
-    _add_show(command("show", "print the main numbers of a result file or a scene"))
+    _add_show(command("show", "print the main values in a result file or a scene"))
     _add_compare(
-        command("compare", "list the differences between two result files; exit status 1 if any")
+        command("compare", "list the differences between two files; exit status 1 if they differ")
     )
-    _add_plot(command("plot", "draw a result file"))
+    _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
@@ -112,10 +112,10 @@ def command_parser() -> argparse.ArgumentParser:
 def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
     calibrate.add_argument("tests", metavar="TESTS.csv",
-        help="a table with a header and one line per test; the columns are keys of the scene and "
-        f"one of {', '.join(SEEN)}")
+        help="a table with a header and one line per test; the columns are scene keys and, for "
+        f"the result, one of {', '.join(SEEN)}")
     calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
-        help="the scene to write; an .nc file of the same name contains the values before and "
+        help="the scene file to write; an .nc file of the same name contains the values before and "
         "after the calibration")
     _add_formats(calibrate)
 
@@ -124,8 +124,8 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
     cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
     cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="target relative half-width of the 90 %% interval of the mean work; default 0.1")
-    cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
+        help="target relative half-width of the 90 %% interval for the mean work; default 0.1")
+    cage.add_argument("--seed", type=int, metavar="N", help="random seed; default 1")
     cage.add_argument("--least-turns", type=int, metavar="N",
         help="minimum number of shaft turns per run; default 30; a hanging cage may change its "
         "motion after hundreds of turns")
@@ -155,7 +155,7 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("--maker", choices=tuple(MAKERS),
         help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
-        help="list the known bearings of a maker, or only those of SERIES, and exit")
+        help="list the known bearings of a maker, or only those in SERIES, and exit")
     new.add_argument("--bore", type=float, metavar="MM",
         help="bore diameter, if no designation is given")
     new.add_argument("--outside", type=float, metavar="MM",
@@ -184,7 +184,7 @@ def _add_new(new: argparse.ArgumentParser) -> None:
 
 def _add_scene(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
-    sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
+    sub.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
 
 
 def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
@@ -208,9 +208,9 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
         help="the file to write; a missing folder is created")
     sub.add_argument("--record-timing", action="store_true",
-        help="store the duration of the solve (two files of the same case then differ)")
+        help="store the solve time (two files of the same case then differ)")
     sub.add_argument("--record-failures", action="store_true",
-        help="exit with status 0 even if the solver fails; the file contains the reason")
+        help="exit with status 0 even if the solver fails; the reason is stored in the file")
 
 
 def _add_formats(sub: argparse.ArgumentParser) -> Any:
@@ -230,7 +230,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--samples", type=int, metavar="N",
         help="number of base samples, a power of two; 2 N lives are sampled")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
-        help="seed of the sample; default 1")
+        help="random seed; default 1")
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
 
@@ -238,7 +238,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
-        help="a scene to be studied (wear states, lives and their spread, recommended "
+        help="a scene to study (wear states, lives and their spread, recommended "
         f"preload, page); the name of a study in the current folder ({', '.join(NAMES)}); or one "
         "of its results (results/...), which is then recomputed; default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
@@ -247,14 +247,14 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         help="number of parallel jobs; default: one per core")
     _add_limits(study)
     study.epilog = (
-        "Further arguments, after the name of a study, are passed to Snakemake, as in `bearingwear "
-        "study all --configfile other.yaml`."
+        "Arguments after the name of a study are passed to Snakemake, as in `bearingwear study all "
+        "--configfile other.yaml`."
     )
 
 
 def _add_launch(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
-    for way, words in (("axial", "along"), ("radial", "across")):
+    for way, words in (("axial", "along"), ("radial", "perpendicular to")):
         sub.add_argument(f"--{way}", type=_not_negative, metavar="G",
             help=f"acceleration {words} the axis; sets launch.{way}_g")
     _add_formats(sub)
@@ -263,11 +263,11 @@ def _add_launch(sub: argparse.ArgumentParser) -> None:
 def _add_margin(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
     sub.add_argument("--drive", type=_positive, metavar="N_M",
-        help="torque of the drive; sets drive.torque_Nm")
+        help="drive torque; sets drive.torque_Nm")
     sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
         help="standard that defines the margin; sets drive.standard; default ecss")
     sub.add_argument("--data", choices=("analysis", "test", "extremes"),
-        help="source of the torques; sets drive.data; default analysis")
+        help="source of the torque data; sets drive.data; default analysis")
     _add_formats(sub)
 
 
@@ -277,19 +277,19 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
         help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
         "at least five")
     sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
-        help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format of "
+        help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format read by "
         "ross.BearingElement.load")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
         help="which bearing of a pair; default 1")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",
-        help="whether the tilt of the shaft in the bearing, which ROSS does not model, is held or "
+        help="whether the tilt of the shaft in the bearing (not modelled by ROSS) is held or "
             "released; default held")
     sub.add_argument("--damping", type=_positive, metavar="N_S_M",
         help="damping in x, y and z; default 0 (assumed)")
     sub.add_argument("--node", type=int, default=0, metavar="N",
-        help="node of the rotor; default 0")
+        help="rotor node; default 0")
     sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
-        help="major version of ROSS, which determines the key of the speeds; default 2")
+        help="major version of ROSS, which determines the name of the speed key; default 2")
 
 
 def _add_show(sub: argparse.ArgumentParser) -> None:
@@ -312,7 +312,7 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("first", metavar="A.nc", help="a result file")
     sub.add_argument("second", metavar="B.nc", help="another result file of the same kind")
     sub.add_argument("--tolerance", type=_share, default=0.0, metavar="SHARE",
-        help="tolerance relative to the largest value of the variable")
+        help="tolerance relative to the largest value in the variable")
 # fmt: on
 
 

@@ -33,7 +33,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     path = Path(path)
     if "\0" in str(path):
-        raise OutputError(f"{path}: cannot be written (a name must not contain a null character)")
+        raise OutputError(f"{path}: cannot be written (the file name contains a null character)")
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     UNFINISHED.add(part)
     try:

@@ -497,7 +497,7 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
         ),
         (
             ["--set", "operation.rotating_load_N=1"],
-            "expected one with a steady state (for a single life",
+            "expected one with a steady state (to compute a single life",
         ),
     ],
 )

@@ -187,7 +187,7 @@ def test_an_end_has_a_row_of_a_life(name):
     arrays = {f"history_{one}": [at(measure, 0.5), at(measure, 1.0)] for one in measure.variables}
     plain = {"wear": {"end_of_life": {name: LIMIT}}, "operation": {"preload_N": PRELOAD}}
     (row,) = _criteria(File(arrays, name), plain)
-    assert (row.label, row.unit, row.note) == (measure.short, measure.unit, "ends the life")
+    assert (row.label, row.unit, row.note) == (measure.short, measure.unit, "reached first")
     shown = measure.shown_limit(LIMIT)
     assert row.limit == shown and row.values[1] == pytest.approx(shown)
     # of a pair, the bearing that is still within its limit does not end the life

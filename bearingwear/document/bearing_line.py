@@ -95,7 +95,7 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """Lines on the bearing, its operating point, and whose catalogue it is of."""
     bearing, operation = scene["bearing"], scene["operation"]
     loss = scene["wear"]["ball_diameter_loss_um"]
-    worn = f"{loss:g}" if isinstance(loss, float) else "unequal"
+    worn = f"{loss:g} um" if isinstance(loss, float) else "unequal"
     outer = operation.get("outer_speed_rpm")
     speeds = [f"{operation['shaft_speed_rpm']:g} r/min", *([f"outer {outer:g}"] if outer else [])]
     method = operation["preload_method"].replace("_", " ")
@@ -105,7 +105,7 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
         *_pair_words(scene.get("arrangement") or {}),
         *_loads(scene),
         f"friction {_friction(scene['friction'])}",
-        f"ball diameter loss {worn} um",
+        f"ball diameter loss {worn}",
     )
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",

@@ -21,7 +21,7 @@ _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...]
     ("radial load", "N", "radial_load", lambda one: one.radial),
     ("maximum ball load", "N", "largest_ball_load", lambda one: float(one.load.max())),
     ("minimum ball load", "N", "least_ball_load", lambda one: float(one.load.min())),
-    ("balls without load", "", "loose_balls", lambda one: int((one.load == 0.0).sum())),
+    ("unloaded balls", "", "loose_balls", lambda one: int((one.load == 0.0).sum())),
     ("peak pressure, inner", "GPa", "pressure_inner", lambda one: _GPA * one.pressure[:, 0].max()),
     ("peak pressure, outer", "GPa", "pressure_outer", lambda one: _GPA * one.pressure[:, 1].max()),
     ("gap", "um", "gap", lambda one: _UM * one.gap),
@@ -61,7 +61,7 @@ def launch_verdict(found: Launched) -> list[str]:
     ]
     if opened:
         gap, k, name = max(opened)
-        said.append(f"bearing {k} opens by {digits(_UM * gap)} um, {name}")
+        said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}")
     elif found.loads and not said:
         said.append("no gap: every bearing remains loaded")
     if found.loads:
@@ -97,7 +97,7 @@ def _asked(scene: Scene, found: Launched) -> list[str]:
 
 def _limits(found: Launched) -> tuple[Row, ...]:
     rows = [
-        Row("a bearing opens at", "g", (found.opening_g,), "opening_g"),
+        Row("a bearing gaps at", "g", (found.opening_g,), "opening_g"),
         Row("a race or ball dents at", "g", (found.denting_g,), "denting_g"),
     ]
     if found.frequencies is not None:
@@ -119,7 +119,7 @@ def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
         ("axial shift", "um", "shift", lambda one: _UM * one.shift),
         ("radial shift", "um", "across", lambda one: _UM * one.across),
         ("tilt", "mrad", "tilt", lambda one: _MM * one.tilt),
-        ("spring extends by", "um", "slide", lambda one: _UM * one.slide),
+        ("spring extension", "um", "slide", lambda one: _UM * one.slide),
         ("force on the stop", "N", "on_stop", lambda one: one.on_stop),
     ):
         values = tuple(math.nan if one is None else _unrounded(value_of(one)) for one in held)

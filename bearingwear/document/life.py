@@ -101,7 +101,10 @@ def _calibrated(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """By which tests the scene was calibrated."""
     calibration = scene.get("calibrated")
     return (
-        (f"calibrated with {calibration['rows']} tests from {calibration['tests']}",)
+        (
+            f"calibrated with {calibration['rows']} test{'s' * (calibration['rows'] > 1)} from "
+            f"{calibration['tests']}",
+        )
         if calibration
         else ()
     )
@@ -165,7 +168,7 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
                 (start, shown),
                 criterion,
                 measure.shown_limit(limit),
-                "ends the life" if criterion == ended and met else "",
+                "reached first" if criterion == ended and met else "",
             )
         )
     return tuple(rows)

@@ -42,9 +42,9 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     assert drive is not None
     words = corner_words(worst)
     if math.isnan(worst.torque):
-        said = f"torque margin unknown: no steady state was found, {words}"
+        said = f"torque margin unknown: no steady state was found ({words})"
     elif worst.stalls:
-        said = f"the drive stalls: the resisting torque exceeds the drive torque, {words}"
+        said = f"the drive stalls: the resisting torque exceeds the drive torque ({words})"
     else:
         kept = "sufficient" if worst.margin >= 0.0 else "INSUFFICIENT"
         said = f"torque margin {digits(100.0 * worst.margin)} %, {kept}; worst corner: {words}"
@@ -57,7 +57,7 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     if not any(one.wear != "new" for one in corners):
         found.append("new bearings only: no end-of-life criterion was given, or none was reached")
     if not any(one.case != NOMINAL for one in corners):
-        found.append("the scene has no cases, so cold and hot operation are not checked")
+        found.append("the scene contains no cases, so cold and hot operation were not checked")
     return found
 
 

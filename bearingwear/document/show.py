@@ -178,7 +178,7 @@ def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
     of_all = found.reshape(-1, len(RACES)) if found.ndim else np.full((1, len(RACES)), np.nan)
     made = row_of(name, of_all_balls(name, of_all, 0), limits.get(name))
     several = found.ndim > 1 and found.shape[0] > 1 and name in EXTREMES
-    return made._replace(label=f"{made.label}, of all") if several else made
+    return made._replace(label=f"{made.label}, all balls") if several else made
 
 
 def _case(file: Any) -> list[Block]:
@@ -238,7 +238,7 @@ def _dynamics(file: Any) -> list[Block]:
     cage = mean_rows(file, CAGE_MEANS)
     if "cage_speed" in file.variables:
         ratio = mean(values(file, "cage_speed")) / mean(values(file, "orbit_speed"))
-        cage += (Row("speed over orbit speed", "", (ratio,), "cage_speed_ratio"),)
+        cage += (Row("speed / orbit speed", "", (ratio,), "cage_speed_ratio"),)
     return [*blocks, *([Block("cage", (), cage)] if cage else [])]
 
 
@@ -297,7 +297,7 @@ def scene_sheet(scene: Scene) -> Document:
         Row("groove factor, inner", "", (b.inner_groove_factor,)),
         Row("groove factor, outer", "", (b.outer_groove_factor,)),
         Row("diametral clearance", "um", (2e3 * groove * (1.0 - math.cos(angle)),)),
-        Row("mass of a ball", "g", (1e3 * mass,)),
+        Row("ball mass", "g", (1e3 * mass,)),
         Row("speed x pitch diameter", "mm/min", (speed * b.pitch_diameter_mm,)),
     )
     materials = tuple(
@@ -312,7 +312,7 @@ def scene_sheet(scene: Scene) -> Document:
     blocks = (
         Block("bearing", (), bearing, given=True),
         Block("material", ("E, GPa", "H, GPa", "K_s"), materials, given=True),
-        Block("end of life, the first of", (), ends, given=True),
+        Block("end of life at the first of", (), ends, given=True),
     )
     return Document(
         operation_lines(scene.to_dict()), {"kind": "scene", "scene": scene.name}, blocks

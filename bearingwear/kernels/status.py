@@ -44,29 +44,31 @@ STATUS_SENTENCES = {
     "ok": "solved and verified",
     "not_converged": "the iteration did not converge; do not use the values of this case",
     "contact_lost": "centrifugal force separates, or nearly separates, a ball from the inner race, "
-    "and no state was found",
-    "no_steady_state": "no stable steady state was found: the balls do not settle, or the rotor "
-    "of a pair does not",
+    "and no solution was found",
+    "no_steady_state": "no stable steady state was found: either the balls or, in a pair, the "
+    "rotor does not settle",
     "preload_gone": "wear or load has eliminated the preload: a ball carries no load",
-    "undetermined": "without friction, the rotation of the balls is undetermined",
+    "undetermined": "without friction, the rotation of the balls is indeterminate",
     "outside_hertz_range": "a contact ellipse is too large relative to its ball for Hertzian "
-    "theory",
-    "unverified": "the solution failed the check after the solve",
+    "theory to apply",
+    "unverified": "the solution failed verification",
     "criterion_not_reached": "no end-of-life criterion was reached within the solvable range",
-    "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
-    "below_rounding": "a slip or load is so small relative to the others that it is lost in "
-    "rounding errors, or slip_regularisation_m_s is too small",
-    "no_race_control": "race control has no equilibrium: neither race can prevent gyroscopic "
-    "rotation of the balls, or a pair has no equilibrium where the control changes",
+    "beyond_groove": "a contact angle is outside the range 0 to 90 degrees: the ball leaves its "
+    "groove",
+    "below_rounding": "a slip speed or load is so small relative to the others that it is lost "
+    "in rounding errors, or slip_regularisation_m_s is too small",
+    "no_race_control": "no equilibrium exists under race control: neither race can prevent "
+    "gyroscopic rotation of the balls, or a pair has no equilibrium where control passes from one "
+    "race to the other",
     "race_unseated": "load or tilt separates the inner race from some balls, and the preload does "
     "not press it against the others",
-    "too_stiff": "the motion requires far too many steps per turn; no average was found",
+    "too_stiff": "the motion requires far too many time steps per turn; no averages were obtained",
     "cage_jammed": "no equilibrium was found with the cage: its clearance is too small, or pocket "
-    "friction locks a ball, which only the neglected inertia could release",
+    "friction locks a ball that only inertia, which is neglected, could release",
     "warm_seizure": "friction heat and preload increase each other without limit: the bearing "
     "seizes",
     "no_heat_balance": "no temperatures were found at which the friction heat is removed and every "
     "part expands by less than 1 %",
     "lifted_off": "the rotor has lifted off one bearing of the pair: wear or the external force "
-    "has eliminated its preload",
+    "has eliminated that bearing's preload",
 }

@@ -80,7 +80,7 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     if end is not None and end.groove_depth_um is not None:
         return scene, "grooves: worn profile, because groove depth is a criterion"
     share = max(wear_over_gap(one) for one in scene.sides)
-    size = f"the wear at the end of life is about {share:.2g} of the gap at the contact edge"
+    size = f"the wear at the end of life is about {share:.2g} times the gap at the contact edge"
     if math.isinf(share):
         size = "the wear at the end of life is not known in advance"
     if share > REQUIRED:

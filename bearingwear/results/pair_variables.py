@@ -29,8 +29,9 @@ SYSTEM = table(
         "combined quasi-static axial stiffness of the two bearings",
         label="quasi-static stiffness of the pair"),
     Variable("lift_off_force", (), "N",
-        "minimum axial force on the rotor that unloads one of the bearings at rest",
-        comment="in either direction; allows for ball wear and running temperature",
+        "minimum axial force on the rotor, in either direction, that unloads one of the bearings "
+        "at rest",
+        comment="allows for ball wear and running temperature",
         label="lift-off force"),
     Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
         comment="positive towards +X", label="rotor shift"),

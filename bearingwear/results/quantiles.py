@@ -76,8 +76,10 @@ class Spread(NamedTuple):
             " %", "\N{NO-BREAK SPACE}%"
         )
         if self.bearings.low == 0.0:
-            text += " (0: a new bearing already meets an end-of-life criterion)"
-        share = f" (among the {100.0 * self.solved:.3g} % of bearings whose lives could be computed)"
+            text += " (0: some bearings meet an end-of-life criterion when new)"
+        share = (
+            f" (among the {100.0 * self.solved:.3g} % of bearings whose lives could be computed)"
+        )
         return text + (share if self.solved < 1.0 else "")
 
     @property

@@ -72,5 +72,5 @@ def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
     return {v.name: replace(v, always=True) if always else v for v in variables}
 
 
-STATUS = Variable("status", (), "", "whether the numbers may be used", "i1", flags=STATUS_NAMES,
+STATUS = Variable("status", (), "", "whether the values may be used", "i1", flags=STATUS_NAMES,
     comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES))  # fmt: skip

@@ -54,7 +54,7 @@ COORDINATES = (
         Variable("strip", ("strip",), "1", "index of the strip on the contact ellipse", "i4"),
         Variable("counts", ("counts",), "", "wear included in the loss", "i1", flags=COUNTS),
         Variable("steady_state", ("steady_state",), "1", "index of the steady state", "i4"),
-        Variable("step", ("step",), "1", "index of the life step", "i4"),
+        Variable("step", ("step",), "1", "index of the wear step", "i4"),
         # CF's standard_name "time" is for dates: it asks for units with a date to count from
         Variable("time", ("time",), "s", "simulated time"),
         Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
@@ -122,11 +122,12 @@ ALWAYS = table(STATUS) | table(
     Variable("maximum_pressure", _BOTH, "Pa", "maximum contact pressure", label="maximum pressure"),
     Variable("qv", _BOTH, "W", "integral of load times slip speed over the contact (QV)",
         label="QV"),
-    Variable("friction_heat", _BOTH, "W", "friction heat generated in the contact", label="friction heat"),
+    Variable("friction_heat", _BOTH, "W", "friction heat generated in the contact",
+        label="friction heat"),
     Variable("gyroscopic_slip", _STRIPS, "m s-1", "slip along the major axis, race minus ball"),
     Variable("rolling_slip", _STRIPS, "m s-1", "slip along the rolling direction, race minus ball",
-        comment="positive along +y of the azimuth frame, which is opposite to the direction in which "
-            "a ball orbits at a positive rate"),
+        comment="positive along +y of the azimuth frame, which is opposite to the direction in "
+            "which a ball orbits at a positive rate"),
     Variable("ball_angular_velocity", ("ball", "axis"), "rad s-1",
         "absolute angular velocity of the ball, resolved in its azimuth frame"),
     Variable("orbit_speed", _BALL, "rad s-1", "orbit rate of the ball",
@@ -136,7 +137,7 @@ ALWAYS = table(STATUS) | table(
     Variable("residual_preload", (), "N",
         "total axial force exerted by the balls on the inner race", label="residual preload"),
     Variable("axial_displacement", (), "m", "axial displacement of the inner race",
-        comment="from the free (unloaded), unworn position", label="axial displacement"),
+        comment="measured from the free (unloaded), unworn position", label="axial displacement"),
     Variable("gyroscopic_slip_share", _BOTH, "1", "load-weighted gyroscopic share of the slip",
         label="gyroscopic slip share", shown="%"),
     Variable("total_qv", (), "W", "total QV of the bearing", label="QV"),
@@ -145,8 +146,8 @@ ALWAYS = table(STATUS) | table(
     Variable("drag_power", (), "W", "total power lost to lubricant drag",
         label="drag power"),
     Variable("axial_stiffness", (), "N m-1", "dynamic axial stiffness",
-        comment="with speed and friction forces held constant; applies to vibration above "
-            "stiffness_transition_frequency", label="dynamic axial stiffness"),
+        comment="computed with speed and friction forces held constant; applies to vibration "
+            "above stiffness_transition_frequency", label="dynamic axial stiffness"),
     Variable("ball_wear_rate", _BALL, "m3 s-1", "wear rate of one ball",
         label="wear rate of one ball"),
     Variable("race_wear_rate", _RACE, "m3 s-1", "wear rate of the whole race",
@@ -163,7 +164,8 @@ STATE = ALWAYS | table(
         averaged=True, label="wear rate, land"),
     Variable("cage_friction_heat", (), "W", "friction heat generated at the cage", averaged=True,
         label="friction heat"),
-    Variable("cage_speed", (), "rad s-1", "speed of the cage", averaged=True, label="speed"),
+    Variable("cage_speed", (), "rad s-1", "rotational speed of the cage", averaged=True,
+        label="speed"),
     Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter due to wear"),
     Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
         "rate of increase in total wear depth, averaged over the balls", averaged=True,
@@ -183,9 +185,10 @@ STATE = ALWAYS | table(
         "centre of the circle of inner groove centres"),
     Variable("quasistatic_stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "quasi-static stiffness of the bearing",
-        comment="units as in stiffness_matrix; not symmetric; for displacements fixed in space, "
-        "which each ball meets once per orbit"),
-    Variable("initial_axial_displacement", (), "m", "axial displacement of the unworn bearing at rest"),
+        comment="units as in stiffness_matrix; not symmetric; applies to displacements fixed in "
+        "space, which each ball meets once per orbit"),
+    Variable("initial_axial_displacement", (), "m",
+        "axial displacement of the unworn bearing at rest"),
     Variable("gyroscopic_moment", _BALL, "N m", "magnitude of the gyroscopic moment on the ball",
         averaged=True),
     Variable("friction_used_by_gyroscopic_moment", _BALL, "1",
@@ -203,8 +206,8 @@ STATE = ALWAYS | table(
         "mean rotation frequency of the balls in their orbiting frames",
         averaged=True, label="ball spin frequency"),
     Variable("centrifugal_force", _BALL, "N", "centrifugal force on the ball", averaged=True),
-    Variable("contact_track_radius", _BOTH, "m", "radius of the contact track about the bearing axis",
-        averaged=True),
+    Variable("contact_track_radius", _BOTH, "m",
+        "radius of the contact track about the bearing axis", averaged=True),
     Variable("race_control", _BALL, "", "race that controls the ball", "i1",
         flags=("outer", "inner")),
     Variable("skid_ratio", (), "1",
@@ -254,7 +257,8 @@ STATE = ALWAYS | table(
 )  # fmt: skip
 
 DYNAMIC = table(
-    Variable("simulated_turns", (), "1", "number of shaft turns simulated", label="turns simulated"),
+    Variable("simulated_turns", (), "1", "number of shaft turns simulated",
+        label="turns simulated"),
     Variable("evaluated_turns", (), "1",
         "number of final shaft turns over which the results are averaged", label="turns averaged"),
     Variable("qv_drift_per_turn", (), "1", "relative change in QV per shaft turn",
@@ -314,10 +318,10 @@ DYNAMIC = table(
     _history("race_displacement", _TIME_DIRECTION, "m", "displacement of the inner race"),
     _history("ball_wear_rate", _TIME_BALL, "m3 s-1", "wear rate of one ball"),
     _history("race_wear_rate", ("time", "race"), "m3 s-1", "wear rate of the whole race"),
-    _history("cage_position", _TIME_DIRECTION, "m", "position of the cage's centre"),
+    _history("cage_position", _TIME_DIRECTION, "m", "position of the cage centre"),
     _history("cage_tilt", _TIME_DIRECTION, "degree", "tilt of the cage about a transverse axis",
         DEGREE),
-    _history("cage_speed", TIME, "rad s-1", "speed of the cage"),
+    _history("cage_speed", TIME, "rad s-1", "rotational speed of the cage"),
     _history("pocket_force", _TIME_BALL, "N", "normal force between a ball and its cage pocket"),
     _history("land_force", ("time", "edge"), "N", "normal force between the cage and its guiding "
         "land"),

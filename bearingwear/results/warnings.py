@@ -37,5 +37,5 @@ def warning_lines(attributes: Mapping[str, Any]) -> list[str]:
 def warning_line(one: Mapping[str, Any]) -> str:
     """A warning as text; if many results share it, the worst."""
     cases = one.get("cases", 1)
-    where = f"{cases} times, at worst: " if cases > 1 else ""
+    where = f"{cases} cases, at worst: " if cases > 1 else ""
     return f"{WARNING}{where}{one['sentence']}; {one['advice']}"

@@ -145,12 +145,13 @@ class Model:
     it changes nothing.
     """
 
-    fidelity: str = setting("Model to solve", choices=FIDELITIES, default="auto")
+    fidelity: str = setting("Bearing model", choices=FIDELITIES, default="auto")
     # fmt: off
     contact: str = setting("Contact model: paper evaluates slip on the centre line of the ellipse "
         "and neglects traction in the normal force balance; hertz evaluates slip over the whole "
-        "ellipse and includes traction; worn also computes the groove profiles over a life; auto "
-        "selects hertz, or worn for lives with deep wear", choices=CONTACTS, default="auto")
+        "ellipse and includes traction; worn also computes the groove profiles in the life "
+        "calculation; auto selects hertz or, if the grooves wear deeply, worn", choices=CONTACTS,
+        default="auto")
     slip_over: str | None = setting("Region over which slip is evaluated (overrides model.contact)",
         choices=SLIP_OVER, default=None)
     normal_balance: str | None = setting(
@@ -160,12 +161,12 @@ class Model:
         "Whether to compute the motion and wear of the cage, which requires the dynamic model",
         default=False)
     accuracy: str | float = setting(
-        'Preset, or target error of the total QV, which sets all keys with the default "by '
-        'model.accuracy". With cage_results or a clearance limit, model.dynamic_tolerance is at '
-        f'most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
+        'Preset, or target error in the total QV; it sets all keys whose default is "by '
+        'model.accuracy". With cage_results or an end-of-life criterion for the cage, '
+        f'model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")
     strips: int = setting("Number of points or strips along each contact ellipse (with split, "
-        "the maximum number, at least 20; a quarter of them lie on each side of a pure-rolling "
+        "the maximum number, at least 20; a quarter of them lie on either side of a pure-rolling "
         "point)",
         "1", "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
@@ -174,8 +175,9 @@ class Model:
     quadrature: str = setting("Quadrature over the contact ellipse: Gauss-Legendre on each half "
         "of the major axis, Gauss-Legendre split at the pure-rolling points and refined there, or "
         "equal strips", choices=("gauss", "split", "strips"), default_by=ACCURACY, default="split")
-    steady_starts: int = setting("Maximum number of starts in the search for other steady states, "
-        "where the force along the orbit permits them (0: no search; steady model only)",
+    steady_starts: int = setting("Maximum number of starting points in the search for other steady "
+        "states; a search starts only where the force along the orbit permits such a state (0: no "
+        "search; steady model only)",
         "1", "[0, 10000]",
         default_by=ACCURACY, default=STANDARD.steady_starts)
     simulated_turns: float = setting("Number of shaft turns simulated (dynamic model only)", "1",
@@ -191,34 +193,33 @@ class Model:
         "Time integration method: linearly implicit (rosenbrock), or explicit as in the source of "
         "the model (runge_kutta)",
         choices=("rosenbrock", "runge_kutta"), default="rosenbrock")
-    dynamic_solution: str = setting("Solution of the dynamic model: march integrates in time "
-        "until the motion settles; periodic solves directly for the periodic motion (identical "
-        "balls, no cage, one stationary or rotating load); auto uses periodic where it applies "
-        "and no history is requested",
+    dynamic_solution: str = setting("Solution method of the dynamic model: march integrates in "
+        "time until the motion settles; periodic solves directly for the periodic motion "
+        "(identical balls, no cage, one stationary or rotating load); auto uses periodic where it "
+        "applies and no history is requested",
         choices=("auto", "periodic", "march"), default="auto")
     dynamic_tolerance: float = setting(
         "Allowed error in slip velocities over one time step, relative to the mean slip (dynamic "
         "model only)", "1",
         "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
-    settled_drift: float = setting("A run counts as settled, and ends, once the expected further "
-        "relative change in QV and wear is below this value (dynamic model only)",
+    settled_drift: float = setting("Expected further relative change in QV and wear below which "
+        "a run counts as settled and ends (dynamic model only)",
         "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(
-        "Factor by which the assumed stiffness of the guiding land is multiplied, to show its "
-        "influence", "1",
+        "Factor applied to the assumed stiffness of the guiding land, to show its influence", "1",
         "(0, 1000]", default=1.0)
     life_steps: int = setting(
-        "Approximate number of wear steps of a dynamic life, each of which requires a short "
-        "run", "1",
+        "Approximate number of wear steps in a life calculation with the dynamic model; each step "
+        "requires a short run", "1",
         "[2, 10000]", default=12)
-    life_run_in_turns: float = setting("Number of shaft turns before the first wear rates of a "
-        "dynamic life are evaluated, so that the influence of the cage's initial position decays "
-        "(0 without a cage)",
+    life_run_in_turns: float = setting("Number of shaft turns before the first wear rates are "
+        "evaluated in a life calculation with the dynamic model, so that the influence of the "
+        "cage's initial position decays (0 without a cage)",
         "1", "[0, 1e6]",
         default=200.0)
-    tolerance: float = setting("Relative error tolerance of the life", "1", "[1e-12, 0.1]",
-        default_by=ACCURACY, default=STANDARD.tolerance)
+    tolerance: float = setting("Relative error tolerance for the computed life", "1",
+        "[1e-12, 0.1]", default_by=ACCURACY, default=STANDARD.tolerance)
     # fmt: on
 
     @property

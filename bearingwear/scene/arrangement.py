@@ -72,12 +72,12 @@ class Arrangement:
         "mm", "[-1e5, 1e5]", default=0.0)
     stop_um: float | None = setting("Travel of the preload spring at launch, to its stop or to a "
         "snubber (unlimited if omitted)", "um", "[0, 1e5]", default=None)
-    tandem: tuple[int, ...] = setting("Number of identical bearings in tandem on the first and on "
-        "the second side of a pair, sharing the axial force on that side",
+    tandem: tuple[int, ...] = setting("Numbers of identical bearings in tandem on the first and "
+        "second sides of a pair; those on a side share the axial force on that side",
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
-        "Keys of the second bearing of a pair that differ from this scene, with their values",
+        "Keys whose values differ for the second bearing of a pair, with those values",
         allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
     # fmt: on
 
@@ -90,7 +90,7 @@ class Arrangement:
             if not name or block not in OWN_BLOCKS or shared:
                 raise SceneError(
                     f"second.{key}" if key else "second",
-                    f"got {shown(flat[key])}, which is not a key or is common to both bearings, "
+                    f"got {shown(flat[key])} for a key that is unknown or common to both bearings, "
                     f"expected keys of {', '.join(OWN_BLOCKS)} other than speeds, preload, counts "
                     "and end of life",
                 )
@@ -176,7 +176,7 @@ def one_bearing(scene: Scene, source: object) -> Scene:
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
-            f"got {scene.arrangement.kind}, expected single for cases solved dynamically",
+            f"got {scene.arrangement.kind}, expected single for the dynamic model",
             source=str(source),
         )
     return scene

@@ -38,7 +38,7 @@ class Bearing:
     maker: str | None = setting("Maker whose catalogue gives the speed limits",
         choices=tuple(MAKERS), default=None)
     designation: str | None = setting(
-        "Designation; with a maker, as in its catalogue (`bearingwear new --list`)",
+        "Designation; if a maker is given, as in its catalogue (`bearingwear new --list`)",
         longest=40, default=None)
     ball_count: int = setting("Number of balls, which must fit side by side on the pitch circle",
         "1", "[3, 1000]", example="15")
@@ -57,12 +57,12 @@ class Bearing:
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
     bore_mm: float | None = setting(
-        "Bore of the inner ring, used for its growth at speed and for the hoop-stress "
+        "Bore of the inner ring, used to compute its growth at speed and for the hoop-stress "
         "warning", "mm",
         _RING, default=None)
     outside_diameter_mm: float | None = setting(
-        "Outside diameter of the outer ring, used for its growth if it rotates", "mm", _RING,
-        default=None)
+        "Outside diameter of the outer ring, used to compute its growth if it rotates", "mm",
+        _RING, default=None)
     inner_shoulder_mm: float | None = setting("Shoulder diameter of the inner ring on the loaded "
         "side, used to warn if the contact ellipse extends beyond it", "mm", _RING, default=None)
     outer_shoulder_mm: float | None = setting(
@@ -123,12 +123,13 @@ class Cage:
         "land", "mm",
         "[0, 50]")
     imbalance_um: float = setting(
-        "Distance of the centre of mass from the cage's centre, towards its first pocket", "um",
-        "[0, 1000]", default=0.0)
+        "Distance of the cage's centre of mass from its geometric centre, towards the first pocket",
+        "um", "[0, 1000]", default=0.0)
     worn_share: float = setting("Share of the pocket walls and the guiding surface over which "
-        "wear is spread (assumed; used only for cage lives)", "1", "[0.001, 1]", default=1.0)
+        "wear is spread (assumed; used only in the cage life calculation)", "1", "[0.001, 1]",
+        default=1.0)
     film: Film | None = setting("A solid film on the pocket walls and the guiding surface (used "
-        "only for cage lives; none if omitted)", default=None)
+        "only in the cage life calculation; none if omitted)", default=None)
     # fmt: on
 
 
@@ -141,7 +142,7 @@ class Operation:
         example="18000")
     outer_speed_rpm: float = setting("Speed of the outer race, in either direction", "r/min",
         "[-1e7, 1e7]", default=0.0)
-    preload_method: str = setting("Preload method: by a spring, or at a fixed position",
+    preload_method: str = setting("Preload method: by a spring or at a fixed position",
         choices=PRELOAD_METHODS)
     preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]",
         example="140")
@@ -216,21 +217,22 @@ class Wear:
     ball_diameter_loss_um: tuple[float, ...] = setting(
         "Loss of ball diameter for which a case is solved (less than a tenth of the ball diameter)",
         "um", "[0, 50000]",
-        single=True, least=1, most=1000, each="Loss of diameter of one ball",
+        single=True, least=1, most=1000, each="Diameter loss of one ball",
         allowed="a number from 0 to 50000, or a list with one such number for each ball",
         default=(0.0,))
     counts: str = setting(
-        "Wear included in the total wear depth of the reported life (result files contain the "
+        "Wear included in the total wear depth for the reported life (result files contain the "
         "lives for both choices)",
         choices=COUNTS, default=COUNTS[1])
-    ball_track: str = setting("Ball wear in a life with worn grooves: even, because the axes of "
-        "the balls wander (spread), or in bands, because the axes are fixed", choices=BALL_TRACKS,
+    ball_track: str = setting("Ball wear if the life is computed with worn grooves: even, because "
+        "the axes of the balls wander (spread), or in bands, because the axes are fixed (bands)",
+        choices=BALL_TRACKS,
         default=BALL_TRACKS[0])
-    track_wander: float = setting("rms wander of a ball's track in a worn groove, relative to the "
+    track_wander: float = setting("RMS wander of a ball's track in a worn groove, relative to the "
         "semi-major axis of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(
-        "End-of-life criteria; the first one reached determines the end of life (a life requires "
-        "at least one)",
+        "End-of-life criteria; the first one reached determines the end of life (a life "
+        "calculation requires at least one)",
         default=None)
     # fmt: on
 
@@ -258,7 +260,7 @@ SEEN_AS = {
     SEEN_LIFE: Seen("life", "h", 0.0),
     SEEN_RUN_OUT: Seen("run-out", "h", 0.0),
     SEEN_LOSS: Seen("loss", "um", 10.0),
-    SEEN_PRELOAD: Seen("preload left", "N", 10.0),
+    SEEN_PRELOAD: Seen("residual preload", "N", 10.0),
     SEEN_TORQUE: Seen("torque", "N mm", 10.0),
 }
 

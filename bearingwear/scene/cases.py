@@ -35,13 +35,14 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
     for name, changes in cases.items():
         if name == NOMINAL or not re.fullmatch(NAME, name):
             problem = (
-                f"got {shown(name)}, expected another name, because {NOMINAL} is the scene itself"
+                f"got {shown(name)}, expected another name, because {NOMINAL} denotes the scene "
+                "itself"
             )
             raise SceneError("cases", problem)
         found[name] = flat_keys(changes)
         for key in found[name]:
             if key in SHARED_BY_CASES or key.partition(".")[0] in SHARED_BY_CASES:
-                problem = f"got {shown(found[name][key])}, which all cases share"
+                problem = f"got {shown(found[name][key])} for a key that all cases share"
                 raise SceneError(f"cases.{name}.{key}", f"{problem}, expected another key")
     return MappingProxyType(found)
 

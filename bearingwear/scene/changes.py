@@ -51,7 +51,7 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
                 path = ".".join(blocks[:depth])
                 part = key_of_scene(path)
                 what = part.allowed if part else "another value"
-                problem = f"got a key of {path}, which is not a block, expected {what}"
+                problem = f"got a key under {path}, which is not a block, expected {what}"
                 raise SceneError("", problem, source=f"--set {key}")
             block[name] = block = dict(inner or {})
         above = key_of_scene(".".join(blocks))

@@ -110,8 +110,8 @@ RUBBING = {
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins"),
         wear=LogSpread.of(*_ends("two_discs", "bearing_in_vacuum")),
         friction=LogSpread.of(0.03, 0.04),
-        why="the range extends from a bearing that did not fail in vacuum to two discs during "
-        "running-in",
+        why="the range extends from the value for a bearing that did not fail in vacuum to that "
+        "for two discs during running-in",
     ),
 }
 """What `new` takes, by balls/races and film."""
@@ -200,9 +200,9 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     else:
         said = "spread assumed, because no source covers these materials"
     said += f": K_s/H by a factor of {text['wear_coefficient']}"
-    said += f", friction by {text[key]}" if key in text else ""
+    said += f", friction by a factor of {text[key]}" if key in text else ""
     spread = {name: {"distribution": "lognormal", "factor": float(f)} for name, f in text.items()}
-    return spread, f"{said}; within a batch by {text['wear_scatter']} (assumed)"
+    return spread, f"{said}; within a batch, K_s/H by a factor of {text['wear_scatter']} (assumed)"
 
 
 def with_usual_spread(scene: Scene) -> tuple[Scene, str]:

@@ -35,11 +35,12 @@ class RunningIn:
 
     # fmt: off
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface; with wear, it approaches the value of the material",
+        "Wear coefficient of the new surface; with wear, it approaches that of the material",
         "1", _SHARE)
     # fmt: on
     depth_um: float = setting(
-        "Wear depth over which the difference from the value of the material decreases to 1/e",
+        "Wear depth over which the difference from the coefficient of the material decreases to "
+        "1/e of its initial value",
         "um",
         _THICKNESS,
     )
@@ -65,7 +66,7 @@ class FilmFriction:
         "Hardness of the film (if omitted, that of the underlying material)", "GPa", "[0.001, 100]",
         default=None)
     bare_ball_race: float | None = setting(
-        "Coulomb coefficient where the film is worn through (if omitted, the value of the film)",
+        "Coulomb coefficient where the film is worn through (if omitted, that of the film)",
         "1", "[0, 2]", default=None)
     pressure_exponent: float | None = setting("Exponent n of film wear, which is proportional "
         "to (mean contact pressure/reference_pressure_GPa)^n (none if omitted)", "1", "[0, 10]",
@@ -86,7 +87,7 @@ class Friction:
         "[0, 2]",
         default=None)
     film: FilmFriction | None = setting(
-        "A solid film between the balls and races, instead of one coefficient", default=None)
+        "A solid film between the balls and races (replaces friction.ball_race)", default=None)
     cage: float = setting(
         "Coulomb coefficient between the balls and the cage, and between the cage and its land",
         "1", "[0, 2]", default=0.05)

@@ -100,7 +100,7 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
     if end is None or not end.criteria:
         names = ", ".join(whole(EndOfLife).below)
         raise SceneError(
-            "wear.end_of_life", f"got no criterion for a life, expected one of {names}", (), source
+            "wear.end_of_life", f"got no criterion, expected at least one of {names}", (), source
         )
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(

@@ -98,10 +98,10 @@ class Scene:
     materials: Mapping[str, Material] = setting("The materials, each a block under its name",
         least=1, each="One material, under a name of your choice (letters, digits, _ and -)")
     cage: Cage | None = setting(
-        "The cage (none if omitted; a cage by itself does not require the dynamic model)",
+        "The cage (none if omitted; a cage alone does not require the dynamic model)",
         default=None)
     operation: Operation = setting("Speeds, preload and loads")
-    arrangement: Arrangement | None = setting("Bearings of the rotor (default: a single one)",
+    arrangement: Arrangement | None = setting("Bearings of the rotor (default: a single bearing)",
         default=None)
     launch: Launch | None = setting(
         "Accelerations of the stationary rotor at launch (none if omitted)", default=None)
@@ -131,7 +131,7 @@ class Scene:
         default=None)
     cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions, each a "
         "named case that contains the changed keys of the scene and their new values", least=1,
-        each="Keys of the scene and their values (neither preload nor kind of arrangement)",
+        each="Keys of the scene and their values (except the preload and the kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
     model: Model = setting("Model and accuracy settings, which override the automatic choice",
         default_factory=Model)
@@ -341,7 +341,9 @@ def _check_materials(scene: Scene) -> None:
     blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
     for key, name in leaves({key: vars(block) for key, block in blocks.items() if block}).items():
         if key.endswith("material") and name is not None and name not in scene.materials:
-            problem = f"got {name!r}, not under materials, expected {', '.join(scene.materials)}"
+            problem = (
+                f"got {name!r}, which is not under materials, expected {', '.join(scene.materials)}"
+            )
             raise SceneError(key, problem, ("materials",))
 
 
@@ -456,8 +458,8 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
         raise SceneError(
             rim[0],
             f"got a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
-            f"does not reach the balls, expected diameters that overlap {inside:g} to {outside:g} "
-            f"mm",
+            f"does not reach the balls, expected a ring that overlaps the range from {inside:g} to "
+            f"{outside:g} mm",
             rim + circle,
         )
     guided = cage.guiding_race != "ball"
@@ -482,6 +484,7 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
     if most >= wall * width:
         raise SceneError(
             "cage.width_mm",
-            f"got {width:g}, which the pockets cut through, expected a number > {most / wall:.4g}",
+            f"got {width:g}, at which the pockets cut through the ring, expected a number > "
+            f"{most / wall:.4g}",
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
         )

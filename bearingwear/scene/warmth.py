@@ -51,7 +51,7 @@ class Conductance:
         _CONDUCTANCE)
     outer_ring_housing: float = setting("Conductance from the outer ring to the housing", "W/K",
         _CONDUCTANCE)
-    ball_race: float = setting("Conductance from all balls together to each ring", "W/K",
+    ball_race: float = setting("Total conductance from the balls to each ring", "W/K",
         _CONDUCTANCE)
     # fmt: on
 
@@ -60,7 +60,9 @@ class Conductance:
 class Thermal:
     """A network that finds the temperatures of the rings and balls from the friction heat."""
 
-    conductance_W_K: Conductance = setting("Conductances that remove the friction heat")
+    conductance_W_K: Conductance = setting(
+        "Conductances through which the friction heat is removed"
+    )
     shaft_C: float = setting("Constant temperature of the shaft", "degC", _DEGREES, default=20.0)
     housing_C: float = setting(
         "Constant temperature of the housing", "degC", _DEGREES, default=20.0
@@ -207,7 +209,7 @@ def _check_play(scene: Scene) -> None:
             balls = t.reference_C if t.balls_C is None else t.balls_C
             raise SceneError(
                 f"temperature.{ring}_ring_C",
-                f"got {given:g} with balls of {balls:g} degC; only allowed if the groove "
+                f"got {given:g} with balls at {balls:g} degC; only allowed if the groove "
                 f"remains wider than the balls (bearing.{ring}_groove_factor {factor:g})",
                 ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )

@@ -172,7 +172,7 @@ class Steady:
             values |= error_estimates(scene, problem, D, case)
             if case.held:
                 attrs["quadrature"] = (
-                    "gauss (fixed points), because no state was found with the split rule"
+                    "gauss (fixed points), because no solution was found with the split rule"
                 )
             values |= {"status": case.status} | steady_values(scene, problem, D, case)
             values |= time_scale_values(scales) | {

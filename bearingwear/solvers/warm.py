@@ -112,7 +112,7 @@ def preload_spread(solver: Warm) -> str:
         if found.status != code.OK:
             preload = code.STATUS_NAMES[found.status]
         sentences.append(f"{preload} with {other.ball_race:.2g} W/K")
-    known = "from the balls to a race (uncertainty range of this conductance)"
+    known = "from the balls to each ring (uncertainty range of this conductance)"
     return f"running preload {' and '.join(sentences)} {known}"
 
 

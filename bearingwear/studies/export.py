@@ -59,7 +59,7 @@ class StiffnessOverSpeed:
             raise SceneError("", problem, source="speeds")
         found = []
         if choice(scene).fidelity == "dynamic":
-            problem = "a dynamic run has no stiffness matrix; set model.fidelity to race_control"
+            problem = "a dynamic run gives no stiffness matrix; set model.fidelity to race_control"
             raise NotExported(problem)
         for speed in speeds:
             result = solve(variant(scene, {"operation.shaft_speed_rpm": speed}))
@@ -137,7 +137,7 @@ class StiffnessOverSpeed:
         lines = [
             f"# {self.scene.name}, bearing {bearing}: dynamic stiffness at {len(self.speeds_rpm)} "
             "speeds, rad/s, N/m; z axial",
-            f"# {moved}; displacement and tilt are not coupled at a node {arm:.4g} mm from the",
+            f"# {moved}; displacement and tilt are uncoupled at a node {arm:.4g} mm from the",
             "# bearing, where its contact lines meet the axis",
             f"# damping: {given}; keys named as in ROSS {ross}",
             f"[BearingElement_{name}]",

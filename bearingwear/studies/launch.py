@@ -88,9 +88,7 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
     if unknown:
         near = difflib.get_close_matches(unknown[0].partition("=")[0], own, n=1)
         allowed = (
-            f"did you mean {near[0]}"
-            if near
-            else "expected an option of bearingwear or of Snakemake"
+            f"did you mean {near[0]}" if near else "expected an option of bearingwear or Snakemake"
         )
         refuse(f"got {unknown[0]!r}; {allowed}")
 

@@ -45,8 +45,8 @@ def processes(
         yield partial(_mapped, pool, workers) if some_here else pool.map
     except BrokenProcessPool:
         raise RuntimeError(
-            f"{caller}: a process ended unexpectedly. In a script, call this under `if __name__ == "
-            "'__main__':`, because processes are started by "
+            f"{caller}: a process ended unexpectedly. In a script, call this function under "
+            "`if __name__ == '__main__':`, because processes are started by "
             f"{multiprocessing.get_start_method()}, or set workers=1"
         ) from None
     except BaseException:  # Ctrl-C: do not wait for what is still being solved

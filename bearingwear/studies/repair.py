@@ -54,12 +54,12 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
         fault = damage(path) if path.endswith(".nc") else None
         if fault:
             os.replace(path, path + SET_ASIDE)
-            yield f"{fault}; the file was renamed to {path}{SET_ASIDE} and will be computed again"
+            yield f"{fault}; the file was renamed to {path}{SET_ASIDE} and will be recomputed"
         elif os.path.getmtime(path) > time.time():
             os.utime(path)
             redated += 1
     if redated:
-        yield f"{redated} files were dated in the future; their dates were set to today"
+        yield f"{redated} files had dates in the future; these dates were set to today"
 
 
 def _remove_abandoned(paths: Iterable[str]) -> None:
@@ -92,7 +92,8 @@ def off_grid(studies: Iterable[Study]) -> Iterator[str]:
             for file in stale:
                 file.replace(aside / file.name)
             some = ", ".join(file.name for file in stale[:2]) + (", ..." if stale[2:] else "")
-            yield f"{folder}: {len(stale)} outside the grid, moved to {OFF_GRID}/: {some}"
+            moved = f"files outside the grid were moved to {OFF_GRID}/ ({len(stale)})"
+            yield f"{folder}: {moved}: {some}"
 
 
 def damage(path: str) -> str | None:
@@ -106,7 +107,7 @@ def damage(path: str) -> str | None:
         found = header(path)
         is_case = Path(path).parent.name in ("cases", "dynamic")
         if is_case and (held := _case_id(found)) != Path(path).stem:
-            expected = f"{path}: got another file, expected a case of a study"
+            expected = f"{path}: got a file of another kind, expected a case of a study"
             return f"{path}: contains the case {held}" if held else expected
     except CaseFileError as error:
         return str(error)

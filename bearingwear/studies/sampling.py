@@ -34,10 +34,10 @@ class Sampling:
     """Size and seed of a sample."""
 
     samples: int = setting(
-        "Base samples, a power of two", within="[1, 1048576]", default=INDEX_SAMPLES
+        "Number of base samples, a power of two", within="[1, 1048576]", default=INDEX_SAMPLES
     )
     chunks: int = setting("Number of jobs that share the samples", within="[1, inf)", default=1)
-    seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
+    seed: int = setting("Random seed for the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):

@@ -57,7 +57,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
         raise SceneError(
             "friction.film",
             "got a film, or a material with film or running_in, expected a single "
-            "friction.ball_race for a study (for a single life, use bearingwear life "
+            "friction.ball_race for a study (to compute a single life, use bearingwear life "
             f"{os.fspath(path)})",
             source=os.fspath(path),
         )
@@ -66,7 +66,8 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
         raise SceneError(
             "",
             f"got a scene whose life requires the {fidelity} model, expected one with a steady "
-            f"state (for a single life, use bearingwear life {os.fspath(path)} --fidelity dynamic)",
+            f"state (to compute a single life, use bearingwear life {os.fspath(path)} --fidelity "
+            "dynamic)",
             source=os.fspath(path),
         )
     return scene

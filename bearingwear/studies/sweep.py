@@ -92,7 +92,7 @@ def sweep(
         case.
     """
     if what not in ("solve", "life"):
-        raise ValueError(f"what: got {what!r}, expected solve, life")
+        raise ValueError(f"what: got {what!r}, expected solve or life")
     if not changes:
         raise SceneError("", "got no key, expected one or more", source="changes")
     base = as_scene(scene)
@@ -214,7 +214,7 @@ def _side_by_side(
     made = made.assign_coords({names[key]: _axis(key, names[key], axes[key]) for key in axes})
     fidelities = dict.fromkeys(name for part in parts for name in part.attrs["fidelity"])
     made.attrs = common_attributes() | {
-        "title": f"{what} of {base.name} at {math.prod(lengths.values())} points",
+        "title": f"{what}: {base.name} at {math.prod(lengths.values())} points",
         "kind": "sweep",
         "scene": base.json,
         "changed_keys": json.dumps({name: key for key, name in names.items()}),

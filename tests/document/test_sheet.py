@@ -61,7 +61,7 @@ def test_friction_power_is_torque_times_speed(capsys):
 def test_a_life_says_what_ends_it(capsys):
     text = printed(capsys, "life", SCENE, *FIXED)
     assert re.search(r"^  ended by +residual preload$", text, re.M)
-    assert re.search(r"^  residual preload +% +105 +40  criterion 40, ends the life$", text, re.M)
+    assert re.search(r"^  residual preload +% +105 +40  criterion 40, reached first$", text, re.M)
     assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  criterion 50$", text, re.M)
     assert re.search(r"^  total wear depth +um/1000 h +\d+ +\d+$", text, re.M)
 

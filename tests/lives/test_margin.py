@@ -109,7 +109,7 @@ def test_interval_of_the_friction(scene):
 
 def test_a_film_that_is_gone_is_a_corner():
     film = load_scene(scene_file("mos2_gyro")).with_({"drive.torque_Nm": 0.01})
-    found = [one for one in torque_corners(film) if one.wear == "film gone"]
+    found = [one for one in torque_corners(film) if one.wear == "film worn off"]
     assert found and all(one.torque > 0.0 for one in found)
 
 

@@ -185,8 +185,8 @@ def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("first", "second", "said"),
     [
-        ("steady case", "life", "got a life and a case, expected two files of the same kind"),
-        ("study", "wear life", "got a wear life and a study"),
+        ("steady case", "life", "got the kinds life and case, expected two files of the same kind"),
+        ("study", "wear life", "got the kinds wear life and study"),
         ("study", None, "got a file that cannot be read"),
     ],
 )
@@ -215,14 +215,15 @@ def test_a_dynamic_life_is_drawn_and_tabulated(kinds, tmp_path, capsys):
     draw, tabulate = "studies.lives.figures.wear_history", "studies.lives.tables.lives_table"
     assert step(draw, figure, life=kinds["dynamic life"]) == 0
     text = figure.read_text(encoding="utf-8")
-    assert "residual preload (N)" in text and "end of life by preload fraction" in text
+    assert "residual preload (N)" in text and "life ended by preload fraction" in text
     assert step(tabulate, table, lives=[kinds["dynamic life"]]) == 0
     assert "| dynamic_life | " in table.read_text(encoding="utf-8")
     capsys.readouterr()
     for kind in ("life", "dynamic case"):
         for run, given in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
             assert step(run, tmp_path / "no.svg", **given) == 2
-            assert re.fullmatch(r".*: not a dynamic life\n", capsys.readouterr().err)
+            problem = capsys.readouterr().err
+            assert re.fullmatch(r".*: not a life file of the dynamic model\n", problem)
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in NOT_DRAWN])

@@ -40,7 +40,10 @@ def test_a_scene_of_cases_is_a_value(scene, tmp_path):
     ("changes", "problem"),
     [
         ({"nominal": {"friction.ball_race": 0.1}}, "cases: got .nominal., expected another name"),
-        ({"cold": {"operation.preload_N": 3.0}}, "cases.cold.operation.preload_N: got 3.0, which"),
+        (
+            {"cold": {"operation.preload_N": 3.0}},
+            "cases.cold.operation.preload_N: got 3.0 for a key",
+        ),
         (
             {"cold": {"friction.ball_race": -1.0}},
             "cases.cold.friction.ball_race: got -1.0, expected",

@@ -13,8 +13,8 @@ from bearingwear.scene.checking.records import keyed, part_at, setting, whole
 
 @keyed
 class Sampling:
-    samples: int = setting("Base samples, a power of two", within="[1, inf)", default=256)
-    seed: int = setting("Seed of the sequence", within="[0, inf)", default=1)
+    samples: int = setting("Number of base samples, a power of two", within="[1, inf)", default=256)
+    seed: int = setting("Random seed for the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):

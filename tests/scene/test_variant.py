@@ -53,7 +53,7 @@ def test_new_blocks_of_a_checked_scene_are_those_of_its_file(changes):
 def test_fault_of_a_change_is_told_as_its_own():
     with pytest.raises(SceneError, match="^--set bearing.ball_count: got 30 balls"):
         variant(S1, {"bearing.ball_count": 30})
-    with pytest.raises(SceneError, match="^--set bearing.ball_count.x: got a key of bearing.b"):
+    with pytest.raises(SceneError, match="^--set bearing.ball_count.x: got a key under bearing.b"):
         variant(S1, {"bearing.ball_count.x": 30})
     with pytest.raises(SceneError, match="^--set friction.mu: got an unknown key"):
         variant(S1, {"friction.mu": None})

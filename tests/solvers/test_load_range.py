@@ -86,9 +86,9 @@ def test_show_and_tables_take_the_extreme_of_all_balls(solved, tmp_path, capsys)
     rows = {line[2:30].strip(): line.split() for line in capsys.readouterr().out.splitlines()}
     v = solved.values
     for label, largest in (
-        ("maximum pressure, of all", 1e-9 * v["maximum_pressure"].max(axis=0)),
-        ("maximum load, of all", v["maximum_contact_load"].max(axis=0)),
-        ("minimum load, of all", v["minimum_contact_load"].min(axis=0)),
+        ("maximum pressure, all balls", 1e-9 * v["maximum_pressure"].max(axis=0)),
+        ("maximum load, all balls", v["maximum_contact_load"].max(axis=0)),
+        ("minimum load, all balls", v["minimum_contact_load"].min(axis=0)),
         ("contact load", v["contact_load"].mean(axis=0)),
     ):
         shown = [float(text) for text in rows[label] if re.fullmatch(r"[\d.]+", text)]

@@ -157,7 +157,7 @@ def test_warm_seizure_is_named(scene, tmp_path, capsys):
     argv += [f"--set={key}={value}" for key, value in (HELD | SEIZES).items()]
     assert main(argv) == 3
     printed = capsys.readouterr()
-    assert printed.out.count("warning: the cage of phenolic is at") == 1
+    assert printed.out.count("warning: the temperature of the cage (phenolic) is") == 1
     told = printed.err.splitlines()
     assert len(told) == 1
     assert "warm_seizure" in told[-1] and "seizes" in told[-1]

@@ -217,7 +217,7 @@ def test_a_cage_of_phenolic_bears_no_heat(scene):
         found = scene("gyro_s1", hot | {"cage.material": material})
         told = {one["id"]: one["sentence"] for one in warnings_of(found, choice(found))}
         assert ("temperature_beyond_practice" in told) == expected
-        assert not expected or "cage of phenolic" in told["temperature_beyond_practice"]
+        assert not expected or "the cage (phenolic)" in told["temperature_beyond_practice"]
 
 
 def test_nothing_skids_at_rest(spindle):
@@ -355,6 +355,6 @@ def test_gathered_at_their_worst():
     told = {"warnings": gathered_warnings([small, {}, large, small])}
     (one,) = warnings_in(told)
     assert one["cases"] == 3 and one["sentence"] == "large"
-    assert warning_lines(told) == ["warning: 3 times, at worst: large; a"]
+    assert warning_lines(told) == ["warning: 3 cases, at worst: large; a"]
     again = gathered_warnings([told, told])
     assert warnings_in({"warnings": again})[0]["cases"] == 6

@@ -17,9 +17,9 @@ PLANS = {
     ),
     "design": (
         DesignPlan,
-        (f"{MAP}.friction.step", 0.07, "got 0.02 to 0.17 by 0.07"),
+        (f"{MAP}.friction.step", 0.07, "got 0.02 to 0.17 in steps of 0.07"),
         (f"{MAP}.preload_N", [2.0, 1.0], "expected increasing numbers > 0"),
-        (f"{MAP}.friction", [1 / 3], "expected at most 9 decimals"),
+        (f"{MAP}.friction", [1 / 3], "expected at most 9 decimal places"),
         ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: got an unknown key"),
     ),
     "identify": (

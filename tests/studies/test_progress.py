@@ -84,7 +84,7 @@ def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
         (folder / f"{name}.nc").write_text(name)
     assert list(off_grid([study("1", "2")])) == []
     (line,) = off_grid([study("1", "3")])
-    assert line == "results/toy/cases: 1 outside the grid, moved to off_grid/: 2.nc"
+    assert line == "results/toy/cases: files outside the grid were moved to off_grid/ (1): 2.nc"
     assert {path.name for path in folder.iterdir()} == {"1.nc", "all.nc", OFF_GRID}
     assert list(off_grid([study("1", "2")])) == []
     assert (folder / "2.nc").read_text() == "2"

@@ -56,7 +56,7 @@ def test_processes_find_the_same(coarse):
 def test_warnings_of_a_sweep_are_counted(coarse):
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     for workers in (1, 2):
-        with pytest.warns(UserWarning, match="2 times, at worst: a wear depth of 0.7 um") as told:
+        with pytest.warns(UserWarning, match="2 cases, at worst: a wear depth of 0.7 um") as told:
             made = bearingwear.sweep(coarse, losses, workers=workers)
         assert len(told) == 1 and told[0].filename == __file__
         (worn,) = json.loads(made.attrs["warnings"])
@@ -107,7 +107,7 @@ def test_a_model_that_cannot_solve_a_point(coarse, monkeypatch):
     with pytest.raises(NotAvailable):
         changes = {"operation.rotating_load_N": [0.0, 1.0]}
         bearingwear.sweep(coarse, changes, fidelity="steady", workers=1)
-    with pytest.raises(ValueError, match="solve, life"):
+    with pytest.raises(ValueError, match="solve or life"):
         bearingwear.sweep(coarse, {PRELOAD: [5]}, what="lives")
     with pytest.raises(ValueError, match="sweep: workers: got -1, expected 1 or more"):
         bearingwear.sweep(coarse, {PRELOAD: [5]}, workers=-1)
@@ -133,13 +133,13 @@ def test_progress(monkeypatch, capsys):
     clock = [0.0]
     monkeypatch.setattr(pool.time, "monotonic", lambda: clock[0])
 
-    def every_3_seconds():
+    def every_2_seconds():
         for part in parts(1, 2, 2, 3, 2):
-            clock[0] += 3.0
+            clock[0] += 2.0
             yield part
 
-    assert len(list(module._told_in_lines(every_3_seconds(), 10))) == 5
-    lines = "sweep: 3 of 10 points\nsweep: 8 of 10 points, about 3 s left\n"
+    assert len(list(module._told_in_lines(every_2_seconds(), 10))) == 5
+    lines = "sweep: 3 of 10 points\nsweep: 8 of 10 points, about 2 s left\n"
     assert capsys.readouterr().err == lines
 
 

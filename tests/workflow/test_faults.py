@@ -151,7 +151,7 @@ def test_damaged_and_deleted_results_are_made_anew(solved):
     for hit in (path, *others):
         name = hit.relative_to(solved.root).as_posix()
         (line,) = [line for line in run.text.splitlines() if line.startswith(f"{name}: ")]
-        assert line.endswith(f"renamed to {name}.damaged and will be computed again")
+        assert line.endswith(f"renamed to {name}.damaged and will be recomputed")
         assert not hit.exists() and Path(f"{hit}.damaged").exists()
     # two of the damaged cases are of one line
     assert run.jobs["grid_solve"] == 3 and run.jobs["grid_wear_life"] == 1
@@ -166,7 +166,7 @@ def test_a_clock_that_was_set_back(solved):
         os.utime(path, (time.time() + TEN_DAYS,) * 2)
     run = solved.run("-n")
     assert "Nothing to be done" in run.text
-    assert f"{len(results) + 1} files were dated in the future" in run.text
+    assert f"{len(results) + 1} files had dates in the future" in run.text
     assert all(path.stat().st_mtime <= time.time() for path in [*results, scene])
     # what is changed from now on counts
     solved.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")

@@ -185,7 +185,7 @@ def test_a_map_of_cages_on_slurm(on_slurm):
     # both ensembles were one job, for which twice 9 minutes were asked
     assert queued("%T %l %C %m")[0].split() == ["COMPLETED", "18:00", "1", "1000M"]
     answer = (project.root / "results/cage/tables/cage.md").read_text(encoding="utf-8")
-    assert "Use 0.1 mm at the land (now 0.2 mm): hangs 100 %" in answer
+    assert "Use a land clearance of 0.1 mm (now 0.2 mm): hangs 100 %" in answer
     assert answer.count(" % | 20 |") == 2
 
 

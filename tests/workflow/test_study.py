@@ -121,7 +121,7 @@ def test_the_report_of_the_jobs(solved):
     for category in ("across scenes", "gyro_s1_drag", "the report page"):
         assert category in report
     assert "Slip (race minus ball) over the contact ellipses" in report  # a caption
-    for label in ("slip over the contacts", "cases and lives, table, to download"):
+    for label in ("slip across the contacts", "cases and lives, table, to download"):
         assert label in report
     figures = {str(path.relative_to(solved.root)) for path in solved.root.glob("results/**/*.svg")}
     assert figures and figures == set(re.findall(r'"(results/[^"]*\.svg)": ?{', report))
@@ -220,7 +220,7 @@ def test_a_point_off_the_grid_is_refused(solved):
     run = solved.run("-n", f"results/gyro_s1/cases/{case}.nc")
     profile, refused = run.text.splitlines()  # the first line is Snakemake's own
     assert run.status == 2 and profile.startswith("Using workflow specific profile")
-    assert refused.startswith(f"results/gyro_s1/cases/{case}.nc: got a point off the grid")
+    assert refused.startswith(f"results/gyro_s1/cases/{case}.nc: got a point outside the grid")
     assert "friction 0.02, 0.08" in refused
     run = solved.run("-n", "results/gyro_s1/studies.nc")
     said = (
@@ -291,7 +291,7 @@ def test_one_scene_edited(solved):
 
 
 BROKEN = (
-    (["studies"], [], "got scene gyro_s1_drag, expected none, since studies is empty"),
+    (["studies"], [], "got scene gyro_s1_drag, expected none, because studies is empty"),
     (
         ["studies", 0, "ball_diameter_loss_um"],
         [0, 500],

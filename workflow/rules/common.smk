@@ -15,6 +15,7 @@ from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
 from bearingwear.document.document import load_document
 from bearingwear.kernels.build.folder import is_compiled
+from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.read import as_data
 from bearingwear.studies import fork_server
@@ -55,7 +56,11 @@ for target in sys.argv[1:] if workflow.is_main_process else ():
         jobs = [job for study in STUDIES.values() for job in study.jobs]
         made = {path for job in jobs for path in job.made()}
         near = difflib.get_close_matches(target, made, n=1)
-        meant = f"did you mean {near[0]}" if near else "expected one that `snakemake -n` lists"
+        meant = (
+            f"did you mean {near[0]}"
+            if near
+            else "expected one that `snakemake -n` lists"
+        )
         if target not in made:
             refuse(f"{target}: got a file that belongs to no study; {meant}")
 
@@ -197,6 +202,15 @@ def scene_sources():
     """Scene files of the studies; the page reads their descriptions, which make no result anew."""
     files = [path for study in STUDIES.values() for path in study.inputs()]
     return [path for path in dict.fromkeys(files) if is_scene(path)]
+
+
+def scene_notes(paths):
+    """Hash of what the page reads in scene files and results do not depend on."""
+    notes = [
+        [as_data(path)[0].get("description"), sorted(assumed_keys(path))]
+        for path in paths
+    ]
+    return text_hash(json.dumps(notes))
 
 
 def made_from(job):

@@ -8,7 +8,7 @@ rule page:
         sections=[path for study in STUDIES.values() for path in study.page_sections()],
         answers=[path for study in STUDIES.values() for path in study.page_answers()],
         docs=DOCS,
-        scenes=scene_sources(),
+        scenes=[ancient(path) for path in scene_sources()],
     output:
         report(
             PAGE,
@@ -20,7 +20,9 @@ rule page:
         "logs/page.log",
     localrule: True
     params:
-        made_from=sources_hash("bearingwear.page.page") + contents_hash(DOCS),
+        made_from=sources_hash("bearingwear.page.page")
+        + contents_hash(DOCS)
+        + scene_notes(scene_sources()),
         inputs=lambda wildcards, input: arguments(input),
         settings=shlex.quote(
             json.dumps(

@@ -165,10 +165,10 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
         if name not in entry.preloads:
             classes = ", ".join(entry.preloads)
             raise refused_option("--preload-class", name, f"{classes}, {entry.maker}'s")
-        return Origin(entry.preloads[name], f"class {name} of {entry.maker}", False)
+        return Origin(entry.preloads[name], f"{entry.maker} class {name}", False)
     name = preload_class or "light"
     if name not in PRELOAD_CLASSES:
-        why = "; classes of a maker require --maker"
+        why = "; a maker's classes require --maker"
         if entry:
             why = f"; the catalogue gives no preload class for {entry.designation}"
         raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)

@@ -73,7 +73,8 @@ _CLEARANCE_TABLE = (
 
 ALLOWED = (
     "70xx, 72xx, 73xx, 719xx (suffix C, AC, A5, E, A or B), 60xx, 62xx, 63xx (suffix C2, CN or "
-    "C3), xx from 00 to 22 and even to 40, 604 to 609, 623 to 629, 682 to 689, 692 to 699"
+    "C3), xx from 00 to 22 or an even number from 24 to 40, 604 to 609, 623 to 629, 682 to 689, "
+    "692 to 699"
 )
 
 

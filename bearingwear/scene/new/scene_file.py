@@ -44,9 +44,9 @@ OPTIONS = (
     ("--ball-diameter", "bearing.ball_diameter_mm", "MM", "ball diameter"),
     ("--pitch-diameter", "bearing.pitch_diameter_mm", "MM", "pitch diameter"),
     ("--contact-angle", "bearing.contact_angle_deg", "DEG", "free contact angle"),
-    ("--speed", "operation.shaft_speed_rpm", "RPM", "speed of the shaft"),
-    ("--preload", "operation.preload_N", "N", "axial preload, initial"),
-    ("--friction", "friction.ball_race", "MU", "Coulomb coefficient between ball and race"),
+    ("--speed", "operation.shaft_speed_rpm", "RPM", "shaft speed"),
+    ("--preload", "operation.preload_N", "N", "initial axial preload"),
+    ("--friction", "friction.ball_race", "MU", "Coulomb coefficient between balls and races"),
 )
 """What `new` takes beside bore and outside diameter: option, key of the scene, metavar, meaning."""
 
@@ -190,7 +190,9 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     text, assumed = scene_text("", **known)
     checked_scene(text)
     if "\0" not in str(path) and os.path.lexists(path):
-        raise OutputError(f"{path}: already exists and is not overwritten; choose another name")
+        raise OutputError(
+            f"{path}: already exists and will not be overwritten; choose another name"
+        )
     write_text(path, text)
     return assumed
 

@@ -358,7 +358,7 @@ def check_launch(scene: Scene, source: str) -> None:
         needed.append("span_mm")
     for name in needed:
         if a is None or getattr(a, name) is None:
-            problem = "got nothing, expected a number > 0 for a launch"
+            problem = "got nothing, expected a number > 0 for the launch analysis"
             raise SceneError(f"arrangement.{name}", problem, ("launch",), source)
 
 

@@ -56,8 +56,8 @@ def solve_dynamic(
         if progress is not None:
             error = values["energy_account_error"]
             progress(
-                f"the error in the energy balance is {error:.1e} of the heat; the run is repeated "
-                f"with tolerance {tolerance:g}"
+                f"the error in the energy balance is {error:.1e} of the energy dissipated; the run "
+                f"is repeated with tolerance {tolerance:g}"
             )
 
 
@@ -73,8 +73,8 @@ def begin(
     except ValueError as error:
         with_cage = "without" if scene.cage is None else "with"
         raise NotAvailable(
-            f"{scene.name}: restart: got a {error}, expected one solved {with_cage} a cage, like "
-            "this run"
+            f"{scene.name}: restart: got a {error}, expected a case solved {with_cage} a cage, "
+            "like this run"
         ) from None
     return system, f"the end of a run at {system.time:.6g} s"
 
@@ -159,15 +159,20 @@ def run_of(
     else:
         values["status"] = system.diagnose(code.UNVERIFIED)
     attrs |= {
-        "residual": (
-            f"error in the normal force balance: {residual:.1e} of the contact load (allowed: "
-            f"{LARGEST_UNBALANCED:.0e})"
-            f"; in the energy balance: {account:.1e} of the heat (allowed: {LARGEST_ACCOUNT:.0e})"
-        ),
+        "residual": _balance_sentence(residual, account),
         "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
         "integrator": integrator_sentence(scene, run, tolerance),
     }
     return values, attrs
+
+
+def _balance_sentence(residual: float, account: float) -> str:
+    """How well the two balances that check a run are satisfied."""
+    return (
+        f"error in the normal force balance: {residual:.1e} of the contact load (allowed: "
+        f"{LARGEST_UNBALANCED:.0e}); in the energy balance: {account:.1e} of the energy dissipated "
+        f"(allowed: {LARGEST_ACCOUNT:.0e})"
+    )
 
 
 def kept_periodic(
@@ -197,10 +202,13 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
-    drift = "" if last.slopes is None else f"; recorded QV drifts by {last.slopes[0]:+.1e} per turn"
+    drift = (
+        "" if last.slopes is None else f"; the recorded QV drifts by {last.slopes[0]:+.1e} per turn"
+    )
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms, each ball is in the state of its "
-        f"neighbour to within {motion.error:.1e} of the maximum speed; {motion.sentence}{drift}"
+        f"periodic: after {1e3 * motion.passing:.4g} ms, each ball is in the initial state "
+        f"of its neighbour, to within {motion.error:.1e} of the maximum speed; "
+        f"{motion.sentence}{drift}"
     )
 
 

@@ -90,7 +90,7 @@ class GrowthRates:
             else "do not grow"
         )
         return (
-            f"disturbances decay by a factor of e in {_turns(self.other)}; disturbances of the "
+            f"disturbances decay by a factor of e in {_turns(self.other)}; disturbances to the "
             f"even ball spacing {spacing}"
         )
 
@@ -107,7 +107,7 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
         return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (
-            "without a cage, disturbances of the even ball spacing grow by a factor of e in "
+            "without a cage, disturbances to the even ball spacing grow by a factor of e in "
             f"{_turns(spacing)}"
         )
         return {"said": said, "advice": "add a cage to the scene"}

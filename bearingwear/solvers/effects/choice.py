@@ -79,7 +79,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     if needs_cage:
         return _chosen(scene, "dynamic", "cage motion and wear are requested")
     if found and stands_still(scene):
-        return _chosen(scene, "race_control", f"{found}, and both races are at rest: nothing moves")
+        return _chosen(scene, "race_control", f"{found} with both races at rest: nothing moves")
     if found and scene.pair is not None:
         why = f"{found}, so no steady state exists; the dynamic model does not support a pair"
         return _chosen(scene, "race_control", why)
@@ -142,8 +142,8 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     if unseen and end is not None and unseen.keys() == end.criteria.keys():
         other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "fidelity dynamic"
         raise NotAvailable(
-            f"{scene.name}: wear.end_of_life: got only {', '.join(unseen)}, which a life of "
-            f"fidelity {chosen.fidelity} does not evaluate, expected another criterion, or {other}"
+            f"{scene.name}: wear.end_of_life: got only {', '.join(unseen)}, which fidelity "
+            f"{chosen.fidelity} does not evaluate, expected another criterion, or {other}"
         )
     return replace(chosen, of_life=True)
 
@@ -184,7 +184,7 @@ def effort(scene: Scene, chosen: Choice) -> str:
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
     runs = ""
     if scene.wear.end_of_life is not None:
-        runs = f"; a life takes about {scene.model.life_steps} or more such runs"
+        runs = f"; a life calculation requires about {scene.model.life_steps} such runs or more"
     return (
         f"effort: {before}at most {turns:g} shaft turns, of the order of "
         f"{1e-3 * turns * ms:.1g} s (estimated from one measured scene){runs}"

@@ -81,9 +81,9 @@ def _effect(scene: Scene, relative_change: Callable[[Scene], float]) -> str:
         return "a second-order effect, because the preload force is constant"
     percent = 100.0 * relative_change(scene)
     if math.isnan(percent):
-        return "its effect is unknown before the solve"
+        return "effect on the preload unknown before the solve"
     size = f"{percent:+.2g}" if abs(percent) < 10.0 else f"{percent:+.0f}"
-    return f"about {size} % of the preload at rest"
+    return f"effect on the preload at rest: about {size} %"
 
 
 def growth_at_speed(chosen: Choice) -> Iterator[str]:

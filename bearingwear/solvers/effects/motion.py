@@ -105,8 +105,8 @@ def pair(chosen: Choice) -> Iterator[str]:
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
         yield (
-            f"tandem: {counts} identical bearings on the two sides, which share the load of their "
-            "side equally"
+            f"tandem: {counts} identical bearings on the two sides; those on a side share its load "
+            "equally"
         )
     if asymmetries(chosen.scene):
         yield "radial load and tilt: the values in the scene, applied to each bearing"

@@ -111,7 +111,7 @@ def over_shoulder(e: Evidence) -> Finding:
         (OUTER_SIDE, 1.0, radii[OUTER_SIDE], b.outer_shoulder_mm),
     ):
         limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
-        source = "where a shoulder is assumed"
+        source = "the assumed shoulder"
         if shoulder is not None:
             centre = 0.5 * b.pitch_diameter_mm - side * (r - 0.5 * D) * cosine
             rise = side * (0.5 * shoulder - centre) / r

@@ -114,7 +114,7 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 EFFECTS = (
     Effect("over_limit_when_new", _when_new, "end-of-life criterion met {new}: {said}", "{advice}"),
-    Effect("limit_passed", _limit_passed, "a life would end at once: {said}", "{advice}"),
+    Effect("limit_passed", _limit_passed, "the life would end immediately: {said}", "{advice}"),
     Effect(
         "criterion_not_watched",
         _unwatched,
@@ -147,7 +147,7 @@ EFFECTS = (
         "ellipse_over_shoulder",
         practice.over_shoulder,
         "the {race} contact ellipse extends {value:.3g} degrees up its groove, beyond "
-        "{limit:.3g}, {source}",
+        "{source} at {limit:.3g} degrees",
         "edge pressure is not modelled: reduce the thrust, or use higher shoulders",
         impractical=True,
     ),
@@ -155,7 +155,7 @@ EFFECTS = (
         "speed_beyond_practice",
         practice.too_fast,
         "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the "
-        "highest reached by steel bearings on test rigs",
+        "highest value reached by steel bearings on test rigs",
         "check the speed and its unit (r/min)",
         impractical=True,
     ),
@@ -185,8 +185,8 @@ EFFECTS = (
     Effect(
         "preload_too_small",
         practice.tiny_preload,
-        "a preload of {value:.3g} N is negligible for {n} balls of {D:g} mm: below {limit:.2g} N "
-        "(assumed)",
+        "a preload of {value:.3g} N is negligible for {n} balls of {D:g} mm: it is below "
+        "{limit:.2g} N (assumed)",
         "check its unit (N)",
         impractical=True,
     ),
@@ -202,12 +202,13 @@ EFFECTS = (
         practice.grown_preload,
         "the fixed-position preload at speed, {value:.3g} N, is {ratio:.2g} times the "
         "initial {preload:.4g} N (rule of thumb: at most three times)",
-        "the results account for this; a spring keeps the preload constant",
+        "the results account for this; a spring would keep the preload constant",
     ),
     Effect(
         "temperature_beyond_practice",
         practice.temperature_beyond,
-        "the {part} of {name} is at {value:.4g} degC, {side} {limit:g} (rule of thumb)",
+        "the temperature of the {part} ({name}) is {value:.4g} degC, {side} {limit:g} degC (rule "
+        "of thumb)",
         "use a suitable material; the values of hardness, wear and friction apply at room "
         "temperature",
         impractical=True,
@@ -238,8 +239,8 @@ EFFECTS = (
     Effect(
         "film_worn",
         films.film_worn,
-        "the film is worn through ({races} race, {share:.0f} % of the track), and the life "
-        "continues with the film's friction",
+        "the film is worn through ({races} race, {share:.0f} % of the track), and the "
+        "calculation continues with the film's friction",
         "set friction.film.bare_ball_race, or use film_worn_share as an end-of-life criterion",
         modelled=films.film_sentences,
     ),
@@ -271,8 +272,8 @@ EFFECTS = (
     Effect(
         "cage_weightless",
         lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
-        "the cage has no weight: gravity may alter its motion and change pocket and land wear by a "
-        "factor of ten or more",
+        "gravity is not given: it may alter the motion of the cage and change pocket and land wear "
+        "by a factor of ten or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
         modelled=motion.no_cage,
     ),

@@ -49,8 +49,10 @@ MEANS = tuple(
 """Variables of a run whose means an ensemble has."""
 
 SUMMARY = table(
-    Variable("share", OF_MOTION.dims, "1", "share of the runs that end in each motion"),
-    Variable("share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of share"),
+    Variable("share", OF_MOTION.dims, "1", "share of runs that end in each motion"),
+    Variable(
+        "share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of the share of runs"
+    ),
     *(
         one
         for name in MEANS

@@ -19,7 +19,10 @@ from bearingwear.studies.dataset import coordinate, stacked
 MAP_KIND = "cage map"
 
 CAGE_AXES = {
-    "gravity_m_s2": (Variable("gravity", ("gravity",), "m s-2", "gravity perpendicular to the shaft"), 1.0),
+    "gravity_m_s2": (
+        Variable("gravity", ("gravity",), "m s-2", "gravity perpendicular to the shaft"),
+        1.0,
+    ),
     "guiding_race": (
         Variable("guide", ("guide",), "", "guidance of the cage", "i1", flags=GUIDES),
         None,

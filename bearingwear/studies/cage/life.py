@@ -68,7 +68,8 @@ CAGE_LIFE = table(
     Variable("node_turns", NODE.dims, "1", "number of shaft turns completed before each ensemble"),
     Variable("node_depth", (*NODE.dims, *PART.dims), "m", "wear depth"),
     Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work per shaft turn"),
-    Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of the runs that end in each motion"),
+    Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1",
+        "share of runs that end in each motion"),
     Variable("other_hours", (), "h", "computed life of the balls and races, steady model",
         scale=HOURS_PER_SECOND),
     Variable("other_hours_interval", END.dims, "h",
@@ -152,7 +153,7 @@ class EnsembleWear(Motion):
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
-                f"turns; wear depth {pocket:.3g} um in the pockets, {land:.3g} um at the land")  # fmt: skip
+                f"turns; wear depth {pocket:.3g} um in pockets, {land:.3g} um at land")  # fmt: skip
 
 
 class BetweenEnsembles(Trapezoid):

@@ -32,7 +32,7 @@ class Ensemble:
     runs: int = setting("Maximum number of runs", within=f"[{FEWEST}, inf)", default=200)
     # fmt: off
     within: float = setting(
-        "Target relative half-width of the 90 % interval of the work per turn", "1", "(0, 1)",
+        "Target relative half-width of the 90 % interval for the work per turn", "1", "(0, 1)",
         default=0.1)
     seed: int = setting("Random seed for the samples", within="[0, inf)", default=1)
     least_turns: int = setting(f"Minimum number of shaft turns per run (a multiple of {STRETCH})",
@@ -90,19 +90,20 @@ class CagePoint(NamedTuple):
 class CagePlan:
     """Everything in config/cage.yaml."""
 
-    scene: str = setting("Scene that provides all values except those that vary", pattern=NAME)
+    scene: str = setting("Scene that provides all values that do not vary", pattern=NAME)
     # fmt: off
     changes: Mapping[str, Any] = setting("Keys to set in the scene", name="set",
         default_factory=dict)
-    gravity_m_s2: tuple[float, ...] = setting("Gravity along -Z, which determines the weight of the cage",
-        "m/s2", within="[0, inf)", least=1)
+    gravity_m_s2: tuple[float, ...] = setting("Gravity along -Z, which determines the "
+        "cage's weight", "m/s2", within="[0, inf)", least=1)
     guiding_race: tuple[str, ...] = setting("Guiding surface of the cage", choices=GUIDES, least=1,
         default=("outer",))
     imbalance_um: tuple[float, ...] = setting("Distances of the centre of mass from the centre of "
         "the cage", "um", within="[0, inf)", least=1, default=(0.0,))
     pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
     guide_clearance_mm: RisingAxis = setting("Diametral clearances at the land", "mm")
-    cage_friction: RisingAxis = setting("Coulomb friction coefficients of the pockets and land", "1")
+    cage_friction: RisingAxis = setting("Coulomb friction coefficients of the pockets and land",
+        "1")
     ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
     in_main_study: bool = setting(
         "Whether `snakemake` without a target computes the map and adds it to the report page",

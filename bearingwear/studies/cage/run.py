@@ -24,7 +24,9 @@ from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
 from bearingwear.studies.cage.plan import STRETCH
 
-ACROSS = Variable("across", ("across",), "", "direction perpendicular to the shaft", "i1", flags=("Y", "Z"))
+ACROSS = Variable(
+    "across", ("across",), "", "direction perpendicular to the shaft", "i1", flags=("Y", "Z")
+)
 
 CAGE_RUN = table(
     STATUS,
@@ -50,7 +52,7 @@ CAGE_RUN = table(
     Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
     Variable("turns", (), "1", "number of shaft turns simulated"),
     Variable("energy_account_error", (), "1", "residual of the energy balance, relative to the "
-                                              "heat"),
+                                              "friction heat"),
 )  # fmt: skip
 """What is kept of a run: of its last stretches, where no other is named."""
 

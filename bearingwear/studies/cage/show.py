@@ -132,12 +132,14 @@ def _life(file: Any) -> Iterator[Block]:
         return
     life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
     rows = []
-    lines = ["no end was reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"]
+    lines = [
+        "no end of life was reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"
+    ]
     if not math.isnan(life):
         rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
-            ("cage_life_interval", "due to the scatter of the runs"),
-            ("cage_life_interval_with_wear", "and the cage's K_s"),
+            ("cage_life_interval", "scatter of the runs only"),
+            ("cage_life_interval_with_wear", "scatter of the runs and uncertain K_s"),
         ):
             low, high = values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
@@ -146,21 +148,19 @@ def _life(file: Any) -> Iterator[Block]:
     for k, part in enumerate(WEARING):
         gone = float(values(file, "film_gone")[k])
         if not math.isnan(gone):
-            text = "not worn through before the end"
+            text = "not worn through by the end of the calculation"
             if math.isfinite(gone):
                 text = f"worn through after {gone:.3g} turns"
             lines.append(f"film on the {part}: {text}")
     low, high = values(file, "motion_changes").tolist()
     lines.append(
-        "no other motion becomes dominant before the end"
+        "no other motion becomes dominant by the end of the calculation"
         if math.isnan(low)
         else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
     if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
-        first = (
-            "the cage lasts longer" if not hours <= other else "the balls and races last longer"
-        )
+        first = "the cage lasts longer" if not hours <= other else "the balls and races last longer"
         ends = Interval(*values(file, "other_hours_interval").tolist())
         lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval due to K_s/H: "
             f"{ends.text} h), ended by {words}; {first}")  # fmt: skip

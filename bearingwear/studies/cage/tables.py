@@ -89,7 +89,7 @@ def cage_document(path: Path) -> Document:
         place="lead",
     )
     return Document(
-        (f"{scene['name']}: motions of its cage",),
+        (f"{scene['name']}: cage motion",),
         {"scene": scene["name"], "bearing": bearing_line(scene)},
         (said, Block("Every cage", (), rows, tuple(lines), axes=len(axes))),
         subject="The cage",
@@ -214,7 +214,7 @@ def recommended_cage(motions: xr.Dataset) -> str:
         return "No cage in the map could be solved"
     calm = [one for one in every if one.quiet >= MOSTLY] or every
     best = min(calm, key=lambda one: one.high if math.isfinite(one.high) else math.inf)
-    own_words = f"the cage as it is ({shares_in_words(own.shares)})"
+    own_words = f"the present cage ({shares_in_words(own.shares)})"
     if best.at == own.at or not best.high < own.low:
         return f"Keep {own_words}: no quieter cage in the map wears significantly less"
     changes = ", ".join(

@@ -59,7 +59,7 @@ def lives_beside(
         key: value for key, value in found.attrs.items() if key not in ("warnings", "none_because")
     } | {
         "kind": _KIND,
-        "title": "Lives at the recommended preloads under other assumptions",
+        "title": "Computed lives at the recommended preloads under different assumptions",
         _WORDS: json.dumps([case["words"] for case in cases.values()]),
     }
     kelvin = _warmth(life_scene(scene), found)
@@ -83,7 +83,8 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
     found = load_kind(path, _KIND)
     if found.attrs["scene"] != recommendation.attrs["scene"]:
         raise CaseFileError(
-            f"{path}: got lives of another scene, expected the scene of the recommendation"
+            f"{path}: got lives computed for another scene, expected the scene of the "
+            "recommendation"
         )
     return found
 

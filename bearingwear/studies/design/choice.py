@@ -83,7 +83,7 @@ def with_choices(design: xr.Dataset) -> xr.Dataset:
     preload, life = best["preload"].where(~none), best["life"].where(~none)
     return design.assign(
         recommended_preload=preload.assign_attrs(
-            long_name="preload with the longest life", units="N"
+            long_name="preload that gives the longest life", units="N"
         ),
         recommended_life=life.assign_attrs(long_name="life at the recommended preload", units="h"),
         active_limit=active,
@@ -146,7 +146,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     solved = (line["status"] == OK).values
     alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
     if not alive.any():
-        at_once = "new bearings already meet an end-of-life criterion"
+        at_once = "an end-of-life criterion is met when the bearing is new"
         return at_once if solved.any() else NO_LIFE_SOLVED
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
@@ -219,7 +219,9 @@ def design_files(
         if found[path].attrs["scene"] != found[design].attrs["scene"]:
             raise CaseFileError(f"{path}: got another scene, expected that of {design}")
         if not found[path]["preload_method"].equals(found[design]["preload_method"]):
-            raise CaseFileError(f"{path}: got other preload methods, expected those of {design}")
+            raise CaseFileError(
+                f"{path}: got different preload methods, expected those of {design}"
+            )
     sampled = None if uncertainty is None else found[uncertainty]
     return found[design], found[recommendation], sampled
 

@@ -52,10 +52,10 @@ class DesignLimits(_LIMITS):
             one = LIMITED[key]
             for name in one.needs:
                 if scene.arrangement is None or getattr(scene.arrangement, name) is None:
-                    problem = f"got nothing; it is needed for a requirement on the {one.words}"
+                    problem = f"got nothing; needed for a requirement on the {one.words}"
                     raise SceneError(f"arrangement.{name}", problem, source=source)
             if one.block and getattr(scene, one.block) is None:
-                problem = f"got nothing; it is needed for a requirement on the {one.words}"
+                problem = f"got nothing; needed for a requirement on the {one.words}"
                 raise SceneError(one.block, problem, source=source)
 
     @property
@@ -73,7 +73,7 @@ class MapAxes:
 
     def __post_init__(self) -> None:
         if len(set(self.preload_method)) < len(self.preload_method):
-            raise SceneError("preload_method", "got a method twice, expected each once")
+            raise SceneError("preload_method", "got a method twice, expected each method once")
 
     @property
     def values(self) -> tuple[Sequence[Any], ...]:
@@ -119,17 +119,17 @@ class Beside:
     """Bearing under another assumption."""
 
     words: str = setting("The assumption, in words")
-    changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set")
+    changes: Mapping[str, Any] = setting("Keys to set in the scene", name="set")
 
 
 @keyed
 class Design:
     """The maps of a scene, and the limits to choose by."""
 
-    map: MapAxes | None = setting("Axes of the map of lives", default=None)
+    map: MapAxes | None = setting("Axes of the design map", default=None)
     # fmt: off
-    small_map: MapAxes | None = setting("Axes of a map of at most a few hundred lives; the map "
-        "is part of the main study if that study includes the scene", default=None)
+    small_map: MapAxes | None = setting("Axes of a small design map, with at most a few hundred "
+        "lives; the map is part of the main study if that study includes the scene", default=None)
     limits: DesignLimits = setting("Requirements, which apply from new to the end of life",
         default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(
@@ -140,9 +140,9 @@ class Design:
     def __post_init__(self) -> None:
         if self.map and any(mu != round(mu, MOST_DECIMALS) for mu in self.map.friction):
             # as the files of its parts are named
-            raise SceneError("map.friction", f"expected at most {MOST_DECIMALS} decimals")
+            raise SceneError("map.friction", f"expected at most {MOST_DECIMALS} decimal places")
         if self.beside and not self.small_map:
-            raise SceneError("beside", "got this key without a small_map, expected both")
+            raise SceneError("beside", "got this key without small_map, expected both")
 
 
 @keyed

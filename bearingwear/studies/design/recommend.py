@@ -82,19 +82,20 @@ from bearingwear.studies.solve import life_scene
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
-    comment="rounded to three digits, or more if the requirements or the life require it"
+    comment="rounded to three significant digits, or more if the requirements or the life "
+        "require it"
 )  # fmt: skip
 LIFE_ERROR = Variable(
-    "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
+    "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error in the life"
 )
 
 CLIFF = table(
     Variable("cliff_preload", (), "N",
-        "nearest preload, within 5 % of the recommended one, whose life is at least a tenth "
+        "nearest preload, within 5 % of the recommended one, at which the life is at least 10 % "
         "shorter"),
     Variable("cliff_life", (), "h", "wear life at cliff_preload", scale=HOURS_PER_SECOND),
-    Variable("clear_preload", (), "N", "preload that satisfies the requirements, at least 5 % from "
-        "cliff_preload"),
+    Variable("clear_preload", (), "N", "preload that satisfies the requirements and differs from "
+        "cliff_preload by at least 5 %"),
     Variable("clear_life", (), "h", "wear life at clear_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip
 BEYOND_RANGE = table(
@@ -184,7 +185,7 @@ def mapped(
         if not quick:
             lives = each(_followed, [(one, slip_limit, False) for one in scenes])
         if not quick and tell is not None:
-            line, timed = "{} of {} lives of the map", waiting is not None
+            line, timed = "{} of {} lives in the map", waiting is not None
             lives = told_in_lines(
                 lives, len(scenes), line, tell=tell, kind=_MAP, left=left, timed=timed
             )
@@ -219,9 +220,7 @@ def recommendation(
     point = {"friction": scene.friction.coefficient, "shaft_speed": scene.operation.shaft_speed_rpm}
     for axis, value in point.items():
         if value not in design[axis]:
-            raise CaseFileError(
-                f"the design map does not contain the {axis} {value:g} of the scene"
-            )
+            raise CaseFileError(f"the design map does not contain the scene's {axis} of {value:g}")
     lines = design.sel(point, drop=True)
     known = limits_of(design), counted(design)
     search = Search(scene, *known, each, tell or (lambda text: None), left or TimeLeft({}))
@@ -252,11 +251,11 @@ class Search:
         lines: lives over `preload_method` and `preload`.
         """
         if self.limits.given:
-            self.tell("requirements against preload, for new bearings")
+            self.tell("requirements as functions of preload, for new bearings")
         known = [self._line(one) for _, one in lines.groupby("preload_method")]
         found: list[Found | None] = [None] * len(known)
         if self.limits.given:
-            self.tell("the best preloads between those of the map")
+            self.tell("best preloads between those in the map")
             solve = partial(self._solve, _SEARCH)
             found = answered([self._searched(one) for one in known], solve)
         self.left.limit(_SEARCH)

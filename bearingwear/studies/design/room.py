@@ -409,15 +409,17 @@ VERDICTS = ("nothing_to_compare", "longer", "neither")
 NO_COMPARISON, ONE_LONGER, NEITHER_LONGER = range(len(VERDICTS))
 
 HELD = table(
-    Variable("assumed", ("assumption",), "", "value of an assumption, in the unit of its key"),
-    Variable("holds_from", ("assumption",), "", "lowest value at which the same method is better"),
-    Variable("holds_to", ("assumption",), "", "highest value at which the same method is better"),
+    Variable("assumed", ("assumption",), "", "assumed value, in the unit of its key"),
+    Variable("holds_from", ("assumption",), "",
+        "lowest value at which the same method remains better"),
+    Variable("holds_to", ("assumption",), "",
+        "highest value at which the same method remains better"),
     Variable("life_by_ball_track", ("preload_method", "ball_track"), "h",
         "wear life at the recommended preload, for each assumed ball track",
         scale=HOURS_PER_SECOND),
     Variable("verdict", (), "", "whether one method is preferred over the other", dtype="i1",
         flags=VERDICTS,
-        comment="neither is preferred if a change of 5 % in one assumption or the other ball track "
+        comment="neither is preferred if a 5 % change in one assumption, or the other ball track, "
         "reverses the order, or if the lives differ by less than their numerical errors"),
 )  # fmt: skip
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it holds over all searched."""
@@ -441,11 +443,7 @@ def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Datase
     columns = {"holds_from": "low", "assumed": "now", "holds_to": "high"}
     values = {name: [getattr(one, field) for one in room] for name, field in columns.items()}
     names = tuple(one.name for one in room)
-    number = Variable(
-        "assumption", ("assumption",), "", "what was assumed", dtype="i1", flags=names
-    )
-    track = Variable(
-        "ball_track", ("ball_track",), "", "track of a ball", dtype="i1", flags=BALL_TRACKS
-    )
+    number = Variable("assumption", ("assumption",), "", "assumption", dtype="i1", flags=names)
+    track = Variable("ball_track", ("ball_track",), "", "ball track", dtype="i1", flags=BALL_TRACKS)
     row = {**values, "life_by_ball_track": tracks, "verdict": said}
     return filled(HELD, {number: None, track: None}, [row])

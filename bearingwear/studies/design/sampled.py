@@ -25,8 +25,8 @@ from bearingwear.studies.dataset import counted
 
 INDEX_WORDS = (
     "Total Sobol index of log life: the share of its variance due to the value, including "
-    "interactions. The preload is the recommended one; the scene defines the distributions. A "
-    "distribution without a mean or median uses the value in the scene."
+    "interactions. The preload is the recommended one; the scene defines the distributions. If a "
+    "distribution does not state a mean or median, the value in the scene is used."
 )
 
 
@@ -58,7 +58,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     rows = [
         Row("method", "", tuple(name for name, *_ in points), "preload_method"),
         Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
-        Row("counting", "", tuple(way for *_, way, _ in points), "counts"),
+        Row("wear counted", "", tuple(way for *_, way, _ in points), "counts"),
         Row("preload", "N", tuple(float(one["preload"]) for one in ones), "preload"),
         Row("nominal life", "h", tuple(Rough(one["nominal_life"]) for one in ones), "nominal_life"),
         *spread_rows([one.rows if one else {} for one in found]),
@@ -66,16 +66,16 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
             f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
             tuple(rough_value(one and one.bearings) for one in stated), "life_wear_as_stated",
         ),
-        *([Row("longest life with this method", "%", longest)] if any(longest) else []),
-        Row("lives solved", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
-        Row("of", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
+        *([Row("this method gives the longest life", "%", longest)] if any(longest) else []),
+        Row("lives computed", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
+        Row("lives evaluated", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
     ]  # fmt: skip
     said = (
-        f"{int(uncertainty.attrs['samples'])} base samples, seed "
+        f"{int(uncertainty.attrs['samples'])} base samples, random seed "
         f"{int(uncertainty.attrs['seed'])}. {causes_told(scene)}",
         *_with_grooves(uncertainty),
     )
-    return Block("Uncertainty of the life", rows=tuple(rows), axes=3, lines=said)
+    return Block("Uncertainty in life", rows=tuple(rows), axes=3, lines=said)
 
 
 def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
@@ -84,8 +84,8 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
     if not bool((followed > 0).any()):
         return []
     return [
-        f"{int(followed.sum())} of the sampled lives are solved with worn grooves. The others are "
-        f"interpolated: all but {100.0 * float(share.max()):.2g} % of the lives have an error of "
+        f"{int(followed.sum())} of the sampled lives were computed with worn grooves. The others "
+        f"were interpolated: all but {100.0 * float(share.max()):.2g} % of them have an error of "
         f"at most {100.0 * float(uncertainty['groove_error'].max()):.2g} %."
     ]
 
@@ -116,7 +116,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
         used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
     said = (
         INDEX_WORDS,
-        "The indices are based only on base samples for which all lives were solved and are above "
+        "The indices are based only on base samples for which every life was computed and is above "
         f"zero: {', '.join(used)}.",
     )
     return Block("What determines the life", rows=tuple(rows), axes=1, lines=said)

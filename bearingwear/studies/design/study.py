@@ -41,8 +41,8 @@ PLOTS = {
 
 _SHOWN = {
     "design": "life and requirements against preload",
-    "map": "life and requirements over preload and friction",
-    "uncertainty": "uncertainty of the life",
+    "map": "life and requirements against preload and friction",
+    "uncertainty": "uncertainty in life",
 }
 """Figures in words, for the report of the jobs."""
 
@@ -147,7 +147,7 @@ def _checked(plan: DesignPlan) -> list[Step]:
         step("check_scene", "check/{times}.yaml", "dynamic_check.check_scene_text",
             {(scene, times): times for scene in plan.maps for times in CHECKED}, scene=SCENE,
             recommendation="recommendation.nc", settings=lambda times: {"times": float(times)},
-            label="{scene}: scene at {times} times the recommended preload"),
+            label="{scene}: scene file with {times} times the recommended preload"),
         step("solve_check", check, "studies.solve.solved_case",
             {
                 (scene, times, fidelity): fidelity

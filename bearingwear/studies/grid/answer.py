@@ -196,12 +196,12 @@ def _headline(lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
 def _compared(lives: Sequence[MethodLife]) -> str:
     """With which grooves the methods are compared."""
     worn = {life.worn for life in lives}
-    grooves = "with worn grooves" if True in worn else "with Hertzian grooves"
+    grooves = "worn grooves" if True in worn else "Hertzian grooves"
     if len(worn) > 1:
         grooves += " where wear is deep"
     return (
-        f"This comparison, {grooves}, ignores the requirements. At the recommended preloads, the "
-        "order may differ."
+        f"This comparison uses {grooves} and ignores the requirements. At the recommended "
+        "preloads, the order may differ."
     )
 
 
@@ -225,10 +225,10 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
         won = [contest for contest in contests if contest.longest == winner]
         if not winner:
             frictions = dict(of_frictions)[str(winner)]
-            equal = f"No difference beyond the numerical error at {frictions}."
+            equal = f"At {frictions}, the lives differ by no more than their numerical errors."
             none = (
-                f"Neither can be used at {frictions}: with both, a new bearing already meets an "
-                f"end-of-life criterion."
+                f"Neither can be used at {frictions}: with both, an end-of-life criterion is met "
+                "when the bearing is new."
             )
             said.append(equal if winner is None else none)
             continue
@@ -261,7 +261,7 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
         if life.spread and life.spread.bearings.low == 0.0
     ]
     where = ", ".join(f"{method} at {frictions}" for method, frictions in _grouped(found))
-    text = f"at least one new bearing in twenty already meets an end-of-life criterion: {where}"
+    text = f"at least one bearing in twenty meets an end-of-life criterion when new: {where}"
     return _sentence(text) if found else ""
 
 
@@ -291,7 +291,8 @@ def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
 
 def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
     contests = _contests(lives)
-    said = [f"{_hours([life.counted for life in lives])}, counting wear as each scene specifies"]
+    hours = _hours([life.counted for life in lives])
+    said = [f"{hours}, with wear counted as each scene specifies"]
     for winner in dict.fromkeys(contest.longest for contest in contests):
         count = sum(contest.longest == winner for contest in contests)
         name = f"{in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
@@ -321,7 +322,7 @@ def lives_block(
         ),
         *spread_rows([life.spread.rows if life.spread else {} for life in known]),
         Row(
-            f"life, counting {WORDS[other]}",
+            f"life, wear of {WORDS[other]}",
             "h",
             tuple(life.hours[other] for life in known),
             f"life.{other}",
@@ -333,7 +334,7 @@ def lives_block(
         routes = tuple(Rough(100.0 * life.route_difference) for life in known)
         rows += (
             Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
-            Row("difference of the interpolated life", "%", routes, "life_route_difference"),
+            Row("difference in the interpolated life", "%", routes, "life_route_difference"),
         )
     return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2)
 

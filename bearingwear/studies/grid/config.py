@@ -12,7 +12,7 @@ from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.sampling import SAMPLES
 
-_SCENES = "Names of files config/scenes/NAME.yaml"
+_SCENES = "Names of scene files, config/scenes/NAME.yaml"
 UNSOLVED = ("error", "warning")
 
 
@@ -26,7 +26,7 @@ class GridBlock:
         "Ball/race friction coefficients", "", "[0, inf)", least=1
     )
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "States of wear", unit="um", within="[0, inf)", least=1
+        "Wear states", unit="um", within="[0, inf)", least=1
     )
 
 
@@ -51,7 +51,7 @@ class UncertainLives:
         "two)",
         within="[16, 4096]", default=SAMPLES)
     # fmt: on
-    seed: int = setting("Seed of the sample", within="[0, inf)", default=1)
+    seed: int = setting("Random seed for the sample", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
@@ -62,7 +62,7 @@ class UncertainLives:
 class Column:
     """A column of the figure of wear across scenes."""
 
-    scene: str = setting("Name of a file config/scenes/NAME.yaml", pattern=NAME)
+    scene: str = setting("Name of a scene file, config/scenes/NAME.yaml", pattern=NAME)
     friction: float = setting("Ball/race friction coefficient", within="[0, inf)")
 
 
@@ -90,21 +90,22 @@ class Figures:
     """Comparisons in the figures."""
 
     # fmt: off
-    worn_loss_um: float | None = setting("Wear state in the figures of friction and slip (null: "
-        "the most worn state of the first grid)", unit="um", default=None)
-    friction: tuple[float, ...] = setting("Friction coefficients to compare in the figures of "
-        "slip, wear and life, where a grid contains them (if omitted, all those of the grid)",
+    worn_loss_um: float | None = setting("Wear state shown in the friction and slip figures "
+        "(null: the most worn state in the first grid)", unit="um", default=None)
+    friction: tuple[float, ...] = setting("Friction coefficients to compare in the slip, wear "
+        "and life figures, if the grid contains them (if omitted, all those in the grid)",
         within="[0, inf)", default=())
     wear_columns: tuple[Column, ...] = setting(
-        "Columns of a further figure of QV, preload, angles and wear rate; each column shows one "
-        "scene",
+        "Columns of an additional figure of QV, preload, contact angles and wear rates; each "
+        "column shows one scene",
         default=())
-    spreads: Mapping[str, Overlay] = setting("Figures with several scenes overlaid",
+    spreads: Mapping[str, Overlay] = setting("Figures that overlay several scenes",
         default_factory=dict)
-    lives: Mapping[str, Overlay] = setting("Figures with the lives of several scenes overlaid",
+    lives: Mapping[str, Overlay] = setting("Figures that overlay the lives computed for several "
+        "scenes",
         default_factory=dict)
     running_averages: Mapping[str, RunningAverage | None] = setting(
-        "Scenes of `dynamic` for which the mean wear rates since the start are drawn",
+        "Scenes in `dynamic` for which the mean wear rates since the start are plotted",
         default_factory=dict)
     # fmt: on
 
@@ -115,18 +116,19 @@ class Config:
 
     # fmt: off
     studies: tuple[GridBlock, ...] = setting(
-        "Groups of scenes that share a grid (none: only the small maps of config/design.yaml)")
+        "Groups of scenes that share a grid (none: only the small maps in config/design.yaml)")
     dynamic: tuple[DynamicBlock, ...] = setting(
         "Groups of scenes that are also solved dynamically", default=())
-    points_per_job: int | None = setting("Number of grid points that a job solves; each has its "
-        "own file. If a job solves more than one line (all losses of a scene, method and "
-        "friction), it writes whole lines to one file. Null means one line of at most 200 points",
+    points_per_job: int | None = setting("Number of grid points that a job solves; each point "
+        "has its own file. A job that solves more than one line (all losses for one scene, method "
+        "and friction coefficient) writes whole lines to one file. Null means one line of at most "
+        "200 points",
         within="[1, inf)",
         default=None)
     unsolved: str = setting("Effect of an unsolved case or life: the study ends with an error, "
         "or only writes a warning to standard error (the page reports it in either case)",
         choices=UNSOLVED, default=UNSOLVED[0])
-    uncertain_lives: UncertainLives = setting("Scenes whose lives are quoted with their spread",
+    uncertain_lives: UncertainLives = setting("Scenes for which the spread in life is reported",
         default=UncertainLives())
     # fmt: on
     figures: Figures = setting("Scope of the figures", default=Figures())

@@ -20,11 +20,11 @@ from bearingwear.studies.grid.tables import (
 )
 
 WAYS = ("steady", "dynamic")
-ALL_SOLVED = "None: every case was solved and verified both ways."
+ALL_SOLVED = "None: every case was solved and verified with both models."
 WEAR_WORDS = (
-    "The mean of all balls.",
-    "Means over all balls. Dynamic cases include wear in the cage pockets. Where the land does not "
-    "wear, the cage did not touch it in the averaged turns.",
+    "Means over all balls.",
+    "Means over all balls. Dynamic cases include wear in the cage pockets. If the land does not "
+    "wear, the cage did not touch it during the averaged turns.",
 )
 """Without a cage, and with one."""
 LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
@@ -75,7 +75,7 @@ def _text(solved: xr.Dataset) -> str:
             [*AXES],
             [
                 *((f"total_qv.{way}", way) for way in WAYS),
-                (change, "relative difference, dynamic from steady"),
+                (change, "relative difference, dynamic versus steady"),
                 *((f"residual_preload.{way}", way) for way in WAYS),
             ],
             "QV and preload",
@@ -96,7 +96,7 @@ def _text(solved: xr.Dataset) -> str:
 
 
 def _unsettled(solved: xr.Dataset) -> Iterator[str]:
-    drifts = {"QV": "qv_drift_per_turn", "the wear of all parts": "wear_rate_drift_per_turn"}
+    drifts = {"QV": "qv_drift_per_turn", "the total wear rate": "wear_rate_drift_per_turn"}
     for what, name in drifts.items():
         if name in solved:
             drift = solved[name] * solved["evaluated_turns"]

@@ -54,7 +54,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         references=first.get("references", ""),
         history="gathered from case files by bearingwear gather",
         comment="The scene contains the values common to all cases; the axes give the others. "
-        "Values of a case whose status is not ok are missing.",
+        "If the status of a case is not ok, its values are missing.",
         warnings=read.warnings,
         **{key: first[key] for key in ("scene", *_SHARED_ATTRS)},
     )
@@ -195,7 +195,8 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
             int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
     except (KeyError, TypeError, ValueError):
-        raise CaseFileError(f"{path}: got another file, expected a case of a study") from None
+        problem = "got a file of another kind, expected a case of a study"
+        raise CaseFileError(f"{path}: {problem}") from None
     return cases, {"scene": json.dumps(scene)} | shared
 
 

@@ -81,7 +81,8 @@ class Grid:
             for value in getattr(self, axis):
                 if not value >= 0.0 or value != round(value, MOST_DECIMALS):
                     raise ValueError(
-                        f"{axis}: got {value}, expected 0 or more, at most {MOST_DECIMALS} decimals"
+                        f"{axis}: got {value}, expected a number >= 0 with at most {MOST_DECIMALS} "
+                        "decimal places"
                     )
 
     @classmethod

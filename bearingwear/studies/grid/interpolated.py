@@ -24,7 +24,7 @@ _FROM_THE_STUDY = "interpolated from the study"
 INTERPOLATED = table(
     Variable("interpolated_life", ("counts",), "h", f"wear life, {_FROM_THE_STUDY}"),
     Variable("interpolated_loss_at_end", (), "m",
-        f"total wear depth at the end, {_FROM_THE_STUDY}"),
+        f"total wear depth at the end of life, {_FROM_THE_STUDY}"),
     Variable("interpolated_end_criterion", (), "",
         f"first criterion reached, {_FROM_THE_STUDY}", "i1", flags=CRITERIA),
     Variable("interpolated_history_ball_diameter_loss", ("interpolated_step",), "m",

@@ -69,19 +69,19 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         long_name="relative difference between the life interpolated from the study and the life "
         "computed with the solver in the loop",
         units="1",
-        comment="for lives with the same grooves whose end-of-life criterion is available in the "
-        "cases",
+        comment="only if both lives were computed with the same grooves, and the cases contain the "
+        "end-of-life criterion",
     )
     name = json.loads(study.attrs["scene"])["name"]
     return whole.assign_attrs(
         study.attrs
         | {
             "title": f"Wear life of {name}",
-            "history": "solved and interpolated from the study by bearingwear study",
+            "history": "computed, and interpolated from the study, by bearingwear study",
             NOT_INTERPOLATED: json.dumps(sorted(unknown)),
             "warnings": gathered_warnings(each.attrs for each in solved),
-            "comment": "life and history_* were computed with the solver in the loop, "
-            "interpolated_* from the cases of the study.",
+            "comment": "life and history_* were computed with the solver in the loop; "
+            "interpolated_* were interpolated between the cases in the study.",
         }
     )
 

@@ -63,7 +63,7 @@ class Plan:
                 raise ValueError(f"config: uncertain_lives.scenes: got {scene}, expected {allowed}")
         for scene in figures.running_averages:
             if scene not in self.dynamic:
-                allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
+                allowed = ", ".join(self.dynamic) or "none, because dynamic is empty"
                 raise ValueError(
                     f"config: figures.running_averages: got scene {scene}, expected {allowed}"
                 )
@@ -78,7 +78,7 @@ class Plan:
 
     def _check_studied(self, key: str, scene: str, mu: float) -> None:
         if scene not in self.grids:
-            allowed = ", ".join(self.grids) or "none, since studies is empty"
+            allowed = ", ".join(self.grids) or "none, because studies is empty"
             raise ValueError(f"config: figures.{key}: got scene {scene}, expected {allowed}")
         if mu not in self.grids[scene].friction:
             allowed = ", ".join(f"{value:g}" for value in self.grids[scene].friction)
@@ -117,8 +117,8 @@ class Plan:
         for scene in self.config.uncertain_lives.scenes:
             if not load_scene(_scene_file(scene)).uncertainty:
                 raise ValueError(
-                    f"config: uncertain_lives.scenes: got {scene}, whose file has no uncertainty, "
-                    "expected scenes with one"
+                    f"config: uncertain_lives.scenes: got {scene}, whose file has no uncertainty "
+                    "block, expected scenes with one"
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:
@@ -214,7 +214,7 @@ class Plan:
         axes = "; ".join(
             f"{axis} {', '.join(map(str, values))}" for axis, values in vars(grids[scene]).items()
         )
-        return f"{path}: got a point off the grid of config.yaml, expected {axes}"
+        return f"{path}: got a point outside the grid in config.yaml, expected {axes}"
 
     def inputs(self) -> list[str]:
         """Files the cases and figures are made from, besides the program."""

@@ -106,9 +106,9 @@ def _not_compared(lives: xr.Dataset) -> str:
     said = []
     if bool(lives["life_route_difference"].isnull().any()):
         said.append(
-            "A dash means that the life has worn grooves or two different bearings, which cannot "
-            "be interpolated between cases, or that these cases do not contain its end-of-life "
-            "criterion."
+            "A dash marks a life that cannot be interpolated between the cases. It was computed "
+            "with worn grooves or for two different bearings, or the cases do not contain its "
+            "end-of-life criterion."
         )
     if unknown:
         said.append(f"The cases do not contain: {', '.join(unknown)}.")

@@ -38,7 +38,7 @@ def wear_history(life: Path) -> Figure:
     """Step: the history of a life."""
     solved = dynamic_life(life)
     if "history_ball_worn_volume" not in solved:
-        raise CaseFileError(f"{life}: no step of this life was solved")
+        raise CaseFileError(f"{life}: no step of this life calculation could be solved")
     return history_figure(solved)
 
 
@@ -50,7 +50,7 @@ def history_figure(life: xr.Dataset) -> Figure:
         unit = power_of_ten([volume for volume, _ in lines])
         for volume, look in lines:
             panel.plot(time, 10.0**-unit * volume, linewidth=1.0, **look)
-        panel.set_ylabel(f"worn off {part} ({_cubed(unit)})")
+        panel.set_ylabel(f"volume worn off {part} ({_cubed(unit)})")
     if not _with_cage(life):
         panels[1, 0].axis("off")
     panels[1, 1].plot(time, life["history_residual_preload"], color="black", marker=".")
@@ -116,8 +116,8 @@ def _cubed(exponent: int) -> str:
 def _message(life: xr.Dataset) -> str:
     hours, name = float(life["life"][counted(life)]), scene_of(life)["name"]
     if int(life["status"]) != OK:
-        return f"{name}: no end was reached in {Rough(hours).text} h ({ended_by(life)})"
-    text = f"{name}: end of life by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
+        return f"{name}: no end of life within {Rough(hours).text} h ({ended_by(life)})"
+    text = f"{name}: life ended by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text
@@ -145,7 +145,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         panels[0, race].set_title(title)
         from_zero(panels[0, race])
     panels[0, 0].set_ylabel("pressure on the centre line (GPa)")
-    panels[1, 0].set_ylabel("worn profile of the groove (µm)")
+    panels[1, 0].set_ylabel("worn groove profile (µm)")
     keys = [
         key(f"after {digits(hours[step])} h" if step else "new", color=colour)
         for step, colour in zip(steps, colours, strict=True)
@@ -155,7 +155,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         panels[2, 1].axis("off")
         panels[2, 1].legend(handles=keys, loc="center", fontsize="large")
     lost = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
-    title = f"{scene_of(life)['name']}: grooves up to a total wear depth of {lost:.2g} µm"
+    title = f"{scene_of(life)['name']}: groove profiles up to a total wear depth of {lost:.2g} µm"
     frame(figure, title, [] if banded else keys, columns=5)
     return figure
 
@@ -168,4 +168,4 @@ def _draw_bands(panel: Any, life: xr.Dataset, colours: list[np.ndarray]) -> None
         panel.plot(latitude, -depth[k], color=colour)
     panel.set_xlim(worn.min(), worn.max())
     panel.set_xlabel("latitude on the ball (°)")
-    panel.set_ylabel("worn profile of the balls (µm)")
+    panel.set_ylabel("worn ball profile (µm)")

@@ -21,9 +21,9 @@ LIVES_FILE = "config/lives.yaml"
 class DynamicLife:
     """A scene, and what is changed in it."""
 
-    scene: str = setting("Name of a file in config/scenes", pattern=NAME)
+    scene: str = setting("Name of a scene file in config/scenes", pattern=NAME)
     changes: Mapping[str, Any] = setting(
-        "Keys of the scene to set", name="set", default_factory=dict
+        "Keys to set in the scene", name="set", default_factory=dict
     )
 
     def scene_file(self) -> str:
@@ -39,7 +39,7 @@ class LivesPlan:
     """Everything in config/lives.yaml."""
 
     lives: Mapping[str, DynamicLife] = setting(
-        "Lives, by the names of their files", default_factory=dict
+        "Life calculations, by the names of their result files", default_factory=dict
     )
 
     def check_scenes(self) -> None:

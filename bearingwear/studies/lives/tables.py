@@ -17,8 +17,8 @@ from bearingwear.studies.dataset import counted, loaded
 
 COLUMN_WORDS = (
     "The error bound allows for the finite wear steps and the scatter of the runs. Ball wear is "
-    "the loss of each ball since the start, relative to the mean. The steady life is computed for "
-    "the same scene under thrust only, without the cage, at the mean loss."
+    "the diameter loss of a ball since the start, relative to the mean. The steady life is "
+    "computed for the same scene under thrust only, without the cage, at the mean loss."
 )
 
 
@@ -29,14 +29,14 @@ def lives_table(lives: Sequence[Path]) -> str:
         criterion(one, "steady_end_criterion") if "steady_life" in one else "–" for one in found
     ]
     rows = (
-        Row("life of", "", tuple(path.stem for path in lives)),
+        Row("name", "", tuple(path.stem for path in lives)),
         quantity_row("life", "h", [_counted(one, "life") for one in found]),
         quantity_row("error bound", "h", [_counted(one, "life_error_bound") for one in found]),
         Row("ended by", "", tuple(map(ended_by, found))),
         quantity_row("steady life", "h", [_number(one, "steady_life") for one in found]),
         Row("steady life ended by", "", tuple(steady)),
         quantity_row(
-            "time to the same loss, steady model",
+            "time to reach the same loss, steady model",
             "h",
             [_number(one, "steady_time_to_loss") for one in found],
         ),
@@ -51,7 +51,7 @@ def lives_table(lives: Sequence[Path]) -> str:
         ),
     )
     block = Block(rows=rows, axes=1, lines=(COLUMN_WORDS,))
-    return as_markdown(Document(("Wear life by the dynamic model",), blocks=(block,)))
+    return as_markdown(Document(("Wear life according to the dynamic model",), blocks=(block,)))
 
 
 def _counted(life: xr.Dataset, name: str) -> float:
@@ -82,7 +82,7 @@ def dynamic_life(path: Path) -> xr.Dataset:
     """A life file of fidelity dynamic. Raises CaseFileError."""
     life = loaded(path)
     if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
-        raise CaseFileError(f"{path}: not a dynamic life")
+        raise CaseFileError(f"{path}: not a life file of the dynamic model")
     return life
 
 

@@ -91,8 +91,8 @@ def _check_folder(folder: Path, head: str) -> None:
             if not (_text(config) or "").startswith(head):
                 what = head.removeprefix("# Written by ")
                 raise UsageError(
-                    f"{folder}: got a folder with other files, expected a new folder, or the "
-                    f"folder of {what}"
+                    f"{folder}: got a folder with other files, expected a new folder, or one "
+                    f"written by {what}"
                 )
     except OSError as error:
         raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
@@ -105,8 +105,8 @@ def _check_unedited(path: Path, head: str, folder: Path) -> None:
         first, _, rest = text.partition("\n")
         if not first.startswith(head) or _hash(rest) not in first:
             raise UsageError(
-                f"{path}: got an edited file, expected an unchanged file, or none (for the edited "
-                f"study, run `bearingwear study` in {folder})"
+                f"{path}: got an edited file, expected an unchanged file, or none (to run the "
+                f"edited study, use `bearingwear study` in {folder})"
             )
 
 

@@ -82,9 +82,9 @@ class Calibration:
 def files_of(path: Path) -> Path:
     """The file of the data beside that of a scene, which is new. Raises OutputError."""
     if path.suffix not in SCENE_SUFFIXES:
-        raise OutputError(f"{path}: got this name, expected one that ends with .yaml or .yml")
+        raise OutputError(f"{path}: got this file name, expected one that ends in .yaml or .yml")
     if path.exists():
-        raise OutputError(f"{path}: already exists and is not overwritten; choose another name")
+        raise OutputError(f"{path}: already exists, and is not overwritten; choose another name")
     return path.with_suffix(".nc")
 
 
@@ -118,14 +118,14 @@ def calibrated(
     digest = hashlib.sha256(Path(tests).read_bytes()).hexdigest()
     if scene.calibrated and scene.calibrated.sha256 == digest:
         raise CaseFileError(
-            f"{tests}: got the tests with which the scene was calibrated, expected other tests"
+            f"{tests}: got the tests used to calibrate the scene, expected different tests"
         )
     prior = _prior(scene, friction)
     if any(test.seen == SEEN_TORQUE for test in found) and not friction:
         row = next(test.row for test in found if test.seen == SEEN_TORQUE)
         key = FRICTION_KEYS[scene.friction.film is not None]
         problem = (
-            f"got a result that would determine uncertainty.{key}, which the scene does not have"
+            f"got a result that would determine uncertainty.{key}, which the scene does not contain"
         )
         raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
     curve = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
@@ -168,7 +168,7 @@ def _checked(scene: Scene) -> str:
     if all(is_same_for_batch(name, one) for name, one in given.items()):
         raise SceneError(
             "uncertainty",
-            "got nothing that scatters from bearing to bearing, expected wear_scatter: "
+            "got no value that varies from bearing to bearing, expected wear_scatter: "
             "{distribution: lognormal, factor: 1.3}, or another distribution",
             source=scene.name,
         )
@@ -249,7 +249,7 @@ def _curve(
     CaseFileError: where the model has none at the middle of the friction.
     """
     if tell:
-        tell(f"{'torque' if torque else 'life'} against friction under one condition ...")
+        tell(f"computing {'torque' if torque else 'life'} against friction for one condition ...")
     nodes = np.array([x.mean])
     if friction:
         cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]
@@ -260,7 +260,7 @@ def _curve(
     values = _logs(scene, names, rows, torque, workers)
     middle = float(values[_NODES // 2]) if friction else float(values[0])
     if not middle > _NONE:
-        problem = "got no life from the model, because it is zero or could not be computed"
+        problem = "got no life from the model: it is zero or could not be computed"
         raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
     scatter, shift = _scatter(scene, torque, middle, workers)
     if not friction:

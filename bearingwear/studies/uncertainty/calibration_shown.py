@@ -42,7 +42,7 @@ def calibration_sheet(file: Any) -> Document:
     scene = json.loads(file.scene)
     calibration = scene["calibrated"]
     film = "ball_race" not in scene["friction"]
-    friction = ("film's shear strength", "MPa") if film else ("friction", "")
+    friction = ("shear strength of film", "MPa") if film else ("friction", "")
     rows = [
         Row(f"{friction[0]}, 90 % of batches", friction[1], _pair(file, "friction_interval")),
         Row("K_s/H, 90 % of batches", "m2/N", _pair(file, "wear_over_hardness_interval")),
@@ -63,9 +63,9 @@ def calibration_sheet(file: Any) -> Document:
     summary = (
         "Within a batch, two thirds of the lives are within a factor of "
         f"{digits(float(np.exp(scatter)))} of the median.",
-        f"The error of lives interpolated between friction values is at most {100 * error:.1g} %.",
-        "The probability is that of a test that deviates from the model by at least this much, "
-        "given the other tests.",
+        f"The error in lives interpolated between friction values is at most {100 * error:.1g} %.",
+        "The probability is that of a test result that deviates from the model by at least this "
+        "much, given the other tests.",
     )
     return Document(
         heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=summary))
@@ -78,14 +78,14 @@ def conflicts(file: Any) -> list[str]:
     for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
         if p < _UNLIKELY:
             found.append(
-                f"{label} has a probability of {100 * p:.2g} % given the model and the other tests"
+                f"{label} has a probability of {100 * p:.2g} %, given the model and the other tests"
             )
     scene = json.loads(file.scene)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
         moved = float(getattr(file, name))
         if abs(moved) > _FAR:
             distance = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
-            found.append(f"{words} from the tests is {distance} the value of {scene['name']}")
+            found.append(f"{words} from the tests is {distance} the value in {scene['name']}")
     return found
 
 
@@ -119,11 +119,11 @@ def _pair(file: Any, name: str, ends: tuple[int, int] = (0, 1)) -> tuple[Interva
 def calibration_figure(found: xr.Dataset) -> Figure:
     """Friction, K_s/H and life, before and after the tests."""
     scene = json.loads(found.attrs["scene"])
-    panels = [("wear_over_hardness", "wear_density", "K_s/H (m²/N)", "density of its logarithm")]
+    panels = [("wear_over_hardness", "wear_density", "K_s/H (m²/N)", "density of the logarithm")]
     if "friction_density" in found:
         label = "friction" if "ball_race" in scene["friction"] else "shear strength of film (MPa)"
-        panels.insert(0, ("friction", "friction_density", label, "density of its logarithm"))
-    panels.append(("hours", "failed_share", "life (h)", "share of bearings failed"))
+        panels.insert(0, ("friction", "friction_density", label, "density of the logarithm"))
+    panels.append(("hours", "failed_share", "life (h)", "share of failed bearings"))
     figure, axes = new_figure(1, len(panels), 3.2 * len(panels), 3.2)
     for panel, (axis, name, x_label, y_label) in zip(axes[0], panels, strict=True):
         for k, colour in enumerate(_COLOURS.values()):
@@ -141,10 +141,10 @@ def calibration_figure(found: xr.Dataset) -> Figure:
     )
     handles = [
         *(key(stage, color=colour) for stage, colour in _COLOURS.items()),
-        key("life of a test", color="C3", linestyle="none", marker="o"),
+        key("life in a test", color="C3", linestyle="none", marker="o"),
         key("run-out", color="C3", linestyle="none", marker=">"),
     ]
     lives = f"{before} h before the tests, {after} h after"
-    text = f"{scene['name']}: lives of 90 % of bearings: {lives}"
+    text = f"{scene['name']}: life of 90 % of bearings: {lives}"
     frame(figure, text, handles, columns=4)
     return figure

@@ -48,13 +48,13 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     lines = ((table.line_num, cells) for cells in table)
     rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
     if len(rows) < 2:
-        raise CaseFileError(f"{path}: got no test, expected a header and one row per test")
+        raise CaseFileError(f"{path}: got no tests, expected a header and one row per test")
     (_, names), *rows = rows
     for name in names:
         if names.count(name) > 1:
             raise CaseFileError(f"{path}: got the column {name!r} twice, expected it once")
         if name not in TEST_COLUMNS and "." not in name:
-            allowed = f"a key of the scene (operation.preload_N), or {', '.join(TEST_COLUMNS)}"
+            allowed = f"a scene key (operation.preload_N), or one of {', '.join(TEST_COLUMNS)}"
             raise CaseFileError(f"{path}: got the column {short(name)!r}, expected {allowed}")
     found = []
     for number, cells in rows:
@@ -131,9 +131,7 @@ class _Row:
                 found = found.with_({"wear.end_of_life": {"ball_diameter_loss_um": value}})
             elif seen == SEEN_PRELOAD:
                 if found.operation.preload_method != "fixed_position":
-                    problem = (
-                        "got this result under a constant force, expected it at a fixed position"
-                    )
+                    problem = "got this result with constant force, expected it with fixed position"
                     raise self.refused(seen, problem)
                 if value >= preload:
                     raise self.refused(seen, f"got {value:g}, expected a number < {preload:g}")

@@ -33,7 +33,7 @@ HERTZIAN, FOLLOWED = (64, 2048), (16, 256)
 HERTZIAN_TO, FOLLOWED_TO = 2e-3, 1e-2
 """Error of 95 in 100 for which no more are solved; lives with worn grooves are themselves quick."""
 
-_QUICK, _WORN = "Hertzian", "worn grooves"
+_QUICK, _WORN = "Hertzian grooves", "worn grooves"
 _AT_ONCE = {_QUICK: 16, _WORN: 2}
 """Lives that a process is given at a time."""
 

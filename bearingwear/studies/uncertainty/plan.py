@@ -26,7 +26,7 @@ class SampledScene:
     """A scene whose lives are sampled."""
 
     preload_method: tuple[str, ...] = setting(
-        "Preload methods, selected from those of the design map", choices=PRELOAD_METHODS, least=1
+        "Preload methods, selected from those in the design map", choices=PRELOAD_METHODS, least=1
     )
 
 
@@ -53,7 +53,7 @@ class SamplePart(NamedTuple):
 class UncertaintyPlan:
     """Everything in config/uncertainty.yaml."""
 
-    scenes: Mapping[str, SampledScene] = setting("Scenes whose lives are sampled", least=1)
+    scenes: Mapping[str, SampledScene] = setting("Scenes for which lives are sampled", least=1)
     sampling: Sampling = setting("Sampling of the uncertain values")
 
     @property

@@ -113,11 +113,13 @@ def _parts(
     for path in paths:
         part = load(path)
         if part.attrs.get("kind") != PART_KIND:
-            raise CaseFileError(f"{path}: got another file, expected a part of sampled lives")
+            raise CaseFileError(
+                f"{path}: got a file of another kind, expected a part of the sampled lives"
+            )
         sampled = {name: int(part.attrs[name]) for name in ("samples", "seed", "chunks")}
         if json.loads(part.attrs["scene"]) != scene.to_dict() or Sampling(**sampled) != plan:
             raise CaseFileError(
-                f"{path}: got another scene or sampling, expected those of the study"
+                f"{path}: got a different scene or sampling, expected those of the study"
             )
         parts.setdefault((part.attrs["preload_method"], part.attrs[PRELOAD_CHOICE]), []).append(
             part
@@ -254,7 +256,7 @@ def _dataset(
         known,
         {UNCERTAINTY_AXES[name]: values for name, values in axes.items()} | dict(more),
         table,
-        title=f"Uncertainty of the life of {scene.name}",
+        title=f"Uncertainty in life: {scene.name}",
         kind=KIND,
         scene=scene,
         samples=np.int64(plan.samples),

@@ -39,7 +39,12 @@ SAMPLED = table(
     Variable(
         "end_criterion", (), "", "criterion that determines the end of life", "i1", flags=CRITERIA
     ),
-    Variable("wear_factor", (), "1", "life relative to that with the scene's own K_s and hardness"),
+    Variable(
+        "wear_factor",
+        (),
+        "1",
+        "ratio of the life to that computed with the K_s and hardness of the scene",
+    ),
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
 )
 """What is found at sampled values."""
@@ -184,7 +189,7 @@ def preload_at(scene: Scene, method: str, choice: str, recommendation: xr.Datase
     flag = PRELOAD_METHODS.index(method)
     recommendation = recommended_for(scene, recommendation)
     if flag not in recommendation["preload_method"]:
-        raise CaseFileError(f"the recommendation has no {method}")
+        raise CaseFileError(f"the recommendation does not contain {method}")
     return float(recommendation["preload"].sel(preload_method=flag))
 
 
@@ -223,7 +228,7 @@ def sample_part(
     preload = preload_at(scene, method, choice, recommendation)
     base = np.array_split(np.arange(plan.samples), plan.chunks)[chunk]
     attributes: dict[str, Any] = {
-        "title": f"Sampled lives of {scene.name}: {method}, {choice} preload",
+        "title": f"Sampled lives: {scene.name}, {method}, {choice} preload",
         "kind": PART_KIND,
         "scene": scene,
         "preload_method": method,

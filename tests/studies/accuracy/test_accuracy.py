@@ -253,7 +253,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
 
     assert check() == 2  # no such part yet
     assert renew() == {0} and check() == 0
-    assert (tmp_path / "check.txt").read_text().endswith("accuracy.md: agrees\n")
+    assert (tmp_path / "check.txt").read_text().endswith("accuracy.md: agrees with the run\n")
     once = docs.read_text(encoding="utf-8")
     assert once.startswith("# Accuracy\n\n<!-- effects: begin -->\n")
     cells = table_cells(once)
@@ -277,7 +277,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
         (
             "| yes |",
             "| no |",
-            "constant force: loss of 0.3 A a², gyro_fresh: followed: the table contains no",
+            "constant force: loss of 0.3 A a², gyro_fresh: worn profile: the table contains no",
         ),
         ("| 50 equal strips |", "| 51 equal strips |", "50 equal strips: missing"),
     ]:
@@ -288,7 +288,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
         error = capsys.readouterr().err
         assert said in error
         assert not said or error.count("\n") == 2
-        assert not said or error.endswith("accuracy.md: 1 numbers differ\n")
+        assert not said or error.endswith("accuracy.md: numbers that differ: 1\n")
 
 
 def test_agreement_within_the_tolerance(plan):

@@ -138,7 +138,7 @@ def test_balls_and_races_beside_it():
 
 
 def test_nothing_that_ends_it_is_refused():
-    with pytest.raises(SceneError, match="expected one of the two, to define its end of life"):
+    with pytest.raises(SceneError, match="expected one of them to define the end of life"):
         with_cage_end(variant(S1, {}))
     with pytest.raises(SceneError, match="got 0.1, expected a number > 0.2, the initial value"):
         with_cage_end(variant(S1, {"wear.end_of_life": {"guide_clearance_mm": 0.1}}))

@@ -149,14 +149,14 @@ def test_what_a_map_says(small):
     assert quiet_region(motions).endswith("turn with the balls): friction 0.02")
     said = recommended_cage(motions)
     assert said.startswith("Use a friction coefficient of 0.02 (now 0.05): turns with the balls")
-    assert "wear by a factor of 10 (10 to 10) compared with the cage as it is (whirls" in said
+    assert "wear by a factor of 10 (10 to 10) compared with the present cage (whirls" in said
 
 
 def test_what_cannot_be_improved_is_kept(small):
     _, motions = small
     less = motions.sel(cage_friction=[0.05, 0.1])
-    assert recommended_cage(less).startswith("Keep the cage as it is (whirls 100 %): no quieter")
-    assert quiet_region(less) == "No cage in the map is quiet at every level of gravity in the map"
+    assert recommended_cage(less).startswith("Keep the present cage (whirls 100 %): no quieter")
+    assert quiet_region(less) == "No cage in the map is quiet at every level of gravity"
     failed = motions.map(lambda one: one * np.nan).assign_attrs(motions.attrs)
     assert recommended_cage(failed) == "No cage in the map could be solved"
 

@@ -132,7 +132,7 @@ def test_sheet_and_figure_of_an_ensemble(tmp_path, monkeypatch, capsys):
     assert main(["show", str(path)]) == 0
     text = capsys.readouterr().out
     assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage per turn" in text
-    assert "step tolerance 0.001: in addition to its interval, the work" in text
+    assert "step tolerance 0.001: the work in each motion has an error" in text
     assert main(["plot", str(path), "-o", str(path.with_suffix(".svg"))]) == 0
 
 

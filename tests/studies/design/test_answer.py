@@ -230,7 +230,7 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
     path = tmp_path / "other.nc"
     other.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
     for given, why in (
-        (path, "got lives of another scene"),
+        (path, "got lives computed for another scene"),
         (files["design"], "got a file of another kind"),
     ):
         out = tmp_path / "answer.json"

@@ -51,8 +51,8 @@ LONG = "{} gives the longer life"
 HEADLINES = [
     ([life(C, 0.1, 2.0), life(F, 0.1, 1.0)], LONG.format("constant force"), "2 times as long"),
     ([life(C, 0.1, 1.0), life(F, 0.1, 1.05)], LONG.format("fixed position"), "5 % longer at"),
-    ([life(C, 0.1, 1.0), life(F, 0.1, 1.019)], EQUAL, "No difference beyond the numerical error"),
-    ([life(C, 0.1, 0.0), life(F, 0.1, 0.0)], NONE, "with both, a new bearing already"),
+    ([life(C, 0.1, 1.0), life(F, 0.1, 1.019)], EQUAL, "by no more than their numerical errors"),
+    ([life(C, 0.1, 0.0), life(F, 0.1, 0.0)], NONE, "with both, an end-of-life criterion"),
     ([life(C, 0.1, 0.0), life(F, 0.1, 2.0)], LONG.format("fixed position"),
      "the other life is zero"),
     ([life(C, 0.1, 1.0, math.nan), life(F, 0.1, 1.019, math.nan)],

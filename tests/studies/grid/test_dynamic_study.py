@@ -185,7 +185,7 @@ def test_comparison_tables(folder, tmp_path):
     assert "| QV, steady (W) |" in text and "land (mm³/1000\N{NO-BREAK SPACE}h) |" in text
     assert "nan" not in text + outputs[0].read_text(encoding="utf-8")
     assert (
-        text.count(": the wear of all parts still drifts by +20 % over the averaged turns") == 4
+        text.count(": the total wear rate still drifts by +20 % over the averaged turns") == 4
     )  # of those solved
     assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
@@ -264,7 +264,7 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "expected a table with header part,time_s,wear_rate_m3_s"),
+        ("", "expected a table with the header part,time_s,wear_rate_m3_s"),
         ("part,time_s,wear_rate_m3_s\nball,1,2\n", "got ball,1,2, expected ball_1 or cage"),
         ("part,time_s,wear_rate_m3_s\ncage,1,x\n", "got cage,1,x, expected"),
     ],

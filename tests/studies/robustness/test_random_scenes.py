@@ -216,7 +216,7 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     plan = f"plan={FILE}"
     assert step("run.fuzz", plan, output=solved, **settings | {"name": "steady_stress"}) == 0
     found = load(solved)
-    found["violations"] = ("trial", np.array(["", "more heat than mu QV"], dtype=object))
+    found["violations"] = ("trial", np.array(["", "friction heat exceeds mu QV"], dtype=object))
     found["status"][:] = code.OK
     write_dataset(found, solved)
     assert step("gather.counted_ends", f"paths+={solved}", output=counts) == 0
@@ -226,7 +226,7 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     verdict = tmp_path / "verdict.txt"
     assert step("tables.wrong_answers", f"counts={counts}", output=verdict) == 3
     assert not verdict.exists()
-    assert "1 wrong, the first: more heat than mu QV" in capsys.readouterr().err
+    assert "incorrect results: 1 (first: friction heat exceeds mu QV)" in capsys.readouterr().err
     assert step("run.fuzz", plan, output=solved, **settings) == 2
     assert "scene_classes: got few, expected steady" in capsys.readouterr().err
 

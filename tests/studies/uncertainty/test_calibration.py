@@ -66,11 +66,11 @@ def test_a_bad_row_is_refused_in_one_line(tmp_path, line, said):
 @pytest.mark.parametrize(
     "lines, said",
     [
-        (["life", "3"], "got the column 'life', expected a key of the scene"),
+        (["life", "3"], "got the column 'life', expected a scene key"),
         (["life_h,life_h", "3,4"], "got the column 'life_h' twice"),
         (
             ["preload_left_N,after_h", "4,1"],
-            "row 2: preload_left_N: got this result under a constant",
+            "row 2: preload_left_N: got this result with constant",
         ),
         (
             ["operation.preload_method,preload_left_N,after_h", "fixed_position,8,1"],
@@ -103,7 +103,7 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
             "wear_coefficient",
             "uncertainty.wear_coefficient: got no value that tests could determine",
         ),
-        ("wear_scatter", "uncertainty: got nothing that scatters"),
+        ("wear_scatter", "uncertainty: got no value that varies"),
         ("ball_race", "row 2: torque_Nmm: got a result that would determine uncertainty.ball_race"),
     ):
         spread = {n: one for n, one in unknown["uncertainty"].items() if n != name}
@@ -185,7 +185,7 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     data = bearingwear.load(tmp_path / "calibrated.nc")
     # a second time would count the tests twice
     assert main(["calibrate", str(out), str(path), "-o", str(tmp_path / "again.yaml")]) == 2
-    assert "got the tests with which the scene was calibrated" in capsys.readouterr().err
+    assert "got the tests used to calibrate the scene" in capsys.readouterr().err
     # `uncertainty` of the scene has the same interval, by a sample and by lognormal marginals
     spread = tmp_path / "u.nc"
     assert main(["uncertainty", str(out), "-o", str(spread), "--quiet"]) == 0
@@ -244,7 +244,7 @@ def test_a_conflict_is_said(tmp_path, capsys):
     assert main(["calibrate", str(base), str(path), "-o", str(out), "--json"]) == 0
     (said,) = json.loads(capsys.readouterr().out)["conflicts"]
     assert said.startswith("K_s/H from the tests is") and said.endswith(
-        "below the value of gyro_s1"
+        "below the value in gyro_s1"
     )
     assert main(["show", str(tmp_path / "calibrated.nc")]) == 0
     assert f"conflict: {said}" in capsys.readouterr().out

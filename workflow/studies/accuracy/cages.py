@@ -42,7 +42,7 @@ def cages_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTable
         "per turn, and the work in the pockets and at the land, all relative to the first row. The "
         "next column gives the half-width of the 90 % interval of the relative work, from paired "
         "differences. The last column gives the share of the runs that end in the same motion as "
-        "the corresponding run of the first row.",
+        "the corresponding run in the first row.",
         CheckedTable(
             title=title, axes=("case",), columns=dict.fromkeys(_COLUMNS, loose), rows=rows
         ),

@@ -60,8 +60,8 @@ def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
     given = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
     lines = [line for part, path in given.items() for line in differences(path, plan, docs, part)]
     if lines:
-        raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
-    return f"{docs}: agrees\n"
+        raise NotSolved("\n".join([*lines, f"{docs}: numbers that differ: {len(lines)}"]))
+    return f"{docs}: agrees with the run\n"
 
 
 def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
@@ -69,7 +69,7 @@ def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
     begin, end = _marks(part)
     inside, closed, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
     if not closed:
-        raise CaseFileError(f"{docs}: has no part between {begin} and {end}")
+        raise CaseFileError(f"{docs}: got no part between {begin} and {end}")
     tables = tables_in(docs_part(trade, plan, part))
     return [f"{docs}: {line}" for table in tables for line in table.differences(inside)]
 

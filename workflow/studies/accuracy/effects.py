@@ -15,8 +15,8 @@ EFFECT_COLUMNS = {
     "preload": "residual_preload",
     "QV": "total_qv",
     "life": "life",
-    "time of a solve": "processor_time",
-    "time of a life": "life_processor_time",
+    "time per solve": "processor_time",
+    "time per life calculation": "life_processor_time",
 }
 
 
@@ -50,10 +50,10 @@ def effects_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTab
         "edit. Each value is relative to the first point of its sweep (`config/accuracy.yaml`): "
         "the bearing as mounted, a single bearing, or a force balance without traction. Slip is "
         "always evaluated over the whole ellipse. Preload and QV are those of the first bearing at "
-        "the wear given in the scene. Lives start from the unworn state; a life of 0 means that "
-        f"the bearing exceeds a limit when new. Times are median CPU times of {plan.repeats} "
-        "complete steady solves or lives with compiled code. The study fails if a result differs "
-        f"from these tables by more than {answers_agree_within()}, or a time by more than a factor "
-        f"of {plan.tolerance.time:g}.",
+        "the wear given in the scene. Lives are computed from the unworn state; a life of 0 means "
+        "that the bearing reaches an end-of-life criterion when new. Times are median CPU times "
+        f"of {plan.repeats} complete steady solves or life calculations with compiled code. "
+        "The study fails if a result differs from these tables by more than "
+        f"{answers_agree_within()}, or a time by more than a factor of {plan.tolerance.time:g}.",
         *(CheckedTable(title=title, columns=columns, rows=found) for title, found in rows.items()),
     ]

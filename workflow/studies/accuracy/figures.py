@@ -35,10 +35,10 @@ FRONT = {"color": "0.3", "linewidth": 3.0, "alpha": 0.35, "zorder": 1}
 DOUBT = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 
 QUANTITY = {
-    "total_qv": "error of total QV",
-    "contact_qv": "error of QV of a contact",
-    "wear_rate": "error of the wear rate",
-    "life": "error of the wear life",
+    "total_qv": "error in total QV",
+    "contact_qv": "error in QV of a contact",
+    "wear_rate": "error in wear rate",
+    "life": "error in wear life",
 }
 
 
@@ -142,8 +142,9 @@ def steady_figure(trade: xr.Dataset) -> Figure:
     worst, best = _worst(strips, "total_qv"), _worst(split, "total_qv")
     times = span(map(Rough, time_ratios(split, strips)))
     title = (
-        f"Steady state: total QV is in error by up to {percent_in_text(worst)} with 50 equal "
-        f"strips, and {percent_in_text(best)} with 32 split Gauss points, in {times} times the time"
+        f"Steady state: the error in total QV is up to {percent_in_text(worst)} with 50 equal "
+        f"strips and up to {percent_in_text(best)} with 32 split Gauss points, which take {times} "
+        "times as long"
     )
     return multiples(trade, points, ("total_qv", "contact_qv"), title)
 
@@ -152,7 +153,7 @@ def life_tolerance_figure(trade: xr.Dataset) -> Figure:
     """The same sweeps, by the wear life."""
     points = of_sweeps(trade, "steady")
     worst = _worst(points_where(points, sweep="regularisation", label="0.001"), "life")
-    title = f"Wear life: v_r = 1e-3 m/s changes it by up to {percent_in_text(worst)}"
+    title = f"Wear life: at v_r = 1e-3 m/s, the error is up to {percent_in_text(worst)}"
     return multiples(trade, points, ("life",), title, "life_wall_time")
 
 
@@ -162,8 +163,8 @@ def dynamic_figure(trade: xr.Dataset) -> Figure:
     two = _worst(points_where(points, sweep="turns", label="2"), "total_qv")
     many = _worst(points_where(points, sweep="turns", label="50"), "total_qv")
     title = (
-        f"Dynamic model: total QV is in error by up to {percent_in_text(two)} with 2 turns, and "
-        f"{percent_in_text(many)} with 50"
+        f"Dynamic model: the error in total QV is up to {percent_in_text(two)} with 2 turns and up "
+        f"to {percent_in_text(many)} with 50"
     )
     return multiples(trade, points, ("total_qv", "wear_rate"), title)
 
@@ -182,9 +183,9 @@ def integration_figure(trade: xr.Dataset) -> Figure:
         time_ratios(points_where(explicit, label=small), points_where(implicit, label=small))
     )
     title = (
-        f"The same turns: as v_r falls from {large} to {small} m/s, Runge-Kutta takes up to "
-        f"{slower[0]} times as long, Rosenbrock up to {slower[1]} times; at {small} m/s "
-        f"Rosenbrock is up to {faster} times as fast"
+        f"Same number of turns: a reduction in v_r from {large} to {small} m/s increases the time "
+        f"by a factor of up to {slower[0]} with Runge-Kutta and up to {slower[1]} with Rosenbrock; "
+        f"at {small} m/s, Rosenbrock is up to {faster} times as fast"
     )
     return multiples(trade, points, ("total_qv", "contact_qv"), title)
 
@@ -200,10 +201,10 @@ def overview_figure(trade: xr.Dataset) -> Figure:
         axes.set_title(text)
         axes.xaxis.set_major_formatter(lambda seconds, _: f"{1e3 * seconds:g}")
         axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_xlabel("CPU time of a solve (ms), median of the scenes")
+        axes.set_xlabel("CPU time per solve (ms), median over the scenes")
         below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
         axes.legend(handles=keys_of(points)[:-1], **below)  # a median has no doubt of its own
-    panels[0, 0].set_ylabel("relative error of total QV, median of the scenes")
+    panels[0, 0].set_ylabel("relative error in total QV, median over the scenes")
     presets = over_scenes(of_sweeps(trade, "long"))
     times = {
         label: float(points_where(presets, sweep="preset_dynamic", label=label)[_CPU].mean())
@@ -233,10 +234,10 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
 
 
 SIMPLER = (  # sweep, label, text
-    ("fidelity_steady", "race control", "race control for the steady state"),
+    ("fidelity_steady", "race control", "race control instead of steady model"),
     ("across", "1", "slip on the centre line of the ellipse"),
     ("normal_balance", "with traction", "traction in the normal balance"),
-    ("fidelity", "race control", "race control for the dynamic model"),
+    ("fidelity", "race control", "race control instead of dynamic model"),
     ("fidelity", "steady", "steady, pure thrust"),
     ("fidelity", "three balls", "three balls, dynamic, pure thrust"),
     ("fidelity", "no cage", "all balls, dynamic, no cage"),
@@ -281,8 +282,8 @@ def models_figure(trade: xr.Dataset) -> Figure:
         _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
     )
     title = (
-        f"The error of race control is up to {total} in total QV and {contact} in QV of a contact; "
-        f"without the cage, total QV changes by up to {cage}"
+        f"With race control, the error is up to {total} in total QV and up to {contact} in QV of a "
+        f"contact; without the cage, total QV changes by up to {cage}"
     )
     frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)
     return figure

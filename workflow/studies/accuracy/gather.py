@@ -44,8 +44,8 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
         | {
             "title": "Accuracy against time",
             "history": "gathered by snakemake accuracy",
-            "comment": "Errors are signed and relative to the reference of each scene. Wall times "
-            "differ from run to run.",
+            "comment": "Errors are signed and relative to the reference solution of each scene. "
+            "Wall times vary from run to run.",
         }
     )
 
@@ -63,7 +63,7 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
         shared = shared or of
         for key, value in of.items():
             if value != shared[key]:
-                raise CaseFileError(f"{path}: {key} differs from the previous files")
+                raise CaseFileError(f"{path}: {key} differs from that in the previous files")
         found[attrs["scene_name"], attrs["sweep_name"]] = dataset
     if not found:
         raise CaseFileError("got no sweeps, expected those of the accuracy study")
@@ -78,17 +78,17 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
         right = float(reference[name]) if int(reference["status"]) == OK else np.nan
         error = points[name].values / (right or np.nan) - 1.0
         quantity = points[name].attrs.get("long_name", name)
-        columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error of {quantity}"
+        columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error in {quantity}"
     columns["error_contact_qv"] = (
         np.maximum(*(np.abs(columns[f"error_qv_{race}"][0]) for race in ("inner", "outer"))),
-        "magnitude of the error of the QV of a contact, the larger of both",
+        "magnitude of the error in QV of a contact, the larger of the two",
     )
     time = np.full(solved.size, float(reference["wall_time"]))
     variables = {
         name: ("point", values, {"long_name": label, "units": "1"})
         for name, (values, label) in columns.items()
     }
-    label = {"long_name": "wall time of the reference", "units": "s"}
+    label = {"long_name": "wall time of the reference solution", "units": "s"}
     return variables | {"reference_time": ("point", time, label)}
 
 

@@ -32,14 +32,14 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
         for axes, name in zip(row, ratios, strict=False):
             ratios[name] += _ratio_panel(axes, points, name, colours)
         row[0].set_ylabel(f"{method}\nlife / life with Hertzian contact")
-        row[1].set_ylabel("QV at the end / Hertzian QV")
+        row[1].set_ylabel("end QV / end QV with Hertzian contact")
         _cost_panel(row[2], points_where(trade, sweep=cells), colours)
     for axes in panels[1, :2]:
         axes.set_xlabel("loss at the end of life / gap A a²")
-    panels[1, 2].set_xlabel("CPU time of a life (s)")
+    panels[1, 2].set_xlabel("CPU time per life calculation (s)")
     title = (
-        f"With worn grooves, lives are {span(ratios['life'])} times those with Hertzian contact, "
-        f"and QV at their end is {span(ratios['end_qv'])} times as large"
+        f"With worn grooves, life is {span(ratios['life'])} times that with Hertzian contact, "
+        f"and QV at the end of life is {span(ratios['end_qv'])} times as large"
     )
     handles = [key(in_words(scene), color=colour, linewidth=3) for scene, colour in colours.items()]
     handles += [
@@ -86,4 +86,4 @@ def _cost_panel(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.set_ylabel("relative error of life")
+    axes.set_ylabel("relative error in life")

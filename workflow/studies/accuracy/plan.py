@@ -113,7 +113,8 @@ class TradeScene:
     file: str = setting("Name of a file in config/scenes", pattern=NAME)
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     references: tuple[str, ...] = setting(
-        "References of the scene; if there are none, only sweeps that name the scene are run",
+        "Reference solutions of the scene; if there are none, only sweeps that name the scene are "
+        "run",
         default=(),
     )
 
@@ -126,9 +127,11 @@ class Sweep:
     kind: str = setting(
         "Kind of difference between the points", choices=SWEEP_KINDS, default="numerical"
     )
-    base: str = setting("Reference from which it starts, or `scene`", name="from")
+    base: str = setting(
+        "Reference solution whose settings the sweep varies, or `scene`", name="from"
+    )
     errors_against: str = setting(
-        "Reference for its errors, or `first`; default: `from`", name="against", default=""
+        "Reference solution for the errors, or `first`; default: `from`", name="against", default=""
     )
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     grid: Mapping[str, Any] = setting("Lists of values; every combination is a point")
@@ -150,14 +153,14 @@ class TableRow:
 
     sweep: str = setting("Name of the sweep")
     label: str = setting("Label of the point")
-    text: str = setting("First cell")
+    text: str = setting("Text of the first cell")
 
 
 @keyed
 class CageRow:
     """An ensemble of cages of the study."""
 
-    text: str = setting("First cell")
+    text: str = setting("Text of the first cell")
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     least_turns: int = setting("As in `cage.yaml`", default=Ensemble.least_turns)
     most_turns: int = setting("As in `cage.yaml`", default=Ensemble.most_turns)
@@ -169,7 +172,7 @@ class CageTrade:
 
     file: str = setting("Name of a file in config/scenes", pattern=NAME)
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
-    runs: int = setting("Runs of each ensemble", within=f"[{FEWEST}, inf)")
+    runs: int = setting("Number of runs in each ensemble", within=f"[{FEWEST}, inf)")
     ensembles: Mapping[str, CageRow] = setting("Ensembles by the names of their files")
 
     def ensemble_settings(self, name: str) -> dict[str, Any]:
@@ -186,25 +189,25 @@ class CageTrade:
 class Tolerance:
     """How far a number in docs/accuracy.md may differ from a run."""
 
-    error: float = setting("Allowed factor between errors", within="[1, inf)")
+    error: float = setting("Permitted factor between errors", within="[1, inf)")
     floor: float = setting(
-        "Error of a steady state below which differences are noise", within="[0, inf)"
+        "Error in a steady state below which differences are regarded as noise", within="[0, inf)"
     )
     floor_dynamic: float = setting("The same for the dynamic model", within="[0, inf)")
-    time: float = setting("Allowed factor between times", within="[1, inf)")
+    time: float = setting("Permitted factor between times", within="[1, inf)")
 
 
 @keyed
 class AccuracyPlan:
     """Everything in config/accuracy.yaml."""
 
-    repeats: int = setting("Number of timed solves, of which the median is used", within="[1, inf)")
+    repeats: int = setting("Number of timed solves; the median time is used", within="[1, inf)")
     seconds: float = setting(
-        "Time after which a solve is not repeated", unit="s", within="(0, inf)"
+        "Total time after which a solve is not repeated", unit="s", within="(0, inf)"
     )
-    tolerance: Tolerance = setting("Allowed difference between docs and a run")
+    tolerance: Tolerance = setting("Permitted differences between docs/accuracy.md and a run")
     references: Mapping[str, Reference] = setting("Solutions treated as exact")
-    scenes: Mapping[str, TradeScene] = setting("Scenes, under names of the study")
+    scenes: Mapping[str, TradeScene] = setting("Scenes, by their names in the study")
     sweeps: Mapping[str, Sweep] = setting("Sweeps")
     table: tuple[TableRow, ...] = setting("Rows of the table in docs/accuracy.md")
     effects: tuple[TableRow, ...] = setting(
@@ -213,7 +216,7 @@ class AccuracyPlan:
         default=(),
     )
 
-    cages: CageTrade = setting("Ensembles of a cage for the table of turns and tolerances")
+    cages: CageTrade = setting("Ensembles of cage runs for the table of turns and tolerances")
 
     def __post_init__(self) -> None:
         for name, scene in self.scenes.items():
@@ -324,7 +327,7 @@ class AccuracyPlan:
                 _check_known(merged[key], allowed, key)
         for key in _NUMBERS:
             if not _number(merged.get(key, 1.0)) > 0.0:
-                raise SceneError(key, f"got {merged[key]}, expected a number above zero")
+                raise SceneError(key, f"got {merged[key]}, expected a number > 0")
         special = {key: str(merged.pop(key)) for key in (*_SPECIAL, *_NUMBERS) if key in merged}
         numbers = [_number(value) for value in more.values()]
         settings = tuple(f"{key}={value}" for key, value in _texts(merged).items())

@@ -11,11 +11,11 @@ QUANTITIES = table(
         "wear_rate",
         (),
         "m s-1",
-        "rate of increase in total wear depth, counted as the scene specifies",
+        "rate of increase in total wear depth, with the definition of loss set in the scene",
     ),
     Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage, pockets and land"),
-    Variable("life", (), "h", "wear life from new, counted as the scene specifies"),
-    Variable("end_qv", (), "W", "QV of the bearing at the end of its life"),
+    Variable("life", (), "h", "wear life from new, with the definition of loss set in the scene"),
+    Variable("end_qv", (), "W", "QV of the bearing at the end of life"),
 )
 """What the errors are of."""
 
@@ -42,21 +42,24 @@ EXTRA = table(
         "1",
         "shaft turns simulated until the run settled or reached its limit",
     ),
-    Variable("steps", (), "1", "steps taken and repeated"),
-    Variable("estimate_total_qv", (), "1", "estimated error of QV of the bearing"),
-    Variable("estimate_residual_preload", (), "1", "estimated error of the residual preload"),
+    Variable("steps", (), "1", "number of accepted and rejected steps"),
+    Variable("estimate_total_qv", (), "1", "estimated error in QV of the bearing"),
+    Variable("estimate_residual_preload", (), "1", "estimated error in the residual preload"),
     Variable(
-        "estimate_wear_rate", (), "1", "estimated error of the rate of increase in total wear depth"
+        "estimate_wear_rate", (), "1", "estimated error in the rate of increase in total wear depth"
     ),
-    Variable("estimate_life", (), "1", "estimated error of the wear life"),
+    Variable("estimate_life", (), "1", "estimated error in the wear life"),
     Variable(
-        "coriolis_energy_share", (), "1", "ratio of the work of the Coriolis force to the heat"
+        "coriolis_energy_share",
+        (),
+        "1",
+        "ratio of the work done by the Coriolis force to the energy lost",
     ),
     Variable(
         "azimuth_energy_share",
         (),
         "1",
-        "ratio of the work of the circumferential force to the heat",
+        "ratio of the work done by the circumferential force to the energy lost",
     ),
 )
 """What else is kept of a point."""

@@ -70,7 +70,7 @@ def solved_sweep(
         sweep_title=title,
         sweep_kind=kind,
         against=against,
-        comment="Wall times differ from run to run, so the file is not reproducible to the byte.",
+        comment="Wall times vary from run to run, so the file is not reproducible byte for byte.",
     )
 
 

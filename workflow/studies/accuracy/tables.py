@@ -115,7 +115,7 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "would displace the race radially. With a cage, two runs that initially differ in the last "
         "digit diverge after some turns, and only their means agree. The equations of motion "
         "neglect the Coriolis force and the circumferential component of the normal forces. The "
-        "energy balance includes the work of these forces; its largest share of the heat is "
+        "energy balance includes the work done by these forces; its largest share of the heat is "
         f"{booked(trade)}. {of_weight(trade)}",
         presets(trade),
         '"Life" is the error in life for steady solves, and the error in the loss rate for dynamic '
@@ -126,7 +126,8 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         "All points with an error estimate are included, even the extremes of the sweeps. An error "
         "counts as covered if it exceeds its estimate by no more than the uncertainty of the "
         "reference solution, which is the sum of the error estimate of that solution and its "
-        'difference from a check. "Estimate/error" is the median ratio of the two.',
+        'difference from a check solution. "Estimate/error" is the median ratio of estimate to '
+        "error.",
     ]
 
 

@@ -16,14 +16,18 @@ class Statements:
     """What a text states about a bearing; all at fixed position."""
 
     preload_loss: float = setting("Share of the initial preload removed by wear", within="(0, inf)")
-    preload_loss_at_um: float = setting("Loss of ball diameter for preload_loss", "um", "(0, inf)")
+    preload_loss_at_um: float = setting(
+        "Loss of ball diameter at which preload_loss applies", "um", "(0, inf)"
+    )
     high_friction: float = setting("High friction coefficient", within="(0, inf)")
     low_friction: float = setting("Low friction coefficient", within="(0, inf)")
     qv_least_um: tuple[float, float] = setting(
         "Losses between which QV has its minimum at low friction", "um", "(0, inf)"
     )
-    qv_rise: float = setting("Minimum share by which QV then rises", within="(0, inf)")
-    qv_rise_at_um: float = setting("Loss of ball diameter for qv_rise", "um", "(0, inf)")
+    qv_rise: float = setting("Minimum relative increase in QV after the minimum", within="(0, inf)")
+    qv_rise_at_um: float = setting(
+        "Loss of ball diameter at which qv_rise applies", "um", "(0, inf)"
+    )
 
     def __post_init__(self) -> None:
         check_rising("qv_least_um", self.qv_least_um)
@@ -34,13 +38,13 @@ class IdentifyPlan:
     """Everything in config/identify.yaml."""
 
     scene: str = setting("Scene that provides all values that are not varied")
-    marks: tuple[str, ...] = setting("Scenes that are also drawn")
+    marks: tuple[str, ...] = setting("Scenes that are also plotted")
     pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
     ball_count: tuple[int, ...] = setting("Numbers of balls", within="[1, inf)", least=1)
-    inner_groove_factor: RisingAxis = setting("Inner groove radii over ball diameter", "1")
-    contact_angle_deg: RisingAxis = setting("Angles at which the search starts", "degree")
+    inner_groove_factor: RisingAxis = setting("Ratios of inner groove radius to ball diameter", "1")
+    contact_angle_deg: RisingAxis = setting("Contact angles at which the search starts", "degree")
     drag_density_kg_m3: RisingAxis = setting("Drag densities to try", "kg/m3")
-    statements: Statements = setting("Statements of the text")
+    statements: Statements = setting("Statements in the text")
 
     def __post_init__(self) -> None:
         check_rising("ball_count", self.ball_count)

@@ -19,7 +19,8 @@ from workflow.studies.identify.search import CANDIDATE, FIT_RESULTS
 
 _SKID_NOTE = (
     "Above 0.6 µm of wear, the fit does not require the whole ball to slip in the rolling "
-    "direction. The table lists the maximum skid ratio at the drag densities that agree."
+    "direction. The table lists the maximum skid ratio over the drag densities that agree with "
+    "the statements."
 )
 
 
@@ -36,7 +37,7 @@ def candidates_table(candidates: Path) -> str:
     )
     message = f"{candidates_message(found)}. This is a fit to a text, not a validation."
     return as_markdown(
-        Document(("Bearings that fit the statements of the paper", message), blocks=blocks)
+        Document(("Bearings that agree with the statements of the paper", message), blocks=blocks)
     )
 
 
@@ -45,8 +46,9 @@ def _fits(found: xr.Dataset) -> Block:
     fits, basis = fitting(found), counted(found)
     columns = [(fits[n], "") for n in CANDIDATE if n not in ("fit_result", "skid_ratio", "life")]
     columns.append((fits["skid_ratio"].assign_attrs(shown="%"), ""))
+    worn = [in_words(parts).replace("ball", "balls") for parts in COUNTS]
     columns += [
-        (one["life"].isel(loss_basis=c), f"{in_words(name)}, counting {in_words(COUNTS[c])}")
+        (one["life"].isel(loss_basis=c), f"{in_words(name)}, wear of {worn[c]}")
         for c in (basis, 1 - basis)
         for name, one in methods(fits)
     ]

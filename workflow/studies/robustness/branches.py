@@ -24,12 +24,12 @@ BRANCH_WAYS = ("up", "down", "anew")
 _ALONG = Variable("along", ("along",), "", "value of the key")
 _BRANCH = table(
     STATUS,
-    Variable("orbit_share", (), "1", "orbit rate over shaft rate"),
+    Variable("orbit_share", (), "1", "ratio of orbit rate to shaft speed"),
     Variable("total_qv", (), "W", "QV of the bearing"),
     Variable("loss_rate", (), "m s-1", "loss rate of balls and races"),
-    Variable("branch", (), "1", "branch of the steady states", "i1"),
+    Variable("branch", (), "1", "branch of steady states", "i1"),
     Variable("stable", (), "1", "whether the state is stable", "i1"),
-    Variable("gyroscopic_slip_share", (), "1", "larger gyroscopic share of the slip"),
+    Variable("gyroscopic_slip_share", (), "1", "gyroscopic slip share, larger of the two contacts"),
 )
 
 

@@ -85,7 +85,7 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
     share = np.where(status == OK, solved["gyroscopic_slip_share"].values, np.nan)
     norm = matplotlib.colors.BoundaryNorm(SHARES, 256)
     mesh = axes.pcolormesh(x_edges, y_edges, share, cmap="cividis", norm=norm, rasterized=True)
-    figure.colorbar(mesh, ax=axes, label="gyroscopic share of the slip, larger of both contacts")
+    figure.colorbar(mesh, ax=axes, label="gyroscopic slip share, larger of the two contacts")
     handles: list[Any] = []
     for code in np.unique(status[status != OK]):
         name = STATUS_NAMES[int(code)]
@@ -140,12 +140,12 @@ _WAYS: dict[str, dict[str, Any]] = {
 _WAY_WORDS = {
     "up": "followed as it increases",
     "down": "followed as it decreases",
-    "anew": "found by a new search (life)",
+    "anew": "new search at each point (as for life)",
 }
 _SHOWN = {
-    "orbit_share": "orbit rate / shaft rate",
+    "orbit_share": "orbit rate / shaft speed",
     "total_qv": "QV of the bearing (W)",
-    "loss_rate": "loss rate of ball diameter (nm/s)",
+    "loss_rate": "loss rate, balls and races (nm/s)",
 }
 _NANO = {"loss_rate": 1e9}
 
@@ -184,4 +184,4 @@ def hysteresis(solved: xr.Dataset) -> str:
         _, _, unit = AXIS_LABELS[solved.attrs["key"]].partition(" (")
         ends = f"{where.min():.3g} to {where.max():.3g} {unit.rstrip(')')}"
         return f"two steady states from {ends.strip()}"
-    return "one steady state at each point in both directions"
+    return "the same steady state in both directions at each point"

@@ -39,7 +39,7 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
     return xr.Dataset(
         variables,
         attrs=shared
-        | {"title": "How scenes of the robustness study end", "ends": " ".join(STATUS_NAMES)},
+        | {"title": "Outcomes of scenes in the robustness study", "ends": " ".join(STATUS_NAMES)},
     )
 
 

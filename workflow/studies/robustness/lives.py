@@ -54,12 +54,14 @@ def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     if scene.operation.preload_method == "constant_force":
         held = values["history_residual_preload"]
         if not np.abs(held / preload - 1.0).max() <= 1e-6:
-            found.append(f"a spring of {preload:g} N gives {held.min():g} to {held.max():g} N")
+            found.append(
+                f"residual preload {held.min():g} to {held.max():g} N, spring force {preload:g} N"
+            )
     end = scene.wear.end_of_life
     assert end is not None
     limit = (end.ball_diameter_loss_um or np.inf) * parameters.UM
     if not values["loss_at_end"] <= (1.0 + _END_ERROR) * limit:
-        found.append(f"a loss of {values['loss_at_end']:g} m is beyond its limit {limit:g} m")
+        found.append(f"loss of {values['loss_at_end']:g} m exceeds the limit of {limit:g} m")
     return found
 
 
@@ -75,9 +77,9 @@ def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
         # Where QV rises fivefold within eight steps, trapezoids err by 3 % themselves.
         volume = PchipInterpolator(time, rate).integrate(time[0], time[-1])
         if not np.abs(values[name][-1] / volume - 1.0).max() <= _VOLUME_ERROR:
-            found.append(f"{name} {values[name][-1]} is not that of the slip, {volume}")
+            found.append(f"{name} {values[name][-1]} differs from {volume}, computed from QV")
     if not (np.diff(values["history_deepest_groove"], axis=0) >= 0.0).all():
         found.append("a groove becomes shallower")
     if not (np.diff(time) > 0.0).all():
-        found.append("time decreases")
+        found.append("time does not increase")
     return found

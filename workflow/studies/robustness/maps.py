@@ -26,7 +26,7 @@ MAP_STATES = table(
     STATUS,
     Variable("violations", (), "", "description of the error; empty if there is none", "O"),
     *(CASE[name] for name in _SHOWN),
-    Variable("gyroscopic_slip_share", (), "1", "larger gyroscopic share of the slip"),
+    Variable("gyroscopic_slip_share", (), "1", "gyroscopic slip share, larger of the two contacts"),
 )
 X, Y = (Variable(name, (name,), "", "value of a key") for name in "xy")
 

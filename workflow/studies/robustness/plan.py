@@ -60,7 +60,7 @@ def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None
     for name, ends in (("log", log), ("even", even)):
         if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
             positive = " > 0" if name == "log" else ""
-            raise SceneError(name, f"got {list(ends)}, expected two increasing ends{positive}")
+            raise SceneError(name, f"got {list(ends)}, expected two increasing numbers{positive}")
 
 
 @keyed
@@ -94,10 +94,10 @@ class Draw:
 class SceneClass:
     """Random scenes of one kind."""
 
-    fidelity: str = setting("Model that solves them", choices=RANDOM_FIDELITIES)
+    fidelity: str = setting("Model with which the scenes are solved", choices=RANDOM_FIDELITIES)
     scenes: int = setting("Number of scenes", within="[1, inf)")
     draw: Mapping[str, Any] = setting(
-        "Quantities to draw: keys of a scene, and values from which other keys follow"
+        "Quantities to draw: keys of a scene, and values from which other keys are derived"
     )
     like: str = setting("Earlier class whose draws are inherited", default="")
 
@@ -130,7 +130,7 @@ def drawn(draw: Mapping[str, Draw], seed: int, count: int) -> Iterator[dict[str,
 class KeyAxis:
     """Points along a key of a scene."""
 
-    key: str = setting("A key of the scene")
+    key: str = setting("Key of the scene")
     log: tuple[float, float] | None = setting("Ends of a logarithmic axis", default=None)
     even: tuple[float, float] | None = setting("Ends of a linear axis", default=None)
     points: int = setting("Number of points", within="[2, inf)")
@@ -138,7 +138,7 @@ class KeyAxis:
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)
         if (self.log is None) == (self.even is None):
-            raise ValueError("got no ends, or two pairs, expected log or even")
+            raise ValueError("got both or neither of log and even, expected one of them")
 
     @property
     def is_log(self) -> bool:
@@ -165,7 +165,7 @@ class StateMap:
     )
     x: KeyAxis = setting("Horizontal axis")
     y: KeyAxis = setting("Vertical axis")
-    limits: tuple[str, ...] = setting("Limits sought along y", choices=LIMIT_NAMES)
+    limits: tuple[str, ...] = setting("Limits to locate along y", choices=LIMIT_NAMES)
 
 
 @keyed
@@ -183,8 +183,8 @@ class Branch:
 class LimitValues:
     """What counts as the limit."""
 
-    gyroscopic_slip: float = setting("Gyroscopic share of the slip", within="(0, inf)")
-    skid: float = setting("Lag behind pure rolling", within="(0, inf)")
+    gyroscopic_slip: float = setting("Gyroscopic slip share", within="(0, inf)")
+    skid: float = setting("Skid ratio", within="(0, inf)")
 
 
 @keyed
@@ -201,7 +201,7 @@ class RobustnessPlan:
         before: list[str] = []
         for name, scene_class in self.scene_classes.items():
             if scene_class.like and scene_class.like not in before:
-                allowed = ", ".join(before) or "none, because there is no class before it"
+                allowed = ", ".join(before) or "none, because no class precedes it"
                 raise SceneError(
                     f"scene_classes.{name}.like", f"got {scene_class.like}, expected {allowed}"
                 )

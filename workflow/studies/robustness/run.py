@@ -29,10 +29,10 @@ from workflow.studies.robustness.plan import (
 )
 
 TRIALS = table(
-    Variable("status", (), "", "outcome; -1: no such bearing", "i1"),
+    Variable("status", (), "", "outcome (-1: not a valid bearing)", "i1"),
     Variable("violations", (), "", "description of the error; empty if there is none", "O"),
     Variable("states", (), "1", "number of steady states found; 0 if none or not requested", "i1"),
-    Variable("largest_qv_ratio", (), "1", "largest relative difference of QV among them"),
+    Variable("largest_qv_ratio", (), "1", "maximum relative difference in QV between these states"),
 )
 
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
@@ -116,7 +116,9 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
     if scene.operation.preload_method == "constant_force":
         preload = scene.operation.preload_N
         if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
-            found.append(f"a spring of {preload:g} N gives {values['residual_preload']:g} N")
+            found.append(
+                f"residual preload {values['residual_preload']:g} N, spring force {preload:g} N"
+            )
     return found
 
 
@@ -152,7 +154,7 @@ def _of_values(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
     ]
     heat, qv = values["friction_heat"], values["qv"]
     if fidelity != "dynamic" and not np.all(heat <= scene.friction.ball_race * qv * (1.0 + 1e-9)):
-        found.append("more heat than mu QV")
+        found.append("friction heat exceeds mu QV")
     return found
 
 

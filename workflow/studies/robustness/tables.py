@@ -20,7 +20,7 @@ def ends_table(counts: Path) -> str:
     """Step: how the scenes ended, as Markdown."""
     found = loaded(counts, set=(), end=())
     rows = [_row(found.isel(set=k)) for k in range(found.sizes["set"])]
-    units = dict.fromkeys(rows[0], "") | {"QV of these differs by up to": "%"}
+    units = dict.fromkeys(rows[0], "") | {"maximum difference in QV": "%"}
     return block_markdown(points_block("", units, [[*row.values()] for row in rows])) + "\n"
 
 
@@ -35,7 +35,7 @@ def _row(one: xr.Dataset) -> dict[str, int | float | str]:
         "solved": int(one["trials"]),
         "verified": int(one["verified"]),
         "several states": int(one["multiple_states"]),
-        "QV of these differs by up to": 100.0 * float(one["largest_qv_ratio"]),
+        "maximum difference in QV": 100.0 * float(one["largest_qv_ratio"]),
         "refused": int(one["refused"]),
         "reason": ", ".join(reasons) or "–",
         "without a reason": int(one["unexplained"]),
@@ -49,5 +49,5 @@ def wrong_answers(counts: Path) -> str:
     wrong = int(found["violations"].sum())
     if wrong:
         first = next(text for text in found["first_violation"].values if text)
-        raise NotSolved(f"{counts}: {wrong} wrong, the first: {first}")
-    return f"none of {int(found['verified'].sum())} verified answers is wrong\n"
+        raise NotSolved(f"{counts}: incorrect results: {wrong} (first: {first})")
+    return f"none of the {int(found['verified'].sum())} verified results is incorrect\n"

@@ -23,7 +23,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import display
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import (
@@ -36,7 +36,7 @@ from bearingwear.studies.design.choice import (
     limits_of,
     stiffness_of,
 )
-from bearingwear.studies.design.document.sentences import headline
+from bearingwear.studies.design.document.sentences import COUNTED_WORDS, headline
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import WORN_GROOVE
 
@@ -245,7 +245,7 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
 def counting_keys() -> list[Any]:
     """Legend of what counts as wear."""
     return [
-        key(f"counting {in_words(way)}", color="0.3", linestyle=dash)
+        key(f"wear of {COUNTED_WORDS[COUNTS.index(way)]}", color="0.3", linestyle=dash)
         for way, dash in LOSS_DASHES.items()
     ]
 
@@ -282,7 +282,7 @@ def _end_keys(line: xr.Dataset) -> list[Any]:
     met = dict.fromkeys(end for _, one in methods(line) for _, end in new_ends(one))
     look = {"color": "0.3", "linestyle": "none", "markerfacecolor": "white"}
     return [
-        key(f"beyond this kink, end of life by {ENDS[e].short}", marker=ENDS[e].mark, **look)
+        key(f"beyond this kink, life limited by {ENDS[e].short}", marker=ENDS[e].mark, **look)
         for e in met
     ]
 

@@ -14,9 +14,9 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new_figure
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
-from bearingwear.results.words import in_words, methods, scene_of
-from bearingwear.scene.scene import COUNTS
+from bearingwear.results.words import methods, scene_of
 from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.document.sentences import COUNTED_WORDS
 from bearingwear.studies.design.figures.choice import as_wide_as_it_is
 
 
@@ -30,11 +30,11 @@ class Mapped(NamedTuple):
 
 MAPPED = {
     "life": Mapped("wear life", "h", "viridis"),
-    "time_to_slip_limit": Mapped("time to the permitted\ngyroscopic slip", "h", "viridis"),
+    "time_to_slip_limit": Mapped("time to reach the\ngyroscopic slip limit", "h", "viridis"),
     "residual_preload_at_end": Mapped("residual preload\nat end of life", "N", "cividis"),
     "friction_power": Mapped("maximum friction\npower", "W", "magma"),
     "system_axial_stiffness": Mapped(
-        "minimum dynamic\nstiffness,\narrangement", "N m-1", "cividis"
+        "minimum dynamic\nstiffness of the\narrangement", "N m-1", "cividis"
     ),
 }
 
@@ -64,11 +64,11 @@ def map_overview(design: xr.Dataset) -> Figure:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
     blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: reached when new")]
-    grey = [Patch(color="0.87", label="permitted slip share not exceeded during the life")]
+    grey = [Patch(color="0.87", label="slip limit not reached before the end of life")]
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min: life and requirements over preload and friction; "
-        f"wear of {in_words(COUNTS[basis])}",
+        f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; "
+        f"wear of {COUNTED_WORDS[basis]}",
         [
             *(blank if zero else []),
             *(grey if never else []),

@@ -21,11 +21,11 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, preload_drawn, spread_at, spread_text
 from bearingwear.results.units import Rough, digits, display, span
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
-from bearingwear.studies.design.document.sentences import method_names
+from bearingwear.studies.design.document.sentences import COUNTED_WORDS, method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
 from bearingwear.studies.design.figures.uncertainty_figure import (
@@ -57,7 +57,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "
-        f"stiffness of one bearing and slip against preload; wear of {in_words(COUNTS[basis])}",
+        f"stiffness of one bearing and slip against preload; wear of {COUNTED_WORDS[basis]}",
         [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(failed)],
         columns=3,
     )
@@ -83,7 +83,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         if spread:
             panel.axvspan(*spread.bearings, color=COLOURS[name], alpha=0.12, linewidth=0.0)
         said.append(f"{words}, {spread_text(spread)}")
-    counting = in_words(COUNTS[basis])
+    counting = COUNTED_WORDS[basis]
     name = scene_of(uncertainty)["name"]
     text = f"{name}: {'; '.join(said)}; wear of {counting}"
     frame(figure, text, cumulated_keys(), columns=2)
@@ -94,7 +94,7 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
     """Life at the recommended preload of each method, by both ways of counting wear."""
     figure, panels = new_figure(1, len(COUNTS), 3.6 * len(COUNTS), 2.6)
     rows = methods(recommendation)
-    for panel, (k, way) in zip(panels[0], enumerate(COUNTS), strict=True):
+    for k, panel in enumerate(panels[0]):
         for height, (name, one) in enumerate(rows):
             life = float(one["life"].isel(loss_basis=k))
             held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
@@ -105,7 +105,7 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
         panel.set_yticks(range(len(rows)), method_names(recommendation))
         panel.set_ylim(-0.5, len(rows) - 0.1)
         panel.set_xlabel("wear life (h)")
-        panel.set_title(f"counting {in_words(way)}")
+        panel.set_title(f"wear of {COUNTED_WORDS[k]}")
     names = [name for name, _ in rows]
     counts = counted(recommendation)
     lives = span(map(Rough, recommendation["life"].isel(loss_basis=counts).values))

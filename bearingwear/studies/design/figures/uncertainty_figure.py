@@ -67,7 +67,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     handles = [
         *method_keys([name for name, _ in rows], scene),
         *cumulated_keys(),
-        key("all uncertain", color="0.3", linewidth=6),
+        key("all values uncertain", color="0.3", linewidth=6),
         key("wear coefficient and hardness as stated", color="0.7", linewidth=6),
     ]
     frame(figure, _message(uncertainty, names, basis, failed), handles, columns=3)
@@ -100,7 +100,7 @@ def draw_cumulated(panel: Any, one: xr.Dataset, colour: str) -> None:
 
 def cumulated_keys() -> list[Any]:
     """Legend of `draw_cumulated`."""
-    text = "5, 10, 50, 90, 95 % quantiles with sampling errors"
+    text = "5, 10, 50, 90 and 95 % quantiles with sampling errors"
     return [*counting_keys(), key(text, color="0.3", linestyle="none", marker="o")]
 
 
@@ -132,8 +132,8 @@ def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None
     panel.set_xticks(ticks, [f"{2.0**t:g}" for t in ticks])
     panel.set_xlim(-ends - 0.2, ends + 0.55 * ends + 0.4)
     panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])
-    panel.set_xlabel("life over nominal life")
-    panel.set_title("one value from its 10 % to its 90 % quantile", fontsize=8)
+    panel.set_xlabel("life relative to nominal life")
+    panel.set_title("one value varied from its 10 % to its 90 % quantile", fontsize=8)
 
 
 def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
@@ -149,7 +149,7 @@ def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
             color=shade,
         )
     panel.set_xlim(0.0, 1.25)
-    panel.set_xlabel("share of the variance of log life")
+    panel.set_xlabel("share of the variance in log life")
     panel.set_title("total Sobol index", fontsize=8)
 
 
@@ -158,16 +158,18 @@ def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int)
     one = method.sel(preload_choice=preload_drawn(method)).isel(loss_basis=basis)
     scene = scene_of(uncertainty)["name"]
     if not np.isfinite(one["total_index"]).any():
-        return f"{scene}: too few lives were solved to determine their spread"
+        return f"{scene}: too few lives could be computed to determine their spread"
 
     def decides(inputs: int) -> str:
         index = one["total_index"].sel(uncertain_inputs=inputs)
         known = np.isfinite(index).any()
-        return QUANTITY_WORDS[names[int(np.nanargmax(index.values))]] if known else "nothing"
+        if not known:
+            return "nothing"
+        return f"the {QUANTITY_WORDS[names[int(np.nanargmax(index.values))]]}"
 
     spread = spread_at(one.sel(uncertain_inputs=ALL_INPUTS))
-    unsolved = f"; {failed} lives not solved" if failed else ""
+    unsolved = f"; {failed} lives could not be computed" if failed else ""
     return (
-        f"{scene}: {spread_text(spread)}; the {decides(ALL_INPUTS)} dominates or, if the wear "
-        f"coefficient is known, the {decides(ALL_BUT_WEAR)}{unsolved}"
+        f"{scene}: {spread_text(spread)}; {decides(ALL_INPUTS)} has the largest effect or, if the "
+        f"wear coefficient is known, {decides(ALL_BUT_WEAR)}{unsolved}"
     )

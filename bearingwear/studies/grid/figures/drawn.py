@@ -15,13 +15,13 @@ _ACROSS = "across scenes"
 
 _SHOWN = {
     "friction": "QV and contact load against friction",
-    "slip": "slip over the contacts",
+    "slip": "slip across the contacts",
     "wear": "QV, preload and wear rates against wear",
     "life": "wear life",
     "dynamic": "dynamic cases with the cage",
     "running_average": "running averages of wear rates",
     "overlay": "QV, preload and loss rate of several scenes",
-    "life_overlay": "QV over the life of several scenes",
+    "life_overlay": "QV until the end of life, several scenes",
 }
 """Kinds of figures in words, for the report of the jobs."""
 

@@ -105,12 +105,12 @@ def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
         for name, rest in (("total_qv", ()), ("ball_wear_rate", "ball"))
     ]
     if not np.isfinite(differences).all():
-        return "no case was solved both ways"
+        return "no case was solved with both models"
     qv, wear = (f"{100.0 * one:.2g} %" for one in differences)
-    solved = "solved dynamically with the cage" if has_cage else "solved dynamically"
+    solved = "with the dynamic model and the cage" if has_cage else "with the dynamic model"
     return (
-        f"{solved}, QV differs from the steady value by up to {qv}, the wear rate of a ball by "
-        f"{wear}"
+        f"{solved}, QV differs from the steady value by up to {qv}, and the wear rate of a ball by "
+        f"up to {wear}"
     )
 
 
@@ -202,7 +202,8 @@ def reference_values(path: str | Path) -> dict[str, np.ndarray]:
         raise CaseFileError(f"{path}: cannot be read ({error})") from None
     rows = list(csv.reader(line for line in text.splitlines() if line and line[0] != "#"))
     if not rows or rows[0] != REFERENCE_COLUMNS:
-        raise CaseFileError(f"{path}: expected a table with header {','.join(REFERENCE_COLUMNS)}")
+        header = ",".join(REFERENCE_COLUMNS)
+        raise CaseFileError(f"{path}: expected a table with the header {header}")
     found: dict[str, list[tuple[float, float]]] = {part: [] for part in PARTS}
     for row in rows[1:]:
         try:
@@ -210,7 +211,7 @@ def reference_values(path: str | Path) -> dict[str, np.ndarray]:
             found[part].append((float(time), float(rate)))
         except (KeyError, ValueError):
             raise CaseFileError(
-                f"{path}: got {','.join(row)}, expected {' or '.join(PARTS)} and two numbers"
+                f"{path}: got {','.join(row)}, expected {' or '.join(PARTS)}, then two numbers"
             ) from None
     return {part: np.array(values).reshape(-1, 2) for part, values in found.items()}
 

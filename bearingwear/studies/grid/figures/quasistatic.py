@@ -77,7 +77,7 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
     """QV at the largest coefficient against that at the least, of those that were solved."""
     solved = np.all([state["status"].values == OK for _, state in states], axis=0)
     if solved.sum() < 2:
-        return "too few cases were solved to compare"
+        return "too few cases were solved for a comparison"
     first, last = np.flatnonzero(solved)[[0, -1]]
     ratios = " and ".join(
         f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} "
@@ -127,7 +127,7 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
     loss_um = scenes[0]["wear"]["ball_diameter_loss_um"]
     frame(
         figure,
-        f"{scenes[0]['name']}, {worn_in_words(loss_um)}: the gyroscopic share of slip reaches "
+        f"{scenes[0]['name']}, {worn_in_words(loss_um)}: the gyroscopic slip share reaches "
         f"{reached or '–'}",
         method_keys(
             dict.fromkeys(scene["operation"]["preload_method"] for scene in scenes), scenes[0]
@@ -195,7 +195,7 @@ def _wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
 
 
 END_MARKS = {name: (one.mark, f"end: {one.short}") for name, one in ENDS.items()}
-END_MARKS["none"] = ("x", "no end reached")
+END_MARKS["none"] = ("x", "end of life not reached")
 
 
 def life_figure(
@@ -224,7 +224,7 @@ def life_figure(
                 line = {"color": COLOURS[name], "linestyle": styles[mu]}
                 _life_column(column, one.isel(counts=k), line, END_MARKS[end][0])
     for k, column in zip(shown, panels.T, strict=True):
-        column[0].set_title(f"counting {('balls alone', 'balls and races')[k]}")
+        column[0].set_title(f"wear of {('the balls alone', 'balls and races')[k]}")
         column[1].set_xlabel("running time (h)")
         for panel in column:
             panel.set_xlim(left=0.0)
@@ -257,7 +257,7 @@ def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
 
 
 _OTHER_ROUTE = {"linestyle": "none", "marker": ".", "markersize": 3}
-_INTERPOLATED = ("interpolated, Hertzian groove", "interpolated from the study")
+_INTERPOLATED = ("interpolated, Hertzian grooves", "interpolated from the study")
 """What the dots are, by whether both ways of counting were followed."""
 
 
@@ -303,7 +303,7 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
         return "no end of life was found"
     (shortest, which), (longest, _) = min(found), max(found)
     ends = " to ".join(dict.fromkeys(Rough(life).text for life in (shortest, longest)))
-    return f"life of the balls and races {ends} h" + (f" ({which})" if len(found) == 1 else "")
+    return f"life {ends} h (wear of balls and races" + (f"; {which})" if len(found) == 1 else ")")
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
@@ -314,4 +314,4 @@ def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[
     if not found:
         return NO_QUANTILES
     every = Interval(min(one.low for one in found), max(one.high for one in found))
-    return f"{BEARINGS_BETWEEN}, including all uncertain values: {every.text} h"
+    return f"{BEARINGS_BETWEEN}, allowing for all uncertain values: {every.text} h"
