@@ -42,14 +42,14 @@ class Size:
         return f"{self.points}, {self.points_per_job or 'lines'}"
 
     def config(self) -> dict:
-        """What config.yaml says; its figures want nothing of single points."""
+        """What config.yaml says."""
         block = {
             "scenes": [SCENE],
             "preload_method": ["constant_force", "fixed_position"],
             "friction": [round(0.02 + 0.001 * k, 3) for k in range(self.frictions)],
             "ball_diameter_loss_um": [round(0.01 * k, 2) for k in range(self.losses)],
         }
-        figures = {"worn_loss_um": 0.0, "friction": [0.5]}
+        figures = {"worn_loss_um": 0.0, "friction": block["friction"][:1]}
         return {
             "studies": [block],
             "figures": figures,
