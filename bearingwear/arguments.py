@@ -66,9 +66,9 @@ def command_parser() -> argparse.ArgumentParser:
 
     _add_new(command("new", "write a commented scene file from a few catalogue values"))
     check = command("check", "check a scene and report which model would be used, and why")
-    solve = command("solve", "solve a scene and print a sheet of results; -o writes a case file")
+    solve = command("solve", "solve a scene and print a summary sheet; -o writes a case file")
     launch = command("launch", "determine whether the bearings of a rotor gap or dent at launch")
-    life = command("life", "compute wear life and print a sheet of results; -o writes a life file")
+    life = command("life", "compute the wear life and print a summary sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
@@ -97,7 +97,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_margin(
         command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
     )
-    _add_export(command("export", "write the stiffness at given speeds, as CSV or as ROSS TOML"))
+    _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
     _add_show(command("show", "print the main values in a result file or a scene"))
     _add_compare(
         command("compare", "list the differences between two files; exit status 1 if they differ")
@@ -112,27 +112,27 @@ def command_parser() -> argparse.ArgumentParser:
 def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
     calibrate.add_argument("tests", metavar="TESTS.csv",
-        help="a table with a header and one line per test; the columns are scene keys and, for "
-        f"the result, one of {', '.join(SEEN)}")
+        help="a table with a header and one row per test; the columns are scene keys and one "
+        f"result ({', '.join(SEEN)})")
     calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
-        help="the scene file to write; an .nc file of the same name contains the values before and "
-        "after the calibration")
+        help="the scene file to write; values before and after calibration are stored in an .nc "
+        "file of the same name")
     _add_formats(calibrate)
 
 
 def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
-    cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
+    cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs (default: 200)")
     cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="target relative half-width of the 90 %% interval for the mean work; default 0.1")
-    cage.add_argument("--seed", type=int, metavar="N", help="random seed; default 1")
+        help="target relative half-width of the 90 %% interval for the mean work (default: 0.1)")
+    cage.add_argument("--seed", type=int, metavar="N", help="random seed (default: 1)")
     cage.add_argument("--least-turns", type=int, metavar="N",
-        help="minimum number of shaft turns per run; default 30; a hanging cage may change its "
-        "motion after hundreds of turns")
+        help="minimum number of shaft turns per run (default: 30); the motion of a hanging cage "
+        "may change after hundreds of turns")
     cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
-        help="maximum number of shaft turns in a run that has not settled; default 150")
+        help="maximum number of shaft turns in a run that has not settled (default: 150)")
     cage.add_argument("--life", action="store_true",
-        help="also compute the wear life of the cage, from ensembles at successive wear states")
+        help="also compute the wear life of the cage from ensembles at successive wear states")
     cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
@@ -150,8 +150,9 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
         help="the scene file to write (default: named after the designation); an existing file is "
-        "never overwritten. Designations: 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, "
-        "62xx, 63xx, 6xx, such as 7008C or 608; with --maker, any in that maker's catalogue")
+        "never overwritten. Designations: 70xx, 72xx, 73xx or 719xx with the suffix C, AC, A5, E, "
+        "A or B, such as 7008C; 60xx, 62xx, 63xx or 6xx, such as 608; with --maker, any "
+        "designation in that maker's catalogue")
     new.add_argument("--maker", choices=tuple(MAKERS),
         help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
@@ -162,22 +163,22 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         help="outside diameter, if no designation is given")
     for option, key, metavar, text in OPTIONS:
         kind = int if key == "bearing.ball_count" else float
-        text = f"{text}; assumed if omitted"
+        text = f"{text} (assumed if omitted)"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
-        help="preload class, instead of --preload (default: light); with --maker, a class of that "
-        "maker (EL, L, M, H for NSK; L, M, F for SNFA; default: L)")
+        help="preload class, as an alternative to --preload (default: light); with --maker, a "
+        "class of that maker (EL, L, M, H for NSK; L, M, F for SNFA; default: L)")
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument("--clearance", choices=CLEARANCES,
-        help="radial clearance group of a deep groove bearing, which determines its free contact "
-        "angle; default CN")
+        help="radial clearance group of a deep groove bearing, from which its free contact angle "
+        "is computed (default: CN)")
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
-        help="radial clearance, instead of a clearance group")
+        help="radial clearance, as an alternative to --clearance")
     new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
-        help="materials of the balls and races, with wear and friction coefficients from a table "
-        "(docs/coefficients.md); assumed if omitted")
-    new.add_argument("--film", choices=FILMS, help="solid film between the balls and races, from "
-        "the same table")
+        help="materials of the balls and races; sets wear and friction coefficients from the table "
+        "in docs/coefficients.md (default: assumed coefficients)")
+    new.add_argument("--film", choices=FILMS, help="solid film between the balls and races; sets "
+        "its coefficients from the table in docs/coefficients.md")
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 
@@ -206,11 +207,11 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
-        help="the file to write; a missing folder is created")
+        help="the file to write; its folder is created if missing")
     sub.add_argument("--record-timing", action="store_true",
-        help="store the solve time (two files of the same case then differ)")
+        help="store the solve time (result files of identical cases then differ)")
     sub.add_argument("--record-failures", action="store_true",
-        help="exit with status 0 even if the solver fails; the reason is stored in the file")
+        help="exit with status 0 even if the solver fails, and store the reason in the file")
 
 
 def _add_formats(sub: argparse.ArgumentParser) -> Any:
@@ -224,13 +225,13 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     sub.add_argument("--friction", type=float, metavar="MU",
-        help="ball-race friction coefficient; default: the value in the scene")
+        help="ball-race friction coefficient (default: the value in the scene)")
     sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
-        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the method in the scene")
+        help=f"{' or '.join(PRELOAD_METHODS)}, or both (default: the method in the scene)")
     sub.add_argument("--samples", type=int, metavar="N",
-        help="number of base samples, a power of two; 2 N lives are sampled")
+        help="number of base samples, a power of two (2 N lives are computed)")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
-        help="random seed; default 1")
+        help="random seed (default: 1)")
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
 
@@ -238,13 +239,13 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
-        help="a scene to study (wear states, lives and their spread, recommended "
-        f"preload, page); the name of a study in the current folder ({', '.join(NAMES)}); or one "
-        "of its results (results/...), which is then recomputed; default: the main study")
+        help="a scene to study (wear states, life and its spread, recommended preload, page), "
+        f"the name of a study in the current folder ({', '.join(NAMES)}), or one of its results "
+        "to recompute (results/...); default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
-        help="folder for the study of a scene; default: the name of the scene file")
+        help="folder for the study of a scene (default: the name of the scene file)")
     study.add_argument("-j", "--jobs", type=int, metavar="N",
-        help="number of parallel jobs; default: one per core")
+        help="number of parallel jobs (default: one per core)")
     _add_limits(study)
     study.epilog = (
         "Arguments after the name of a study are passed to Snakemake, as in `bearingwear study all "
@@ -256,18 +257,18 @@ def _add_launch(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
     for way, words in (("axial", "along"), ("radial", "perpendicular to")):
         sub.add_argument(f"--{way}", type=_not_negative, metavar="G",
-            help=f"acceleration {words} the axis; sets launch.{way}_g")
+            help=f"acceleration {words} the bearing axis (sets launch.{way}_g)")
     _add_formats(sub)
 
 
 def _add_margin(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
     sub.add_argument("--drive", type=_positive, metavar="N_M",
-        help="drive torque; sets drive.torque_Nm")
+        help="drive torque (sets drive.torque_Nm)")
     sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
-        help="standard that defines the margin; sets drive.standard; default ecss")
+        help="standard that defines the margin (sets drive.standard; default: ecss)")
     sub.add_argument("--data", choices=("analysis", "test", "extremes"),
-        help="source of the torque data; sets drive.data; default analysis")
+        help="source of the torque data (sets drive.data; default: analysis)")
     _add_formats(sub)
 
 
@@ -275,21 +276,21 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(sub)
     sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
         help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
-        "at least five")
+        "at least five speeds")
     sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
-        help=".csv: 5 x 5 matrix of each bearing; .toml: one bearing in the format read by "
-        "ross.BearingElement.load")
+        help="a .csv file for the 5 x 5 matrices of all bearings, or a .toml file for one bearing "
+        "in the format read by ross.BearingElement.load")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
-        help="which bearing of a pair; default 1")
+        help="which bearing of a pair to export (default: 1)")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",
-        help="whether the tilt of the shaft in the bearing (not modelled by ROSS) is held or "
-            "released; default held")
+        help="whether shaft tilt in the bearing, which ROSS does not model, is held or released "
+            "(default: held)")
     sub.add_argument("--damping", type=_positive, metavar="N_S_M",
-        help="damping in x, y and z; default 0 (assumed)")
+        help="damping in x, y and z (default: 0, assumed)")
     sub.add_argument("--node", type=int, default=0, metavar="N",
-        help="rotor node; default 0")
+        help="rotor node (default: 0)")
     sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
-        help="major version of ROSS, which determines the name of the speed key; default 2")
+        help="major version of ROSS, which determines the name of the speed key (default: 2)")
 
 
 def _add_show(sub: argparse.ArgumentParser) -> None:
@@ -302,17 +303,17 @@ def _add_show(sub: argparse.ArgumentParser) -> None:
 def _add_plot(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
     sub.add_argument("-o", "--output", nargs="+", default=[], metavar="FIGURE", type=Path,
-        help="figure file, whose suffix determines the format: SVG, PNG or PDF; default: FILE.svg "
+        help="figure file; its suffix determines the format (SVG, PNG or PDF); default: FILE.svg "
              "in the folder of FILE")
     sub.add_argument("--bearing", choices=("first", "second"),
-        help="which bearing of a pair; required if the two differ")
+        help="which bearing of a pair to plot; required if the two bearings differ")
 
 
 def _add_compare(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("first", metavar="A.nc", help="a result file")
     sub.add_argument("second", metavar="B.nc", help="another result file of the same kind")
     sub.add_argument("--tolerance", type=_share, default=0.0, metavar="SHARE",
-        help="tolerance relative to the largest value in the variable")
+        help="tolerance, relative to the largest value of each variable")
 # fmt: on
 
 

@@ -80,7 +80,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def reason(error: BaseException) -> str:
     """Why a file could not be read or written, on one line."""
     if isinstance(error, UnicodeError):
-        return "netCDF accepts only names in UTF-8"
+        return "netCDF accepts only UTF-8 names"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return " ".join(str(text).split())
 

@@ -175,7 +175,7 @@ def cage(args: argparse.Namespace) -> int:
         _print_file(args.output, args)
     if (found["status"] == 0).any():
         return OK
-    sys.stderr.write(one_line(f"{args.scene}: none of the cage runs could be solved"))
+    sys.stderr.write(one_line(f"{args.scene}: none of the cage runs succeeded"))
     return NOT_SOLVED
 
 
@@ -356,7 +356,7 @@ def _tried(path: str) -> list[str]:
 
     if not is_compiled(LARGEST_KERNEL["steady"]):
         return [
-            "not solved yet; the first solve compiles the solver, which takes up to "
+            "not solved yet: the first solve must compile the solver, which takes up to "
             f"{compile_time()}"
         ]
     from bearingwear.scene.read import load_scene
@@ -365,7 +365,7 @@ def _tried(path: str) -> list[str]:
     scene = load_scene(path)
     result = solved(scene)
     if result.status != "ok":
-        return [f"cannot be solved: {result.status}: {result.reason}"]
+        return [f"cannot be solved ({result.status}): {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     lines = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
     if scene.bearing.maker is not None:
@@ -374,8 +374,8 @@ def _tried(path: str) -> list[str]:
         pair = RestingPair.of(scene)
         axial, radial = (1e-6 * one for one in pair.rigidity)
         lines.append(
-            f"a rigid pair of these bearings at rest: {axial:.3g} N/um axial, {radial:.3g} "
-            f"radial; an axial force of {pair.lift_off:.3g} N unloads one bearing"
+            f"stiffness of a rigid pair of these bearings at rest: {axial:.3g} N/um axial, "
+            f"{radial:.3g} N/um radial; an axial force of {pair.lift_off:.3g} N unloads one bearing"
         )
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 

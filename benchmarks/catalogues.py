@@ -282,7 +282,7 @@ def drawn() -> Figure:
         key("computed", color="C2"),
         key("catalogue or formula", color="C3", marker="o", linestyle="none"),
         key("one difference", color="C2", marker="o", linestyle="none"),
-        key("rms allowed", color="C3", marker="|", linestyle="none", markersize=9),
+        key("allowed rms", color="C3", marker="|", linestyle="none", markersize=9),
     ]
     frame(figure, title, handles, 4)
     return figure

@@ -35,8 +35,8 @@ ASSUMED = (
     Assumed(
         surface="races and balls of the study",
         wear=7.6e-16,
-        taken_by="`gyro_s1` to `s3`, `bearing218` and `new` without `--pair`; 7.2e-16 by `turbine` "
-        "and `turbopump`",
+        taken_by="`gyro_s1` to `gyro_s3`, `bearing218`, and `new` without `--pair`; `turbine` and "
+        "`turbopump` use 7.2e-16 m²/N",
         why="the value used in the paper is unknown; the magnitude is typical of a solid film",
     ),
     Assumed(
@@ -49,7 +49,7 @@ ASSUMED = (
     Assumed(
         surface="phenolic cage on steel",
         wear=3.3e-13,
-        taken_by="the cages in `gyro_s1` to `s3` and those from `new`",
+        taken_by="`gyro_s1` to `gyro_s3` and `new`",
         why="published values apply to other fibres or to oil lubrication",
     ),
     Assumed(
@@ -79,41 +79,41 @@ source was read. No published values were found for lead films, phenolic cages, 
 on steel, so [assumed](#assumed) values are listed separately.
 
 For the same pair of materials, the coefficients differ by orders of magnitude between sources, so a
-test of your own bearing is more reliable than these values: see [From a test to
-hours](calibrate.md). [Film tests](film_tests.md) compares predictions made with these values with
-published tests."""
+test of your own bearing is more reliable than these values ([from a test to
+hours](calibrate.md)). [Film tests](film_tests.md) compares predictions based on these values with
+published test results."""
 
 _TAKEN = """\
 `bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median for the pair and a
 lognormal distribution whose 90 % interval covers the values from the sources for that pair.
-*Factor* is the geometric standard deviation."""
+*Factor* denotes the geometric standard deviation."""
 
 _SPREAD = """\
 If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` apply the spread for its
-pair of materials to the values in the scene, and report this. A material is identified as steel by
-its Young's modulus and density; any film is treated as MoS2, the only film for which a source was
-found. For any other pair, the spread is assumed: a factor of {wear.factor:g} for K_s/H and
-{friction.factor:g} for friction. The assumed scatter in wear within a batch is a factor of
-{scatter:g}."""
+pair of materials to the values in the scene, and report which spread was used. A material is
+identified as steel by its Young's modulus and density; any film is treated as MoS2, the only film
+for which a source was found. For any other pair, the spread is assumed: a factor of {wear.factor:g}
+for K_s/H and {friction.factor:g} for friction. The assumed scatter in wear within a batch is a
+factor of {scatter:g}."""
 
 _NO_SOURCE = """\
-`mos2_gyro` uses the value for steel/steel with mos2 for its film (1.2e-16 m²/N), and the archard
-value for the steel beneath it (2.0e-14 m²/N). The values in all other scenes are assumed, because
+`mos2_gyro` uses the steel/steel value with mos2 (1.2e-16 m²/N) for its film, and the archard value
+(2.0e-14 m²/N) for the steel beneath. The values in all other scenes are assumed, because
 no source was found:"""
 
 
 def page_of_coefficients() -> str:
     """The page, in Markdown."""
     rows = [
-        f"**{name}**: {m.surface} on {m.against}{f', film {m.film}' if m.film else ''}. K_s/H "
-        f"{_span(m.wear, M2_PER_N, ' m²/N')}, friction {_span(m.friction)}. "
+        f"**{name}**: {m.surface} on {m.against}{f', film {m.film}' if m.film else ''}. K_s/H: "
+        f"{_span(m.wear, M2_PER_N, ' m²/N')}; friction: {_span(m.friction)}. "
         f"{m.conditions[0].upper()}{m.conditions[1:]}. [{m.source}]({m.url}), {m.read}."
         for name, m in MEASURED_WEAR.items()
     ]
     pairs = [
-        f"**{pair}, film {film}**: K_s/H {one.wear.median:.2g} m²/N, factor {one.wear.factor:.2g}; "
-        f"friction {one.friction.median:.2g}, factor {one.friction.factor:.2g}. From "
-        f"{', '.join(one.rows)}: {one.why}."
+        f"**{pair}, film {film}**: K_s/H: {one.wear.median:.2g} m²/N, "
+        f"factor {one.wear.factor:.2g}; friction: {one.friction.median:.2g}, "
+        f"factor {one.friction.factor:.2g}. Sources: {', '.join(one.rows)}. {one.why}."
         for (pair, film), one in RUBBING.items()
     ]
     assumed = [

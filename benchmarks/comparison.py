@@ -84,7 +84,7 @@ def totals(groups: Iterable[Group]) -> str:
             (group.name, group.source, str(len(d)), one.said(group.rms), one.said(d.mean(), "+"),
              one.said(largest, "+"), one.said(group.allowed))
         )  # fmt: skip
-    heads = ("quantity", "source", "rows", "rms", "mean", "largest", "rms allowed")
+    heads = ("quantity", "source", "rows", "rms", "mean", "largest", "allowed rms")
     return table(heads, lines, 2)
 
 

@@ -61,41 +61,46 @@ def page() -> str:
 
 This page compares predictions with published tests of solid-lubricant films. All predictions use
 the same published [coefficients](coefficients.md), which were not tuned to any test. Only two of
-the six test results can be predicted; with median coefficients, both predictions fail.
+the six test results can be predicted; both predictions fail with the median coefficients.
 
-![Revolutions until a film is worn through; life against load](figures/film_tests.svg)
+![Revolutions to wear-through of a film, and life against load](figures/film_tests.svg)
 
-| sputtered MoS2, 0.6 µm, angular contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
-{rounded(SEEN, 3)} revolutions | {rounded(rev, 2)} (90 % interval {rounded(low, 1)} to \
-{rounded(high, 1)}) | {SEEN / rev:.2g} or more | the prediction **fails** |
-| sputtered MoS2, 0.2 to 0.65 µm, pin on disc, at four times the load [2] | the life falls \
-by a factor of {LIVES[0] / LIVES[1]:.3g} or more | a factor of {archard:.2g} (Archard's law) | \
-{LIVES[0] / LIVES[1] / archard:.2g} or more | the prediction **fails** |
-| lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | a 50 µm film lasted \
-15 h, other films 2 to 6 h | – | | not predicted, because no coefficient for lead was found |
-| lead alloys, same conditions [4] | lasted 22.5 and 19.3 h | – | | not predicted, for the \
-same reason |
-| PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstood 2000 N/mm² at a spin velocity \
-of 5 m/s | – | | not predicted, because the model does not include film rupture |
-| SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared, because no \
-accessible source was found |
+| **Sputtered MoS2** (0.6 µm, angular contact bearing, 1750 r/min, 137.9 N, vacuum) [1] | the film \
+lasted more than {rounded(SEEN, 3)} revolutions | The computed life is {rounded(rev, 2)} \
+revolutions (90 % interval {rounded(low, 1)} to {rounded(high, 1)}) | {SEEN / rev:.2g} or more | \
+so the prediction **fails** |
+| **Sputtered MoS2** (0.2 to 0.65 µm, pin on disc) [2] | quadrupling the load shortened the life \
+by a factor of {LIVES[0] / LIVES[1]:.3g} or more | The computed factor is {archard:.2g} \
+(Archard's law) | {LIVES[0] / LIVES[1] / archard:.2g} or more | so the prediction **fails** |
+| **Lead on a retainer** (40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen) [3] | a 50 µm film \
+lasted 15 h, and other films lasted 2 to 6 h | – | | No prediction is made, because no wear \
+coefficient for lead was found |
+| **Lead alloys** (same conditions) [4] | the films lasted 22.5 and 19.3 h | – | | No prediction \
+is made, because no wear coefficient was found |
+| **PTFE transfer film** (40 mm bore, liquid hydrogen) [5] | the film withstood 2000 N/mm² at a \
+spin velocity of 5 m/s | – | | No prediction is made, because the model does not include film \
+rupture |
+| **SR4** (self-lubricating) | more than 3.7e9 revolutions were reported | – | | No comparison is \
+made, because no accessible source was found |
 
-The abstract of [1] does not state the bearing size; a 7204C with NSK's ball complement is assumed.
-Its life is assumed to end when half of a track is bare. The test ended without failure (run-out),
-so K_s/H was at most {bound:.2g} m²/N. In the two-disc test [6], K_s/H was 4e-15 m²/N during
-running-in, {rounded(4e-15 / bound, 2)} times as high. The 90 % interval of K_s/H in the table of
-coefficients extends from one of these values to the other, so the run-out lies at its lower end.
+The abstract of [1] does not state the bearing size, so a 7204C with NSK's ball complement is
+assumed. The life of the bearing is assumed to end when half of a track is bare. The test ended
+without failure (run-out), so K_s/H was at most {bound:.2g} m²/N. In the two-disc test [6], K_s/H
+was 4e-15 m²/N during running-in, {rounded(4e-15 / bound, 2)} times the bound from [1]. The 90 %
+interval of K_s/H in the table of coefficients extends from one of these values to the other, so the
+run-out lies at the lower end of the interval.
 
 **Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
-much more slowly than a film in its first thousand cycles. A single K_s/H cannot describe both.
-Moreover, film debris may continue to lubricate the bearing after the film has worn through in the
-model.
+much more slowly than a film in its first thousand cycles. A single value of K_s/H cannot describe
+both stages. Moreover, film debris may have continued to lubricate the test bearing beyond the point
+at which the film wears through in the model.
 
 **Load.** According to Archard's law, the life of a track as wide as the Hertzian contact is
-proportional to F^(-2/3), so it is shorter by a factor of {archard:.2g} at four times the load. To
-match [2], K_s must be proportional to the pressure raised to a power of {exponent():.2g} or more.
-`friction.film.pressure_exponent` represents such an increase ([theory](theory/23-films.md)). It is
-not used by default, because its value is based on a single pair of loads.
+proportional to F^(-2/3), so quadrupling the load shortens the life by a factor of {archard:.2g}. To
+match the result of [2], K_s must be proportional to the pressure raised to a power of
+{exponent():.2g} or more. `friction.film.pressure_exponent` represents such an increase
+([theory](theory/23-films.md)). By default, no pressure exponent is used, because its value is based
+on a single pair of loads.
 
 1. [NASA, bearing endurance tests in vacuum](https://core.ac.uk/works/24927645)
 2. [Spalvins, 1971](https://ntrs.nasa.gov/citations/19720029182)
@@ -115,10 +120,10 @@ def _wrapped(line: str) -> str:
         return line
     test, seen, program, off, verdict = (cell.strip() for cell in line.strip("|").split(" |"))
     if program == "–":
-        text = f"{test}: {seen}; {verdict}."
+        text = f"{test}: {seen}. {verdict}."
     else:
-        factor = f", too low by a factor of {off}" if off else ""
-        text = f"{test}: {seen}. Computed: {program}{factor}; {verdict}."
+        factor = f", which is too low by a factor of {off}" if off else ""
+        text = f"{test}: {seen}. {program}{factor}, {verdict}."
     return textwrap.fill(text, 100, initial_indent="- ", subsequent_indent="  ")
 
 

@@ -76,8 +76,8 @@ def rows_of_study(scene: Scene) -> np.ndarray:
 
 
 def errors(cases: Iterator[tuple[str, Scene, int]], beginning: str, rows_of: Rows) -> None:
-    columns = "computed | stated error | stated share | actual share | median | 95 % | 99 % | max"
-    print(f"| sample | {columns} |\n| --- | --- |" + " ---: |" * 7)
+    columns = "reported error | reported share | actual share | median | 95 % | 99 % | max"
+    print(f"| sample | computed | {columns} |\n| --- | --- |" + " ---: |" * 7)
     for name, scene, count in (one for one in cases if one[0].startswith(beginning)):
         of = [*(scene.uncertainty or {})]
         names = [one for one in of if one not in WORN]

@@ -9,7 +9,7 @@ from typing import Any
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 
 _CONTACTS = {
-    "paper": "contact model of the paper",
+    "paper": "contact model from the paper",
     "hertz": "Hertzian contact",
     "worn": "contact in worn grooves",
 }
@@ -85,7 +85,7 @@ def _pair_words(a: Mapping[str, Any]) -> list[str]:
     if a["external_axial_N"]:
         words.append(f"external axial force {a['external_axial_N']:g} N")
     if a["spring_stiffness_N_um"]:
-        words.append(f"spring of {a['spring_stiffness_N_um']:g} N/um")
+        words.append(f"spring stiffness {a['spring_stiffness_N_um']:g} N/um")
     if a["second"]:
         words.append("second bearing: " + ", ".join(f"{k} {v}" for k, v in a["second"].items()))
     return words

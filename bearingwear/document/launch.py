@@ -31,7 +31,7 @@ _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...]
 def launch_document(scene: Scene, found: Launched) -> Document:
     """Report on the bearings of a scene at launch."""
     columns = tuple(load.name for load in found.loads)
-    blocks = [Block("axial acceleration at the limits", (), _limits(found))]
+    blocks = [Block("axial acceleration limits", (), _limits(found))]
     if found.loads:
         blocks += [Block("rotor", columns, tuple(_rotor_rows(found.loads)))]
         blocks += [
@@ -68,8 +68,8 @@ def launch_verdict(found: Launched) -> list[str]:
         share = 100.0 * found.pressure_share
         verb = "dents" if share > 100.0 else "no dents"
         said.append(
-            f"{verb}: peak pressure is {digits(share)} % of {digits(_GPA * found.pressure)} GPa, "
-            f"{found.source}"
+            f"{verb}: the peak pressure is {digits(share)} % of "
+            f"{digits(_GPA * found.pressure)} GPa, {found.source}"
         )
     return said
 
@@ -77,7 +77,7 @@ def launch_verdict(found: Launched) -> list[str]:
 def _asked(scene: Scene, found: Launched) -> list[str]:
     a, asked = scene.arrangement, scene.launch or Launch()
     assert a is not None
-    parts = [f"at rest, rotor of {a.rotor_mass_kg:g} kg"]
+    parts = [f"at rest, rotor mass {a.rotor_mass_kg:g} kg"]
     parts += (
         [f"centre of mass {a.rotor_offset_mm:g} mm from the midpoint"] if a.rotor_offset_mm else []
     )
@@ -89,7 +89,7 @@ def _asked(scene: Scene, found: Launched) -> list[str]:
     ):
         axial, radial, _ = found.frequencies
         lines.append(
-            f"by Miles' equation, three sigma, Q = {asked.amplification:g}, at "
+            f"accelerations from Miles' equation (three sigma, Q = {asked.amplification:g}) at "
             f"{digits(axial)} Hz axial, {digits(radial)} Hz radial"
         )
     return lines
@@ -97,8 +97,8 @@ def _asked(scene: Scene, found: Launched) -> list[str]:
 
 def _limits(found: Launched) -> tuple[Row, ...]:
     rows = [
-        Row("a bearing gaps at", "g", (found.opening_g,), "opening_g"),
-        Row("a race or ball dents at", "g", (found.denting_g,), "denting_g"),
+        Row("gapping starts at", "g", (found.opening_g,), "opening_g"),
+        Row("denting starts at", "g", (found.denting_g,), "denting_g"),
     ]
     if found.frequencies is not None:
         names = ("axial", "radial", "conical")

@@ -68,14 +68,14 @@ def _of_both(file: Any) -> list[Block]:
         row_of(n, np.atleast_1d(values(file, n))[followed]) for n in LIVES if n in file.variables
     )
     life = _life_of(file, counted)
-    own = Row(f"counts: {COUNTED[counted]}", "h", (Rough(life),), "life_of_the_scene")
+    own = Row(f"with wear of {COUNTED[counted]}", "h", (Rough(life),), "life_of_the_scene")
     band, taken = band_by_wear(scene, life)
     by_wear = () if band is None else (Row(BY_WEAR, "h", (band,), "life_by_wear_alone"),)
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     lines = filter(None, [str(getattr(file, "ended_by", "")), *_calibrated(scene), taken])
     return [
-        Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
+        Block("wear included", tuple(COUNTED[k] for k in followed), lives),
         Block("life", (), (own, *by_wear, ended, loss), tuple(lines)),
     ]
 
@@ -214,4 +214,4 @@ def _worn(file: Any) -> list[Block]:
         row = worn(WORN_RACES, volume)
         rows.append(row._replace(label=f"{race} race", name=f"{WORN_RACES}.{race}"))
     rows += [worn(name, at_end[name]) for name in WORN_WHOLE if name in at_end]
-    return [Block("wear since the start", ("mean", "least", "most"), tuple(rows))]
+    return [Block("wear since the start", ("mean", "minimum", "maximum"), tuple(rows))]

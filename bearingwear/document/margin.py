@@ -42,20 +42,20 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     assert drive is not None
     words = corner_words(worst)
     if math.isnan(worst.torque):
-        said = f"torque margin unknown: no steady state was found ({words})"
+        said = f"torque margin unknown: no steady-state solution was found ({words})"
     elif worst.stalls:
         said = f"the drive stalls: the resisting torque exceeds the drive torque ({words})"
     else:
         kept = "sufficient" if worst.margin >= 0.0 else "INSUFFICIENT"
         said = f"torque margin {digits(100.0 * worst.margin)} %, {kept}; worst corner: {words}"
-    factors = f"{drive.rule[drive.bearings]:g} on the bearing torque of class {drive.bearings}"
+    factors = f"{drive.rule[drive.bearings]:g} on the bearing torque (class {drive.bearings})"
     others = ", ".join(
         f"{drive.rule[name]:g} on {T:g} N m {name}" for name, T in drive.resistances_Nm.items()
     )
-    rule = f"standard: {STANDARDS[drive.standard]}; data from {drive.data}; factors {factors}"
+    rule = f"standard: {STANDARDS[drive.standard]}; data from {drive.data}; factors: {factors}"
     found = [said, f"{rule}{', ' if others else ''}{others}"]
     if not any(one.wear != "new" for one in corners):
-        found.append("new bearings only: no end-of-life criterion was given, or none was reached")
+        found.append("new bearings only: no end-of-life criterion was given or met")
     if not any(one.case != NOMINAL for one in corners):
         found.append("the scene contains no cases, so cold and hot operation were not checked")
     return found

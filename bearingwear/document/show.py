@@ -205,7 +205,7 @@ def _case_of(file: Any) -> list[Block]:
     ]
     if "ball_diameter_loss_rate" in file.variables:
         rate = row_of("ball_diameter_loss_rate", values(file, "ball_diameter_loss_rate"))
-        blocks.append(Block("wear counted", COUNTED, (rate,)))
+        blocks.append(Block("wear included", COUNTED, (rate,)))
     blocks += _grown(file)
     return blocks + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
 
@@ -312,7 +312,7 @@ def scene_sheet(scene: Scene) -> Document:
     blocks = (
         Block("bearing", (), bearing, given=True),
         Block("material", ("E, GPa", "H, GPa", "K_s"), materials, given=True),
-        Block("end of life at the first of", (), ends, given=True),
+        Block("end-of-life criteria", (), ends, given=True),
     )
     return Document(
         operation_lines(scene.to_dict()), {"kind": "scene", "scene": scene.name}, blocks

@@ -45,16 +45,16 @@ STATUS_SENTENCES = {
     "not_converged": "the iteration did not converge; do not use the values of this case",
     "contact_lost": "centrifugal force separates, or nearly separates, a ball from the inner race, "
     "and no solution was found",
-    "no_steady_state": "no stable steady state was found: either the balls or, in a pair, the "
-    "rotor does not settle",
+    "no_steady_state": "no stable steady-state solution was found: either the balls or, in a "
+    "pair, the rotor does not settle",
     "preload_gone": "wear or load has eliminated the preload: a ball carries no load",
     "undetermined": "without friction, the rotation of the balls is indeterminate",
     "outside_hertz_range": "a contact ellipse is too large relative to its ball for Hertzian "
     "theory to apply",
     "unverified": "the solution failed verification",
-    "criterion_not_reached": "no end-of-life criterion was reached within the solvable range",
-    "beyond_groove": "a contact angle is outside the range 0 to 90 degrees: the ball leaves its "
-    "groove",
+    "criterion_not_reached": "no end-of-life criterion was met within the solvable range",
+    "beyond_groove": "a contact angle is outside the range of 0 to 90 degrees: the ball leaves "
+    "its groove",
     "below_rounding": "a slip speed or load is so small relative to the others that it is lost "
     "in rounding errors, or slip_regularisation_m_s is too small",
     "no_race_control": "no equilibrium exists under race control: neither race can prevent "
@@ -63,12 +63,11 @@ STATUS_SENTENCES = {
     "race_unseated": "load or tilt separates the inner race from some balls, and the preload does "
     "not press it against the others",
     "too_stiff": "the motion requires far too many time steps per turn; no averages were obtained",
-    "cage_jammed": "no equilibrium was found with the cage: its clearance is too small, or pocket "
+    "cage_jammed": "no equilibrium of the cage was found: its clearance is too small, or pocket "
     "friction locks a ball that only inertia, which is neglected, could release",
     "warm_seizure": "friction heat and preload increase each other without limit: the bearing "
     "seizes",
-    "no_heat_balance": "no temperatures were found at which the friction heat is removed and every "
-    "part expands by less than 1 %",
+    "no_heat_balance": "no heat balance was found in which every part expands by less than 1 %",
     "lifted_off": "the rotor has lifted off one bearing of the pair: wear or the external force "
     "has eliminated that bearing's preload",
 }

@@ -42,7 +42,7 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
     attrs = {
         "solves": len(life.tried),
         "steady_life_of": f"the scene without {', '.join(left)}" if left else "the scene",
-        "residual": f"of the last run: {run_at(life.tried[-1]).residual}",
+        "residual": f"last run: {run_at(life.tried[-1]).residual}",
     }
     if life.nodes[0].status == code.OK:
         values |= ends(life) | life_histories(life)

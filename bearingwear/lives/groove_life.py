@@ -63,22 +63,22 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
         f"model.fidelity {fidelity}": fidelity != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
-        "a film or running-in on balls that wear in bands": in_bands,
+        "balls that wear in bands and have a film or running-in": in_bands,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
                 f"{scene.name}: model.contact: got worn with {found[0]}, expected the steady "
-                f"model with wear.counts ball_and_races, slip over the ellipse, and even wear of "
-                f"balls that have a film or run in"
+                f"model with wear.counts ball_and_races, slip evaluated over the ellipse, and even "
+                f"wear of balls that have a film or running-in"
             )
         return scene, "grooves: worn profile, as requested by model.contact"
     if scene.model.contact != "auto" or found:
         return None, ""
     end = scene.wear.end_of_life
     if end is not None and end.groove_depth_um is not None:
-        return scene, "grooves: worn profile, because groove depth is a criterion"
+        return scene, "grooves: worn profile, because groove depth is an end-of-life criterion"
     share = max(wear_over_gap(one) for one in scene.sides)
     size = f"the wear at the end of life is about {share:.2g} times the gap at the contact edge"
     if math.isinf(share):

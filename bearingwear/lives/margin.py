@@ -95,7 +95,8 @@ def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]])
     assert drive is not None
     if scene.operation.shaft_speed_rpm == scene.operation.outer_speed_rpm:
         problem = (
-            "got the same speed for both races, which requires no torque, expected different speeds"
+            "got equal speeds for both races, at which no torque is required, expected different "
+            "speeds"
         )
         raise NotAvailable(f"{scene.name}: operation.shaft_speed_rpm: {problem}")
     key, values = friction_interval(scene)

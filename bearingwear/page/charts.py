@@ -100,7 +100,7 @@ def chart_html(
 def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
-        "Star: the method's longest life with all requirements satisfied.": any(
+        "Star: longest life with each method, subject to all requirements.": any(
             c.star for c in chart.lines
         ),
         "Error bar: range that contains the lives of 90 % of the bearings.": any(
@@ -109,7 +109,7 @@ def _legend(chart: Chart) -> str:
         "Dashed line and bar above the axis: preloads that violate a requirement.": any(
             c.beyond for c in chart.lines
         ),
-        "Diamond: beyond this point, another criterion determines the end of life.": any(
+        "Diamond: beyond this point, a different criterion determines the end of life.": any(
             len(set(c.ends)) > 1 for c in chart.lines
         ),
     }

@@ -42,21 +42,21 @@ _TEMPLATE, _STYLE, _SCRIPT = (
 UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
     "QV": "Load times slip speed, integrated over a contact (W). Wear is proportional to QV.",
-    "constant force (spring pair), fixed position (rigid pair)": "Preload by a spring, whose force "
-    "remains constant as parts wear, or by a spacer, whose force decreases with wear. With a "
-    "spring, only one bearing of the arrangement supports the rotor axially.",
+    "constant force (spring pair), fixed position (rigid pair)": "Preload applied by a spring, "
+    "whose force remains constant as parts wear, or by a spacer, with which the preload decreases "
+    "as parts wear. With a spring, only one bearing of the arrangement supports the rotor axially.",
     "residual preload": "The axial force that remains at speed and after wear.",
     "gyroscopic slip share": "The share of a ball's sliding that is perpendicular to its "
     "rolling direction and driven by the gyroscopic moment.",
     "requirement": "A condition that the bearing or machine must meet from new to the end of life, "
-    "such as a minimum stiffness. It restricts the choice of preload.",
+    "such as a minimum stiffness. Requirements restrict the choice of preload.",
     "end-of-life criterion": "A value, set in the scene, at which a bearing counts as worn out, "
-    "such as a wear depth. The first value reached determines the end of life.",
-    "skid ratio": "The relative lag of a ball's orbit behind pure rolling.",
-    "total wear depth": "The loss of ball diameter plus, if the wear of the races is counted, the "
-    "wear depth of both grooves. It reduces the interference between balls and grooves.",
-    "wear life": "Running time until the first end-of-life criterion is reached; it is not a "
-    "fatigue life.",
+    "such as a wear depth. The first criterion met determines the end of life.",
+    "skid ratio": "The relative lag of a ball's orbit rate behind that in pure rolling.",
+    "total wear depth": "The loss of ball diameter plus, if wear of the races is included, the "
+    "wear depths of both grooves. Wear reduces the interference between balls and grooves.",
+    "wear life": "The running time until the first end-of-life criterion is met (not a "
+    "fatigue life).",
 }
 """Words that a reader of the page may not know."""
 
@@ -352,7 +352,7 @@ def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]
     for name, words in (
         ("qv_error_estimate", "QV"),
         ("residual_preload_error_estimate", "residual preload"),
-        ("wear_rate_error_estimate", "rate of wear"),
+        ("wear_rate_error_estimate", "wear rate"),
         ("life_error_estimate", "life"),
     ):
         known = [float(abs(one[name]).max()) for one in datasets if name in one]

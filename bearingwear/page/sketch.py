@@ -110,7 +110,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
     known = "" if first.sized else ", ring thickness"
     text = (
         f"{'Both bearings' if pair else 'The bearing'} in section, to scale, new and unloaded; "
-        f"preload{'' if load is None else f' {load:.4g} N'} by a {way}. "
+        f"preload{'' if load is None else f' of {load:.4g} N'} applied by a {way}. "
         f"Assumed: ring width, shoulders{known}."
     )
     return Markup(

@@ -31,7 +31,7 @@ SYSTEM = table(
     Variable("lift_off_force", (), "N",
         "minimum axial force on the rotor, in either direction, that unloads one of the bearings "
         "at rest",
-        comment="allows for ball wear and running temperature",
+        comment="the value allows for ball wear and running temperature",
         label="lift-off force"),
     Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
         comment="positive towards +X", label="rotor shift"),

@@ -133,7 +133,7 @@ def load_quantiles(path: str | Path) -> xr.Dataset:
         not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
         or not np.isin(INTERVAL, found["probability"]).all()
     ):
-        problem = "got a file from an earlier version, expected a recomputed file"
+        problem = "got a file written by an earlier version, expected a recomputed file"
         raise CaseFileError(f"{path}: {problem}")
     return found
 

@@ -15,7 +15,7 @@ DEGREE = 180.0 / math.pi
 SECONDS_PER_HOUR = 3600.0
 HOURS_PER_SECOND = 1.0 / SECONDS_PER_HOUR
 
-ESTIMATE = "based on solutions with other accuracy settings; excludes modelling errors"
+ESTIMATE = "based on solutions with different accuracy settings; excludes modelling errors"
 """Comment of every estimate of a numerical error."""
 
 

@@ -152,21 +152,21 @@ class Model:
         "ellipse and includes traction; worn also computes the groove profiles in the life "
         "calculation; auto selects hertz or, if the grooves wear deeply, worn", choices=CONTACTS,
         default="auto")
-    slip_over: str | None = setting("Region over which slip is evaluated (overrides model.contact)",
+    slip_over: str | None = setting("Region in which slip is evaluated (overrides model.contact)",
         choices=SLIP_OVER, default=None)
     normal_balance: str | None = setting(
         "Whether traction is included in the balance of normal forces (overrides model.contact)",
         choices=NORMAL_BALANCES, default=None)
     cage_results: bool = setting(
-        "Whether to compute the motion and wear of the cage, which requires the dynamic model",
+        "Whether to compute the motion and wear of the cage (requires the dynamic model)",
         default=False)
     accuracy: str | float = setting(
-        'Preset, or target error in the total QV; it sets all keys whose default is "by '
+        'Preset, or target error in the total QV, which sets all keys whose default is "by '
         'model.accuracy". With cage_results or an end-of-life criterion for the cage, '
         f'model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}', within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS), default="standard")
     strips: int = setting("Number of points or strips along each contact ellipse (with split, "
-        "the maximum number, at least 20; a quarter of them lie on either side of a pure-rolling "
+        "the maximum number, at least 20; a quarter of them lie on each side of a pure-rolling "
         "point)",
         "1", "[2, 2000]", default_by=ACCURACY, default=STANDARD.over_ellipse[0])
     points_across: int = setting(
@@ -183,15 +183,15 @@ class Model:
     simulated_turns: float = setting("Number of shaft turns simulated (dynamic model only)", "1",
         "(0, 1e6]",
         default_by=ACCURACY, default=STANDARD.simulated_turns)
-    evaluated_turns: float | None = setting("Number of final shaft turns over which results are "
-        "averaged (if omitted, the second half of the run; at most model.simulated_turns)",
+    evaluated_turns: float | None = setting("Number of shaft turns at the end of the run over "
+        "which results are averaged (if omitted, half of the run; at most model.simulated_turns)",
         "1", "(0, 1e6]", default=None)
     history_points_per_turn: int = setting("Number of history points per shaft turn (0: no "
         "histories; at most a million points in total; dynamic model only)", "1",
         "[0, 10000]", default=20)
     integrator: str = setting(
-        "Time integration method: linearly implicit (rosenbrock), or explicit as in the source of "
-        "the model (runge_kutta)",
+        "Time integration method: linearly implicit (rosenbrock), or explicit, as in the "
+        "published model (runge_kutta)",
         choices=("rosenbrock", "runge_kutta"), default="rosenbrock")
     dynamic_solution: str = setting("Solution method of the dynamic model: march integrates in "
         "time until the motion settles; periodic solves directly for the periodic motion "
@@ -203,7 +203,7 @@ class Model:
         "model only)", "1",
         "[1e-9, 1]", default_by=ACCURACY, default=STANDARD.dynamic_tolerance)
     settled_drift: float = setting("Expected further relative change in QV and wear below which "
-        "a run counts as settled and ends (dynamic model only)",
+        "a run is considered settled and ends (dynamic model only)",
         "1", "(0, 1]", default_by=ACCURACY,
         default=STANDARD.settled_drift)
     land_stiffness_factor: float = setting(

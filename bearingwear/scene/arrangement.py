@@ -61,8 +61,8 @@ class Arrangement:
         "Mass of the rotor of a pair, used for its natural frequencies", "kg", "(0, 1e6]",
         default=None)
     span_mm: float | None = setting(
-        "Distance between the centres of the two bearings, used for the natural frequencies of the "
-        "rotor", "mm",
+        "Distance between the centres of the two bearings of a pair, used for the natural "
+        "frequencies of the rotor", "mm",
         "(0, 1e5]", default=None)
     rotor_transverse_inertia_kg_mm2: float | None = setting("Moment of inertia of the rotor about "
         "a transverse axis through its centre of mass (if omitted, a slender rod of the same mass "
@@ -73,11 +73,11 @@ class Arrangement:
     stop_um: float | None = setting("Travel of the preload spring at launch, to its stop or to a "
         "snubber (unlimited if omitted)", "um", "[0, 1e5]", default=None)
     tandem: tuple[int, ...] = setting("Numbers of identical bearings in tandem on the first and "
-        "second sides of a pair; those on a side share the axial force on that side",
+        "second sides of a pair; bearings on the same side share its axial force",
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
-        "Keys whose values differ for the second bearing of a pair, with those values",
+        "Keys whose values differ for the second bearing of a pair, with its values",
         allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
     # fmt: on
 
@@ -91,7 +91,7 @@ class Arrangement:
                 raise SceneError(
                     f"second.{key}" if key else "second",
                     f"got {shown(flat[key])} for a key that is unknown or common to both bearings, "
-                    f"expected keys of {', '.join(OWN_BLOCKS)} other than speeds, preload, counts "
+                    f"expected a key of {', '.join(OWN_BLOCKS)}, except speeds, preload, counts "
                     "and end of life",
                 )
         object.__setattr__(self, "second", MappingProxyType(flat))

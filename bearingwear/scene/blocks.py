@@ -38,13 +38,14 @@ class Bearing:
     maker: str | None = setting("Maker whose catalogue gives the speed limits",
         choices=tuple(MAKERS), default=None)
     designation: str | None = setting(
-        "Designation; if a maker is given, as in its catalogue (`bearingwear new --list`)",
+        "Designation (if a maker is given, as in that maker's catalogue; see `bearingwear new "
+        "--list`)",
         longest=40, default=None)
-    ball_count: int = setting("Number of balls, which must fit side by side on the pitch circle",
+    ball_count: int = setting("Number of balls (they must fit side by side on the pitch circle)",
         "1", "[3, 1000]", example="15")
     ball_diameter_mm: float = setting("Nominal (unworn) ball diameter", "mm", "[0.1, 500]",
         example="8.4")
-    pitch_diameter_mm: float = setting("Pitch diameter, larger than the ball diameter", "mm",
+    pitch_diameter_mm: float = setting("Pitch diameter (must exceed the ball diameter)", "mm",
         "[0.2, 10000]", example="54")
     contact_angle_deg: float = setting("Free contact angle (unloaded, unworn)", "degree", "[0, 80]",
         example="15")
@@ -57,8 +58,8 @@ class Bearing:
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
     bore_mm: float | None = setting(
-        "Bore of the inner ring, used to compute its growth at speed and for the hoop-stress "
-        "warning", "mm",
+        "Bore of the inner ring, used to compute its growth at speed and to warn of high hoop "
+        "stress", "mm",
         _RING, default=None)
     outside_diameter_mm: float | None = setting(
         "Outside diameter of the outer ring, used to compute its growth if it rotates", "mm",
@@ -66,8 +67,8 @@ class Bearing:
     inner_shoulder_mm: float | None = setting("Shoulder diameter of the inner ring on the loaded "
         "side, used to warn if the contact ellipse extends beyond it", "mm", _RING, default=None)
     outer_shoulder_mm: float | None = setting(
-        "Shoulder diameter of the outer ring on the loaded side, used for the same warning", "mm",
-        _RING, default=None)
+        "Shoulder diameter of the outer ring on the loaded side, used to warn if the contact "
+        "ellipse extends beyond it", "mm", _RING, default=None)
     # fmt: on
 
 
@@ -84,7 +85,7 @@ class Material:
     wear_coefficient: float = setting("Dimensionless wear coefficient, K_s in Archard's law",
         "1", "(0, 1]", example="5.0e-6")
     yield_pressure_GPa: float | None = setting("Maximum contact pressure without denting, used for "
-        "a warning (default: 4.2, which is from ISO 76 for steel and assumed for other materials)",
+        "a warning (default: 4.2, from ISO 76 for steel and assumed for other materials)",
         "GPa",
         "(0, 100]", default=None)
     thermal_expansion_1_K: float | None = setting(
@@ -108,14 +109,14 @@ class Cage:
 
     material: str = setting("Material of the cage", pattern=NAME, allowed=MATERIAL)
     # fmt: off
-    guiding_race: str = setting("Guidance of the cage: by the land of a race, or by the balls",
+    guiding_race: str = setting("Guidance of the cage, by the land of a race or by the balls",
         choices=GUIDES, default="outer")
-    restitution: float = setting("Coefficient of restitution for impacts of balls on pockets and "
+    restitution: float = setting("Coefficient of restitution in impacts of balls on pockets and "
         "of the cage on its land",
         "1", "[0, 1]", default=0.5)
     inner_diameter_mm: float = setting("Inner diameter of the cage ring", "mm", "(0, 10000]")
-    outer_diameter_mm: float = setting("Outer diameter of the cage ring, larger than the inner one",
-        "mm", "(0, 10000]")
+    outer_diameter_mm: float = setting(
+        "Outer diameter of the cage ring (must exceed the inner one)", "mm", "(0, 10000]")
     width_mm: float = setting("Axial width of the cage", "mm", "(0, 1000]")
     pocket_clearance_mm: float = setting("Diametral clearance between a ball and its pocket", "mm",
         "[0, 50]")
@@ -125,7 +126,7 @@ class Cage:
     imbalance_um: float = setting(
         "Distance of the cage's centre of mass from its geometric centre, towards the first pocket",
         "um", "[0, 1000]", default=0.0)
-    worn_share: float = setting("Share of the pocket walls and the guiding surface over which "
+    worn_share: float = setting("Fraction of the pocket walls and the guiding surface over which "
         "wear is spread (assumed; used only in the cage life calculation)", "1", "[0.001, 1]",
         default=1.0)
     film: Film | None = setting("A solid film on the pocket walls and the guiding surface (used "
@@ -215,23 +216,23 @@ class Wear:
 
     # fmt: off
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "Loss of ball diameter for which a case is solved (less than a tenth of the ball diameter)",
+        "Loss of ball diameter for which a case is solved (less than 10 % of the ball diameter)",
         "um", "[0, 50000]",
         single=True, least=1, most=1000, each="Diameter loss of one ball",
         allowed="a number from 0 to 50000, or a list with one such number for each ball",
         default=(0.0,))
     counts: str = setting(
         "Wear included in the total wear depth for the reported life (result files contain the "
-        "lives for both choices)",
+        "life for each choice)",
         choices=COUNTS, default=COUNTS[1])
     ball_track: str = setting("Ball wear if the life is computed with worn grooves: even, because "
-        "the axes of the balls wander (spread), or in bands, because the axes are fixed (bands)",
+        "the ball axes wander (spread), or in bands, because the ball axes are fixed (bands)",
         choices=BALL_TRACKS,
         default=BALL_TRACKS[0])
     track_wander: float = setting("RMS wander of a ball's track in a worn groove, relative to the "
         "semi-major axis of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(
-        "End-of-life criteria; the first one reached determines the end of life (a life "
+        "End-of-life criteria; the first one met determines the end of life (a life "
         "calculation requires at least one)",
         default=None)
     # fmt: on

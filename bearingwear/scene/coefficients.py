@@ -103,14 +103,14 @@ RUBBING = {
         rows=("archard", "dry_steel"),
         wear=LogSpread.of(*_ends("archard"), least=3.0),
         friction=LogSpread.of(0.8, 0.8, least=1.2),
-        why="dry steel; the spread is assumed, because the source covers only one steel and one "
+        why="The spread for dry steel is assumed, because the source covers only one steel and one "
         "load",
     ),
     ("steel/steel", "mos2"): RubbingPair(
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins"),
         wear=LogSpread.of(*_ends("two_discs", "bearing_in_vacuum")),
         friction=LogSpread.of(0.03, 0.04),
-        why="the range extends from the value for a bearing that did not fail in vacuum to that "
+        why="The range extends from the value for a bearing that did not fail in vacuum to that "
         "for two discs during running-in",
     ),
 }

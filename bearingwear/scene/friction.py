@@ -35,12 +35,12 @@ class RunningIn:
 
     # fmt: off
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface; with wear, it approaches that of the material",
+        "Initial wear coefficient, which approaches that of the material as the surface wears",
         "1", _SHARE)
     # fmt: on
     depth_um: float = setting(
-        "Wear depth over which the difference from the coefficient of the material decreases to "
-        "1/e of its initial value",
+        "Wear depth at which the difference from the wear coefficient of the material has "
+        "decreased to 1/e of its initial value",
         "um",
         _THICKNESS,
     )
@@ -60,19 +60,19 @@ class FilmFriction:
         "through)", "um", _THICKNESS,
         default=None)
     wear_coefficient: float | None = setting(
-        "Wear coefficient of both surfaces while a film remains (if omitted, the values of the "
+        "Wear coefficient of both surfaces while a film remains (if omitted, those of the "
         "materials)", "1", _SHARE, default=None)
     brinell_hardness_GPa: float | None = setting(
         "Hardness of the film (if omitted, that of the underlying material)", "GPa", "[0.001, 100]",
         default=None)
     bare_ball_race: float | None = setting(
-        "Coulomb coefficient where the film is worn through (if omitted, that of the film)",
-        "1", "[0, 2]", default=None)
+        "Coulomb friction coefficient where the film is worn through (if omitted, that of the "
+        "film)", "1", "[0, 2]", default=None)
     pressure_exponent: float | None = setting("Exponent n of film wear, which is proportional "
         "to (mean contact pressure/reference_pressure_GPa)^n (none if omitted)", "1", "[0, 10]",
         default=None)
     reference_pressure_GPa: float | None = setting(
-        "Mean pressure at which the wear_coefficient of the film applies", "GPa", "(0, 20]",
+        "Mean contact pressure at which the wear_coefficient of the film applies", "GPa", "(0, 20]",
         default=None)
     # fmt: on
 
@@ -83,14 +83,15 @@ class Friction:
 
     # fmt: off
     ball_race: float | None = setting(
-        "Coulomb coefficient between the balls and races (required without friction.film)", "1",
+        "Coulomb friction coefficient between the balls and races (required without "
+        "friction.film)", "1",
         "[0, 2]",
         default=None)
     film: FilmFriction | None = setting(
         "A solid film between the balls and races (replaces friction.ball_race)", default=None)
     cage: float = setting(
-        "Coulomb coefficient between the balls and the cage, and between the cage and its land",
-        "1", "[0, 2]", default=0.05)
+        "Coulomb friction coefficient between the balls and the cage, and between the cage and "
+        "its land", "1", "[0, 2]", default=0.05)
     slip_regularisation_m_s: float = setting(
         "Slip speed below which friction is regularised (an accuracy setting)", "m/s", "[1e-9, 1]",
         default_by=ACCURACY, default=STANDARD.slip_regularisation_m_s)
@@ -137,7 +138,7 @@ def check_films(scene: Scene) -> None:
         raise SceneError(
             "friction.film.thickness_um",
             f"got {given.thickness_um:g} with materials.{b.race_material}.film, which also coats "
-            "the races, expected one of the two",
+            "the races, expected only one of them",
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)
@@ -166,7 +167,7 @@ def _check_wear_of_films(scene: Scene) -> None:
     if given is not None and given.thickness_um is not None and common is None:
         raise SceneError(
             "friction.film.wear_coefficient",
-            "got nothing; a film with a thickness requires it",
+            "got nothing; a film with a thickness requires this key",
             ("friction.film.thickness_um",),
         )
     thick = has_thickness(scene)

@@ -120,11 +120,12 @@ class BasedOn:
     """A scene file that is another one with some keys changed."""
 
     name: str = setting("Name of the scene", pattern=NAME)
-    description: str = setting("Description that replaces that of the other scene", default="")
+    description: str = setting("Description, which replaces that of the other scene", default="")
     # fmt: off
     based_on: str = setting("Name of the other scene, a file in the same folder (without .yaml)",
         pattern=NAME)
-    changes: Mapping[str, Any] = setting("Changed keys of the other scene and their new values",
+    changes: Mapping[str, Any] = setting(
+        "Keys of the other scene that are changed, and their new values",
         name="set", default_factory=dict)
     # fmt: on
 

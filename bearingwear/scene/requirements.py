@@ -24,8 +24,8 @@ class Launch:
     radial_g: float = setting("Quasi-static radial acceleration, in units of standard "
         "gravity", "1", _G, default=0.0)
     axial_density_g2_Hz: float | None = setting("Spectral density of the random axial "
-        "acceleration at the rotor's axial natural frequency, from which Miles' equation (three "
-        "sigma) gives axial_g",
+        "acceleration at the rotor's axial natural frequency; axial_g is computed from it by "
+        "Miles' equation (three sigma)",
         "1/Hz",
         _DENSITY, default=None)
     radial_density_g2_Hz: float | None = setting(
@@ -33,7 +33,7 @@ class Launch:
         "frequency", "1/Hz",
         _DENSITY, default=None)
     amplification: float = setting(
-        "Amplification Q = 1/(2 damping ratio) at the rotor's natural frequencies (default: 10, "
+        "Amplification Q = 1/(2 x damping ratio) at the rotor's natural frequencies (default: 10, "
         "assumed)", "1", "[0.5, 1000]", default=10.0)
     # fmt: on
 
@@ -42,7 +42,7 @@ class Launch:
             given = getattr(self, f"{way}_g")
             if given and getattr(self, f"{way}_density_g2_Hz") is not None:
                 key = f"{way}_density_g2_Hz"
-                raise SceneError(f"{way}_g", f"got {given:g} with {key}, expected one of the two")
+                raise SceneError(f"{way}_g", f"got {given:g} with {key}, expected only one of them")
 
 
 RULES: dict[tuple[str, str], dict[str, float]] = {
@@ -81,8 +81,8 @@ class Drive:
         "Standard that defines the torque margin", choices=tuple(STANDARDS), default="ecss"
     )
     # fmt: off
-    data: str = setting("Source of the torques: analysis, test, or tests at the extremes of the "
-        "environment (ecss: analysis or extremes)", choices=("analysis", "test", "extremes"),
+    data: str = setting("Source of the torque data: analysis, test, or tests at the extremes of "
+        "the environment (ecss: analysis or extremes)", choices=("analysis", "test", "extremes"),
         default="analysis")
     bearings_as: str | None = setting(
         "Resistance class of the bearing torque (if omitted, friction for ecss and fixed for nasa)",
@@ -99,7 +99,7 @@ class Drive:
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
-            problem = "expected factors if, and only if, the standard is own"
+            problem = "expected factors if and only if the standard is own"
             given = "some" if self.factors else "none"
             raise SceneError(
                 "factors", f"got {given} with {self.standard}, {problem}", ("standard",)

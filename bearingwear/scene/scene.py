@@ -95,7 +95,7 @@ class Scene:
         pattern=NO_CONTROL, longest=4000,
         allowed="text of at most 4000 characters without control characters", default="")
     bearing: Bearing = setting("Nominal, unworn geometry and materials of the bearing")
-    materials: Mapping[str, Material] = setting("The materials, each a block under its name",
+    materials: Mapping[str, Material] = setting("Materials, each in a block under its own name",
         least=1, each="One material, under a name of your choice (letters, digits, _ and -)")
     cage: Cage | None = setting(
         "The cage (none if omitted; a cage alone does not require the dynamic model)",
@@ -117,10 +117,10 @@ class Scene:
         "Fits of the rings on their seats (if omitted, the rings expand freely)",
         default=None)
     friction: Friction = setting("Friction")
-    lubricant: Lubricant = setting("Lubricant (if omitted, no drag)", default_factory=Lubricant)
+    lubricant: Lubricant = setting("Lubricant (no drag if omitted)", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
-        "Distributions of uncertain values in the scene, each a block under the name of its key",
+        "Distributions of uncertain values in the scene, each in a block named after its key",
         least=1, names=tuple(UNCERTAIN), each="Distribution of one value in the scene",
         default=None)
     cage_uncertainty: Mapping[str, Distribution] | None = setting("Distributions of uncertain "
@@ -130,7 +130,7 @@ class Scene:
         "Tests from which `bearingwear calibrate` determined friction and wear coefficients",
         default=None)
     cases: Mapping[str, Mapping[str, Any]] | None = setting("Further operating conditions, each a "
-        "named case that contains the changed keys of the scene and their new values", least=1,
+        "named case that contains the changed keys and their new values", least=1,
         each="Keys of the scene and their values (except the preload and the kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
     model: Model = setting("Model and accuracy settings, which override the automatic choice",

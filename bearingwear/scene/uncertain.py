@@ -78,7 +78,7 @@ class Distribution:
     """
 
     # fmt: off
-    distribution: str = setting("Kind of distribution (truncated to the possible values)",
+    distribution: str = setting("Kind of distribution (truncated to the permitted values)",
         choices=tuple(PARAMETERS))
     mean: float | None = setting(
         "Mean of a normal distribution (if omitted, the value in the scene)",
@@ -96,11 +96,11 @@ class Distribution:
     high: float | None = setting("Upper bound of a uniform distribution", "as the value",
         default=None)
     same_for_batch: bool | None = setting("Whether the value is common to all bearings of a batch "
-        "or scatters from bearing to bearing (if omitted: common for hardness, wear coefficient, "
+        "or varies from bearing to bearing (if omitted: common for hardness, wear coefficient, "
         "friction and drag)", default=None)
     friction_correlation: float | None = setting("Correlation of the wear coefficient with the "
-        "uncertain friction (of their logarithms if both are lognormal; none if omitted)", "1",
-        "(-1, 1)", default=None)
+        "uncertain friction value (of their logarithms if both are lognormal; none if omitted)",
+        "1", "(-1, 1)", default=None)
     # fmt: on
 
 
@@ -171,7 +171,7 @@ def _check_parameters(key: str, given: Distribution) -> None:
         if value is None and part in needs:
             raise SceneError(
                 f"{key}.{part}",
-                f"got nothing; the distribution {given.distribution} requires it",
+                f"got nothing; the distribution {given.distribution} requires this key",
                 (key,),
             )
         if value is not None and part not in needs + takes:

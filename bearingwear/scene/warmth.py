@@ -33,11 +33,11 @@ class Temperature:
     balls_C: float | None = setting(f"Temperature of the balls {_AS_REFERENCE}", "degC", _DEGREES,
         default=None)
     shaft_C: float | None = setting("Temperature of the shaft (if omitted, axial positions are as "
-        "mounted, and the fit assumes the temperature of the inner ring)", "degC", _DEGREES,
-        default=None)
+        "mounted, and the fit is computed with the temperature of the inner ring)", "degC",
+        _DEGREES, default=None)
     housing_C: float | None = setting("Temperature of the housing (if omitted, axial positions are "
-        "as mounted, and the fit assumes the temperature of the outer ring)", "degC", _DEGREES,
-        default=None)
+        "as mounted, and the fit is computed with the temperature of the outer ring)", "degC",
+        _DEGREES, default=None)
     # fmt: on
     reference_C: float = setting("Mounting temperature", "degC", _DEGREES, default=20.0)
 
@@ -97,7 +97,8 @@ class Fits:
     shaft_material: str | None = setting(
         "Material of the shaft (if omitted, that of the races)", pattern=NAME, default=None)
     housing_material: str | None = setting(
-        "Material of the housing, which is assumed to be thick (if omitted, that of the races)",
+        "Material of the housing, which is assumed to be thick-walled (if omitted, that of the "
+        "races)",
         pattern=NAME,
         default=None)
     # fmt: on
@@ -182,8 +183,8 @@ def _check_expansions(scene: Scene) -> None:
             most = LARGEST_STRAIN / alpha
             raise SceneError(
                 key,
-                f"got a temperature {abs(kelvin):g} K away from the mounting temperature, expected "
-                f"at most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
+                f"got a difference of {abs(kelvin):g} K from the mounting temperature, expected at "
+                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 
-WITHOUT_PRELOAD = "no preload is set (operation.preload_N is 0), so no ball carries load"
+WITHOUT_PRELOAD = "no preload is set (operation.preload_N is 0), so the balls carry no load"
 
 
 @dataclass

@@ -255,9 +255,10 @@ def axial_force(case: ThrustCase, n: int = 1) -> float:
 def residual_sentence(case: ThrustCase) -> str:
     found = case.residuals
     return (
-        f"error in the friction balance: {found.friction:.1e} of the friction forces; in the "
-        f"normal force balance: {found.equilibrium:.1e} of the contact load; in the power "
-        f"balance: {found.power:.1e} of the shaft power (allowed: {LARGEST_RESIDUAL:.0e})"
+        f"errors: {found.friction:.1e} of the friction forces in the friction balance, "
+        f"{found.equilibrium:.1e} of the contact load in the normal force balance, "
+        f"{found.power:.1e} of the shaft power in the power balance (allowed: "
+        f"{LARGEST_RESIDUAL:.0e})"
     )
 
 

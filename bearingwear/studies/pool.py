@@ -46,8 +46,8 @@ def processes(
     except BrokenProcessPool:
         raise RuntimeError(
             f"{caller}: a process ended unexpectedly. In a script, call this function under "
-            "`if __name__ == '__main__':`, because processes are started by "
-            f"{multiprocessing.get_start_method()}, or set workers=1"
+            "`if __name__ == '__main__':` (processes are started by "
+            f"{multiprocessing.get_start_method()}), or set workers=1"
         ) from None
     except BaseException:  # Ctrl-C: do not wait for what is still being solved
         for process in list(pool._processes.values()):

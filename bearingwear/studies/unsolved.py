@@ -24,7 +24,7 @@ def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
     unsolved_is {"error", "warning"}: whether the step fails, or says so on standard error.
     """
     if not paths:
-        return "nothing to check: the cases and lives in maps retain their status\n"
+        return "nothing to check; cases and lives in maps keep their status\n"
     checked, unsolved = verdict(paths)
     if unsolved:
         said = "\n  ".join([f"{len(unsolved)} of {checked} not solved:", *unsolved])

@@ -23,7 +23,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
 
 GYRO = str(scene_file("gyro_s1"))
-LINE = "compiling the solver (only once on this machine); this may take a minute ...\n"
+LINE = "compiling the solver (only once); this may take a minute ...\n"
 SMALL = """
 from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
 print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
@@ -102,7 +102,7 @@ def test_kernel_from_disk_that_another_one_called_before(tmp_path):
 def test_check_says_nothing_of_it_afterwards(capsys):
     solve(load_scene(GYRO))
     assert main(["check", GYRO]) == 0
-    assert "effort: milliseconds" in capsys.readouterr().out
+    assert "computing time: milliseconds" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("fidelity", ["race_control", "steady", "dynamic"])

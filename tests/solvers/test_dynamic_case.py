@@ -350,7 +350,7 @@ def test_what_does_not_apply(settings, fidelity, problem):
 def test_limits_of_the_cage_need_its_wear():
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
     assert (
-        "guide_clearance_mm not evaluated" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
+        "not evaluated: guide_clearance_mm" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
     )
     in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
     assert not any("not evaluated" in reason for reason in in_time.reasons)
@@ -363,7 +363,7 @@ def test_limits_of_the_cage_need_its_wear():
 def test_limits_of_slip_need_a_balance_of_friction():
     scene = load_scene(S1, ["operation.radial_load_N=[0, 1]"])
     told = choice_for_life(scene, "race_control").reasons[-1]
-    assert told == "criteria: gyroscopic_slip_share, skid_ratio not evaluated"
+    assert told == "end-of-life criteria not evaluated: gyroscopic_slip_share, skid_ratio"
     alone = load_scene(S1, ["wear.end_of_life={skid_ratio: 0.1}"])
     with pytest.raises(NotAvailable, match="only skid_ratio,.* expected.*fidelity auto"):
         choice_for_life(alone, "race_control")

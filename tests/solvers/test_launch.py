@@ -196,5 +196,5 @@ def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):
     scene, lives = tmp_path / "pair.yaml", {"wear.end_of_life.preload_fraction": 0.5}
     bearingwear.save(pair.with_(lives), scene)
     assert main(["recommend", str(scene), "--gap-um", "0"]) == 2
-    problem = "launch: got nothing; needed for a requirement on the gap at launch"
+    problem = "launch: got nothing, expected a block for the required gap at launch"
     assert capsys.readouterr().err == f"{scene}: {problem}\n"

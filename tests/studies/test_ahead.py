@@ -74,5 +74,5 @@ def test_jobs_of_a_study_announce_compilation_once(capsys):
     command = [sys.executable, "-c", f"import sys\nsys.stderr.write({text!r} * 2 + 'done\\n')"]
     assert launch._relayed(command, Path(), []) == 0
     first, *others = capsys.readouterr().err.splitlines()
-    assert first.startswith("compiling the solver (only once on this machine)")
+    assert first.startswith("compiling the solver (only once)")
     assert others == ["done"]

@@ -45,14 +45,14 @@ def code_folder() -> str:
         folder = Path(tempfile.mkdtemp(prefix="bearingwear-numba-"))
     if given and folder != folders[0]:
         tell(
-            f"NUMBA_CACHE_DIR: {given} is not writable, or others can write to it; compiled code "
-            f"is stored in {folder} instead"
+            f"NUMBA_CACHE_DIR: {given} is not writable, or is writable by others; compiled code is "
+            f"stored in {folder} instead"
         )
     return str(folder)
 
 
 def tell_of_compiling() -> None:
-    tell(f"compiling the solver (only once on this machine); this may take {compile_time()} ...")
+    tell(f"compiling the solver (only once); this may take {compile_time()} ...")
 
 
 @functools.cache

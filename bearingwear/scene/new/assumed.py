@@ -135,7 +135,7 @@ def numbers_of(
         ball_rule = rounded_to(0.6 * section), "0.3 x (outside diameter - bore)", True
     D = decide("bearing.ball_diameter_mm", *ball_rule)
     if not 0.0 < D < section:
-        allowed = f"a number > 0 and < {section:g}, half of the section"
+        allowed = f"a number > 0 and < {section:g}, half of the section height"
         raise refused_option("--ball-diameter", D, allowed)
     pitch = 0.5 * (bore + outside)
     dm = decide("bearing.pitch_diameter_mm", pitch, "mean of bore and outside diameter")
@@ -184,7 +184,7 @@ def _usual_speed(
     if entry is None:
         return rounded_to(SPEED_FACTOR / dm), "one million mm r/min divided by the pitch diameter"
     factor, name = entry.speed_factor(method, preload)
-    rule = f"{entry.maker}'s limit with grease"
+    rule = f"{entry.maker}'s speed limit with grease"
     if name:
         rule += f", times {factor:g} for a rigid pair of class {name}"
     return rounded_to(factor * entry.speed_grease, 3), rule
@@ -221,7 +221,7 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
     half = math.asin(D / dm)
     if deep_groove:
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half)
-        return max(3, balls), f"as many balls as fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
+        return max(3, balls), f"the balls fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
     balls = round(0.75 * math.pi / half)
     return max(3, balls), "three quarters of the maximum number"
 
@@ -237,7 +237,7 @@ def _free_angle(
     if not deep_groove:
         if size.angle is not None:
             return size.angle, size.angle_rule
-        return 15.0, "usual for high-speed bearings"
+        return 15.0, "typical of high-speed bearings"
     if clearance is None or isinstance(clearance, str):
         group = clearance or size.clearance or "CN"
         ends = clearance_range(group, size.bore)

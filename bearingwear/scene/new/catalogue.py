@@ -45,7 +45,7 @@ MAKERS_CLASSES = tuple(dict.fromkeys(name for maker in MAKERS.values() for name 
 SOURCES = {
     "printed": "printed in the catalogue",
     "identified": "identified from the printed load ratings",
-    "uncertain": "identified from the printed load ratings, uncertain",
+    "uncertain": "identified with some uncertainty from the printed load ratings",
 }
 """Where number and diameter of the balls come from."""
 
@@ -233,7 +233,7 @@ def listed(maker: str, series: str = "") -> list[str]:
     heads = ("designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes)
     form = "{:<12}{:>6}{:>6}{:>8}{:>7}{:>7}{:>9} {:<11}" + "{:>7}" * len(classes) + "{:>9}{:>9}"
     return [
-        f"{MAKERS[maker].source}; classes: preload, N; grease, oil: r/min",
+        f"{MAKERS[maker].source}; preload classes in N, speed limits with grease and oil in r/min",
         form.format(*heads, "grease", "oil"),
         *(
             form.format(

@@ -46,7 +46,7 @@ OPTIONS = (
     ("--contact-angle", "bearing.contact_angle_deg", "DEG", "free contact angle"),
     ("--speed", "operation.shaft_speed_rpm", "RPM", "shaft speed"),
     ("--preload", "operation.preload_N", "N", "initial axial preload"),
-    ("--friction", "friction.ball_race", "MU", "Coulomb coefficient between balls and races"),
+    ("--friction", "friction.ball_race", "MU", "Coulomb friction coefficient of balls on races"),
 )
 """What `new` takes beside bore and outside diameter: option, key of the scene, metavar, meaning."""
 
@@ -167,7 +167,7 @@ def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
     ours = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
     return (
         f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "
-        f"({entry.source}); at equal preload, this changes the axial rigidity by "
+        f"({entry.source}); at equal preload, its axial rigidity differs by "
         f"{100.0 * (entry.rated / ours - 1.0):+.1f} %; use --maker {entry.maker} for this bearing"
     )
 

@@ -170,8 +170,8 @@ def _balance_sentence(residual: float, account: float) -> str:
     """How well the two balances that check a run are satisfied."""
     return (
         f"error in the normal force balance: {residual:.1e} of the contact load (allowed: "
-        f"{LARGEST_UNBALANCED:.0e}); in the energy balance: {account:.1e} of the energy dissipated "
-        f"(allowed: {LARGEST_ACCOUNT:.0e})"
+        f"{LARGEST_UNBALANCED:.0e}); error in the energy balance: {account:.1e} of the energy "
+        f"dissipated (allowed: {LARGEST_ACCOUNT:.0e})"
     )
 
 
@@ -206,8 +206,8 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
         "" if last.slopes is None else f"; the recorded QV drifts by {last.slopes[0]:+.1e} per turn"
     )
     return (
-        f"periodic: after {1e3 * motion.passing:.4g} ms, each ball is in the initial state "
-        f"of its neighbour, to within {motion.error:.1e} of the maximum speed; "
+        f"periodic: after {1e3 * motion.passing:.4g} ms, each ball reaches the initial state "
+        f"of its neighbour to within {motion.error:.1e} of the maximum speed; "
         f"{motion.sentence}{drift}"
     )
 

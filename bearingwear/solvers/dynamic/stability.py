@@ -103,7 +103,7 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
     """Sentence and advice for an unstable periodic motion."""
     spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
     if other > LEAST_GROWTH:
-        said = f"its disturbances grow by a factor of e in {_turns(other)}"
+        said = f"disturbances grow by a factor of e in {_turns(other)}"
         return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (

@@ -109,14 +109,14 @@ def _check(scene: Scene, wanted: str) -> None:
         )
         raise NotAvailable(
             f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; the dynamic "
-            "model supports only one bearing: set arrangement.kind to single (half of an identical "
-            "pair)"
+            "model supports only one bearing: set arrangement.kind to single (one of two identical "
+            "bearings)"
         )
     if wanted == "steady" and found:
         raise refusal(f"a scene with {found} has no steady state", "dynamic, race_control")
     if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
-            f"{scene.name}: operation.shaft_speed_rpm: got 0 with an outer race at rest, "
+            f"{scene.name}: operation.shaft_speed_rpm: got 0 with the outer race at rest, "
             "expected a rotating race for the dynamic model"
         )
 
@@ -162,13 +162,14 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
     across = f" by {model.points_across} across" if model.slip_is_over == "ellipse" else ""
     always = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
-        f", friction regularised below a slip of {scene.friction.slip_regularisation_m_s:g} m/s"
+        ", friction regularised below a slip speed of "
+        f"{scene.friction.slip_regularisation_m_s:g} m/s"
     )
     if chosen.fidelity != "dynamic":
         return always
     return (
         f"{always}, step tolerance {model.dynamic_tolerance:g}, at most {model.simulated_turns:g} "
-        f"turns, settled at {model.settled_drift:g}"
+        f"turns, settled below a drift of {model.settled_drift:g}"
     )
 
 
@@ -177,15 +178,15 @@ def effort(scene: Scene, chosen: Choice) -> str:
     compiled = is_compiled(LARGEST_KERNEL[chosen.fidelity])
     before = "" if compiled else f"up to {compile_time()} to compile the solver (once), then "
     if chosen.fidelity != "dynamic":
-        return f"effort: {before}milliseconds at any accuracy"
+        return f"computing time: {before}milliseconds at any accuracy"
     if is_found_periodic(chosen.reduced(scene)):
-        return f"effort: {before}a tenth of a second"
+        return f"computing time: {before}about a tenth of a second"
     turns = scene.model.simulated_turns
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
     runs = ""
     if scene.wear.end_of_life is not None:
-        runs = f"; a life calculation requires about {scene.model.life_steps} such runs or more"
+        runs = f"; a life calculation requires at least about {scene.model.life_steps} such runs"
     return (
-        f"effort: {before}at most {turns:g} shaft turns, of the order of "
-        f"{1e-3 * turns * ms:.1g} s (estimated from one measured scene){runs}"
+        f"computing time: {before}about {1e-3 * turns * ms:.1g} s for at most {turns:g} shaft "
+        f"turns (estimated from one measured scene){runs}"
     )

@@ -81,7 +81,7 @@ def _effect(scene: Scene, relative_change: Callable[[Scene], float]) -> str:
         return "a second-order effect, because the preload force is constant"
     percent = 100.0 * relative_change(scene)
     if math.isnan(percent):
-        return "effect on the preload unknown before the solve"
+        return "effect on the preload: unknown before the solve"
     size = f"{percent:+.2g}" if abs(percent) < 10.0 else f"{percent:+.0f}"
     return f"effect on the preload at rest: about {size} %"
 
@@ -115,7 +115,7 @@ def temperature(chosen: Choice) -> Iterator[str]:
         yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"
     else:
         size = _effect(scene, lambda one: change_by_warm_ring(one, 1.0))
-        each = " for each kelvin by which the inner ring is warmer than the rest"
+        each = " for each kelvin by which the inner ring is warmer than the other parts"
         per_kelvin = each if held else ""
         yield f"temperature: neglected; {size}{per_kelvin}"
 

@@ -97,19 +97,19 @@ def pair(chosen: Choice) -> Iterator[str]:
     a = chosen.scene.pair
     if a is None:
         return
-    solved = "each bearing at its own displacement, the rotor in equilibrium between them"
+    solved = "each bearing has its own displacement, and the rotor is in equilibrium"
     if a.is_symmetric:
-        solved = "two identical bearings without external force, solved as one"
+        solved = "two identical bearings without an external force, solved as one"
     preload = "fixed spacing" if a.kind == "rigid_pair" else "a spring preloads the second"
     yield f"{a.kind.replace('_', ' ')}: {solved}; {preload}"
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
         yield (
-            f"tandem: {counts} identical bearings on the two sides; those on a side share its load "
-            "equally"
+            f"tandem: {counts} identical bearings on the two sides; bearings on the same side "
+            "share its load equally"
         )
     if asymmetries(chosen.scene):
-        yield "radial load and tilt: the values in the scene, applied to each bearing"
+        yield "radial load and tilt: the values in the scene apply to each bearing"
     if a.rotor_mass_kg is not None and a.span_mm is not None:
         rod = " with the transverse inertia of a slender rod"
         if a.rotor_transverse_inertia_kg_mm2:
@@ -122,7 +122,7 @@ def no_cage(chosen: Choice) -> Iterator[str]:
         yield "cage: none in the scene"
     elif not chosen.cage:
         yield (
-            "cage: neglected, including the wear of balls in its pockets; "
+            "cage: neglected, including ball wear in the pockets; "
             "set model.cage_results: true to include it"
         )
 
@@ -130,7 +130,7 @@ def no_cage(chosen: Choice) -> Iterator[str]:
 def balls(chosen: Choice) -> Iterator[str]:
     scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
-        yield "balls: one represents all, because all balls move alike"
+        yield "balls: one ball represents all, because all balls move identically"
         yield from _forces(scene)
     elif chosen.fidelity == "dynamic":
         yield from _in_time(scene)
@@ -148,10 +148,10 @@ def balls(chosen: Choice) -> Iterator[str]:
 
 def _forces(scene: Scene) -> Iterator[str]:
     """Always included, because neglecting one saves no time (benchmarks/reductions.py)."""
-    share, size = centrifugal_share(scene), "its size is unknown before the solve"
+    share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
     if not math.isnan(share):
         times = f"{100.0 * share:.2g} % of" if share < 1.0 else f"{share:.2g} times"
-        size = f"about {times} the contact load at rest under the preload"
+        size = f"about {times} the contact load due to the preload at rest"
     yield f"centrifugal force: included; {size}"
     yield "gyroscopic moment: included"
     yield "lubricant drag: " + (
@@ -171,8 +171,8 @@ def _in_time(scene: Scene) -> Iterator[str]:
     freedoms = "two translations, axially fixed" if fixed else "three translations"
     tilt = f"{operation.tilt_mrad:g} mrad about Y, constant" if operation.tilt_mrad else "none"
     yield (
-        f"balls: {scene.bearing.ball_count}, each with three rotations and its orbit integrated in "
-        "time; ball centres in equilibrium at each instant"
+        f"balls: {scene.bearing.ball_count}; the three rotations and the orbit of each are "
+        "integrated in time, with its centre in equilibrium at each instant"
     )
     yield f"inner race: {freedoms}, in equilibrium at each instant"
     yield f"loads on the inner race: {', '.join(loads) or 'axial force alone'}"
@@ -199,7 +199,7 @@ def _in_time(scene: Scene) -> Iterator[str]:
                 "motion persists"
             )
     yield (
-        "Coriolis force and radial inertia of the balls: neglected, as in the source of the model; "
+        "Coriolis force and radial inertia of the balls: neglected, as in the published model; "
         "the energy balance includes the work of the Coriolis force"
     )
 
@@ -209,7 +209,7 @@ def solution(chosen: Choice) -> Iterator[str]:
     if chosen.fidelity != "dynamic":
         return
     if is_found_periodic(scene):
-        yield "motion: periodic, found directly; the balls are evenly spaced, as with a cage"
+        yield "motion: periodic, computed directly; the balls are evenly spaced, as with a cage"
     elif scene.model.dynamic_solution == "march":
         yield "motion: integrated in time until it settles (model.dynamic_solution)"
     else:

@@ -115,7 +115,7 @@ def over_shoulder(e: Evidence) -> Finding:
         if shoulder is not None:
             centre = 0.5 * b.pitch_diameter_mm - side * (r - 0.5 * D) * cosine
             rise = side * (0.5 * shoulder - centre) / r
-            limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "its shoulder"
+            limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "the shoulder"
         words = {"value": edges[race], "limit": limit, "source": source}
         found.append(words | {"race": ("inner", "outer")[race]})
     return max(found, key=lambda one: one["value"] / one["limit"])
@@ -137,7 +137,7 @@ def faster_than_made_for(e: Evidence) -> Finding | None:
     o = e.scene.operation
     factor, name = entry.speed_factor(o.preload_method, o.preload_N)
     limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
-    kind = f"in a rigid pair of class {name}" if name else "with light spring preload"
+    kind = f"in a rigid pair of preload class {name}" if name else "with light spring preload"
     return {
         "value": value,
         "limit": limit,
@@ -171,13 +171,14 @@ def inner_load(e: Evidence) -> Finding | None:
     known = e.state.values.get("unloaded_share", load == 0.0)
     lifted = float(np.max(known[:, INNER_SIDE]))
     if lifted > LONGEST_LIFTED:
-        time = f"{100.0 * lifted:.2g} % of the time, more than {100.0 * LONGEST_LIFTED:g} %"
-        said = f"a ball is separated from the inner race for {time}"
+        time = f"{100.0 * lifted:.2g} % of the time"
+        most = f"rule of thumb: at most {100.0 * LONGEST_LIFTED:g} %"
+        said = f"a ball is out of contact with the inner race for {time} ({most})"
         return {"excess": lifted / LONGEST_LIFTED, "said": said}
     least = f"{100.0 * LIGHTEST_INNER:g} %"
     said = (
-        f"a ball's inner contact load is only {100.0 * share:.2g} % of its outer contact load, "
-        f"less than {least}"
+        f"a ball's inner contact load is only {100.0 * share:.2g} % of its outer contact load "
+        f"(rule of thumb: at least {least})"
     )
     return {"excess": LIGHTEST_INNER / share, "said": said}
 
@@ -195,7 +196,7 @@ def friction_beyond(e: Evidence) -> Finding | None:
     value, (least, most) = e.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
-    excess, said = least / value, f"below {least:g}, the lowest measured value"
+    excess, said = least / value, f"below {least:g}, the lowest value ever measured"
     if value > most:
         excess, said = value / most, f"above {most:g}, the value at which metals seize"
     return {"value": value, "said": said, "excess": excess}
@@ -259,6 +260,6 @@ def angle_before_solve(chosen: Choice) -> Iterator[str]:
     angle = chosen.scene.bearing.contact_angle_deg
     if 0.0 < angle < LARGEST_RADIANS:
         yield (
-            f"contact angle: {angle:g} degrees; check its unit ({angle:g} rad would be "
+            f"contact angle: {angle:g} degrees; check the unit ({angle:g} rad would be "
             f"{math.degrees(angle):.3g} degrees)"
         )

@@ -83,7 +83,7 @@ def _unwatched(e: Evidence) -> Finding | None:
 
 def _not_watched(chosen: Choice) -> Iterator[str]:
     if chosen.of_life and (unseen := unwatched(chosen.scene, chosen)):
-        yield f"criteria: {', '.join(unseen)} not evaluated"
+        yield f"end-of-life criteria not evaluated: {', '.join(unseen)}"
 
 
 def _assumed(e: Evidence) -> Finding | None:
@@ -114,7 +114,12 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 EFFECTS = (
     Effect("over_limit_when_new", _when_new, "end-of-life criterion met {new}: {said}", "{advice}"),
-    Effect("limit_passed", _limit_passed, "the life would end immediately: {said}", "{advice}"),
+    Effect(
+        "limit_passed",
+        _limit_passed,
+        "a life calculation would end immediately: {said}",
+        "{advice}",
+    ),
     Effect(
         "criterion_not_watched",
         _unwatched,
@@ -124,8 +129,8 @@ EFFECTS = (
     Effect(
         "tilt_beyond_practice",
         practice.tilt_beyond,
-        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above {limit:g} "
-        "mrad, the maximum that catalogues permit (rule of thumb)",
+        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} arc minutes); catalogues permit "
+        "at most {limit:g} mrad (rule of thumb)",
         "align the seats, or check the unit (mrad)",
         impractical=True,
     ),
@@ -133,7 +138,7 @@ EFFECTS = (
         "pressure_above_yield",
         practice.dents,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
-        "the balls and races dent: {take}",
+        "to prevent dents in the balls and races, {take}",
         impractical=True,
     ),
     Effect(
@@ -141,14 +146,15 @@ EFFECTS = (
         practice.pressed_hard,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, the usual maximum for a "
         "long life (assumed)",
-        "fatigue is not modelled: {take}",
+        "to prevent fatigue, which is not modelled, {take}",
     ),
     Effect(
         "ellipse_over_shoulder",
         practice.over_shoulder,
-        "the {race} contact ellipse extends {value:.3g} degrees up its groove, beyond "
+        "the {race} contact ellipse extends {value:.3g} degrees up the groove, beyond "
         "{source} at {limit:.3g} degrees",
-        "edge pressure is not modelled: reduce the thrust, or use higher shoulders",
+        "to prevent edge pressure, which is not modelled, reduce the thrust or use higher "
+        "shoulders",
         impractical=True,
     ),
     Effect(
@@ -162,39 +168,39 @@ EFFECTS = (
     Effect(
         "speed_beyond_makers",
         practice.faster_than_made_for,
-        "{value:.6g} r/min is above the limit for {bearing} {kind}: {limit:.0f} with grease, "
-        "{oil:.0f} with oil ({source})",
+        "{value:.6g} r/min is above the speed limit for {bearing} {kind}: {limit:.0f} r/min with "
+        "grease, {oil:.0f} r/min with oil ({source})",
         "reduce the speed or the preload, or consult the maker",
     ),
     Effect(
         "hoop_stress",
         practice.hoop_stress,
-        "rotation alone stresses the inner ring to {value:.0f} MPa, above {limit:g} MPa (assumed "
-        "for hardened steel)",
-        "reduce the speed, or use a ring of tough steel",
+        "rotation alone causes a hoop stress of {value:.0f} MPa in the inner ring, above {limit:g} "
+        "MPa (assumed limit for hardened steel)",
+        "reduce the speed, or use a tougher steel",
         impractical=True,
     ),
     Effect(
         "inner_load_lost",
         practice.inner_load,
-        "{said} (rule of thumb)",
-        "the balls may skid: increase the preload, reduce the speed or the radial load, or use "
+        "{said}",
+        "to prevent skidding, increase the preload, reduce the speed or the radial load, or use "
         "ceramic balls",
         impractical=True,
     ),
     Effect(
         "preload_too_small",
         practice.tiny_preload,
-        "a preload of {value:.3g} N is negligible for {n} balls of {D:g} mm: it is below "
-        "{limit:.2g} N (assumed)",
-        "check its unit (N)",
+        "a preload of {value:.3g} N is negligible for {n} balls with a diameter of {D:g} mm "
+        "(assumed minimum: {limit:.2g} N)",
+        "check the unit of the preload (N)",
         impractical=True,
     ),
     Effect(
         "radial_load_large",
         practice.radial_load,
         "a radial load of {load:.4g} N is large compared with a preload of {preload:.4g} N: at "
-        "rest, a radial load of {lost:.3g} N unloads the first ball",
+        "rest, {lost:.3g} N is enough to unload the first ball",
         "increase the preload or the contact angle",
     ),
     Effect(
@@ -202,15 +208,14 @@ EFFECTS = (
         practice.grown_preload,
         "the fixed-position preload at speed, {value:.3g} N, is {ratio:.2g} times the "
         "initial {preload:.4g} N (rule of thumb: at most three times)",
-        "the results account for this; a spring would keep the preload constant",
+        "the results account for this increase; a spring would keep the preload constant",
     ),
     Effect(
         "temperature_beyond_practice",
         practice.temperature_beyond,
-        "the temperature of the {part} ({name}) is {value:.4g} degC, {side} {limit:g} degC (rule "
-        "of thumb)",
-        "use a suitable material; the values of hardness, wear and friction apply at room "
-        "temperature",
+        "the temperature of the {part} ({name}) is {value:.4g} degC, {side} the limit of {limit:g} "
+        "degC (rule of thumb)",
+        "use a suitable material; the hardness, wear and friction values apply at room temperature",
         impractical=True,
     ),
     Effect(
@@ -223,15 +228,15 @@ EFFECTS = (
         "groove_worn",
         _groove,
         "a wear depth of {loss:.3g} um is {value:.2g} times the gap between ball and groove at "
-        "the edge of the ellipse; above {limit:g}, the contact is no longer Hertzian",
-        "pressure, slip and wear are estimates",
+        "the edge of the contact ellipse (at most {limit:g} in a Hertzian contact)",
+        "treat the computed pressure, slip and wear as estimates",
     ),
     Effect("model", modelled=lambda chosen: [f"{chosen.fidelity}: {chosen.why}"]),
     Effect(
         "contact_angle_too_small",
         practice.angle_in_radians,
         "a contact angle of {value:.3g} degrees is too small for any real clearance",
-        "check its unit: {value:.3g} rad would be {degrees:.3g} degrees",
+        "check the unit: {value:.3g} rad would be {degrees:.3g} degrees",
         impractical=True,
         modelled=practice.angle_before_solve,
     ),
@@ -239,7 +244,7 @@ EFFECTS = (
     Effect(
         "film_worn",
         films.film_worn,
-        "the film is worn through ({races} race, {share:.0f} % of the track), and the "
+        "the film is worn through ({races} race, {share:.0f} % of the track), but the "
         "calculation continues with the film's friction",
         "set friction.film.bare_ball_race, or use film_worn_share as an end-of-life criterion",
         modelled=films.film_sentences,
@@ -256,8 +261,8 @@ EFFECTS = (
     Effect(
         "temperature_left_out",
         growth.temperature_left_out,
-        "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
-        "the preload set at rest ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
+        "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest of the bearing "
+        "would change the preload set at rest ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "set temperature.inner_ring_C, balls_C and outer_ring_C in the scene file",
         modelled=growth.temperature,
     ),
@@ -272,9 +277,9 @@ EFFECTS = (
     Effect(
         "cage_weightless",
         lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
-        "gravity is not given: it may alter the motion of the cage and change pocket and land wear "
-        "by a factor of ten or more",
-        "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
+        "gravity is not specified; it may alter the motion of the cage and change pocket and land "
+        "wear by a factor of ten or more",
+        "set operation.gravity_m_s2 (for a horizontal shaft: [0, 0, -9.81])",
         modelled=motion.no_cage,
     ),
     Effect(
@@ -287,8 +292,8 @@ EFFECTS = (
     Effect(
         "slip_rounded",
         _rounded,
-        "friction is regularised below a slip of {v_r:g} m/s, while the mean slip is only "
-        "{slip:.2g} m/s: friction torque and power are too small{by}",
+        "friction is regularised at slip speeds below {v_r:g} m/s, but the mean slip speed is only "
+        "{slip:.2g} m/s: the computed friction torque and power are too low{by}",
         "set friction.slip_regularisation_m_s to {better:.0e} or less",
         modelled=motion.slip,
     ),

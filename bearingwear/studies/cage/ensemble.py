@@ -214,8 +214,8 @@ def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
     values = work(rows)
     if len(values) < 3 or not values.any():
         return plan.runs
-    deviation = float(values.std(ddof=1) / (plan.within * abs(values.mean())))
-    needed = (float(norm.ppf(INTERVAL[1])) * deviation) ** 2
+    narrower = half_interval(values) / (plan.within * abs(float(values.mean())))
+    needed = len(rows) * narrower**2
     checked = _CHECKED_EVERY * math.ceil(max(needed, FEWEST, len(rows)) / _CHECKED_EVERY)
     return min(checked, plan.runs)
 

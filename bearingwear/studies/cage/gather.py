@@ -66,7 +66,7 @@ def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, An
         together = together.assign_coords(coordinate(axis, codes))
     changed = variant(scene, checked.changes)
     together.attrs = dict(parts[0].attrs) | {
-        "title": f"Map of cages: {changed.name}",
+        "title": f"Cage map: {changed.name}",
         "kind": MAP_KIND,
         "scene": changed.json,
     }

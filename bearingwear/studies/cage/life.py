@@ -57,12 +57,13 @@ NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
 CAGE_LIFE = table(
     Variable("cage_life", (), "1", "number of shaft turns to the end of the cage's life"),
     Variable("cage_life_interval", END.dims, "1",
-        "90 % interval of cage_life due to the scatter of the runs alone"),
+        "90 % interval of cage_life, allowing only for the scatter between runs"),
     Variable("cage_life_interval_with_wear", END.dims, "1",
         "90 % interval of cage_life, allowing also for the uncertain wear coefficient of the cage"),
     Variable("cage_hours", (), "h", "time to the end of the cage's life", scale=HOURS_PER_SECOND),
-    Variable("cage_end", (), "", "criterion that ends the cage's life", "i1", flags=CRITERIA),
-    Variable("film_gone", PART.dims, "1", "number of shaft turns until a film is worn through"),
+    Variable("cage_end", (), "", "criterion that determines the end of the cage's life", "i1",
+        flags=CRITERIA),
+    Variable("film_gone", PART.dims, "1", "number of shaft turns until the film is worn through"),
     Variable("motion_changes", END.dims, "1", "number of shaft turns until the dominant motion "
         "changes"),
     Variable("node_turns", NODE.dims, "1", "number of shaft turns completed before each ensemble"),
@@ -153,7 +154,8 @@ class EnsembleWear(Motion):
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
-                f"turns; wear depth {pocket:.3g} um in pockets, {land:.3g} um at land")  # fmt: skip
+                f"turns; wear depth {pocket:.3g} um in the pockets, {land:.3g} um at the "
+                "land")  # fmt: skip
 
 
 class BetweenEnsembles(Trapezoid):

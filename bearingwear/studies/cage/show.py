@@ -53,7 +53,7 @@ def ensemble_sheet(file: Any) -> Document:
     share, runs = values(file, "share"), status.size
     heading = [
         f"{scene['name']}: cage, {runs} runs: {shares_in_words(share) or 'no motion'}",
-        f"90 % intervals; the work is {'known' if int(file.met) else 'not known'} to within "
+        f"90 % intervals; half-width for the work {'at most' if int(file.met) else 'above'} "
         f"{100.0 * plan['within']:g} %{'' if int(file.met) else f' after {runs} runs'}",
     ]
     facts = {"kind": "cage ensemble", "scene": scene["name"], "runs": runs, "met": int(file.met)}
@@ -65,18 +65,18 @@ def ensemble_sheet(file: Any) -> Document:
         counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
         text = ", ".join(f"{in_words(name)} {n}" for name, n in counted.items())
         lines.append(
-            f"{len(unsolved)} runs were not solved ({text}); the motion of {unnamed} could not be "
-            f"classified"
+            f"runs not solved: {len(unsolved)} ({text}); motion that could not be classified: "
+            f"{unnamed}"
         )
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
-            "a hanging cage may change its motion after hundreds of turns; use --least-turns "
+            "the motion of a hanging cage may change after hundreds of turns; use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
         )
     if tolerance := getattr(file, "dynamic_tolerance", 0.0):
         error = f"{100.0 * CAGE_ERROR:g} %"
         accuracy = (
-            f"the work in each motion has an error of up to {error}, in addition to its interval"
+            f"the work in each motion has an error of up to {error}, not included in its interval"
             if tolerance <= CAGE_TOLERANCE
             else f"the error in the work may exceed {error}; the default tolerance is "
             f"{CAGE_TOLERANCE:g}"
@@ -133,13 +133,13 @@ def _life(file: Any) -> Iterator[Block]:
     life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
     rows = []
     lines = [
-        "no end of life was reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"
+        "the end of life was not reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"
     ]
     if not math.isnan(life):
         rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
-            ("cage_life_interval", "scatter of the runs only"),
-            ("cage_life_interval_with_wear", "scatter of the runs and uncertain K_s"),
+            ("cage_life_interval", "scatter between runs only"),
+            ("cage_life_interval_with_wear", "scatter between runs and uncertain K_s"),
         ):
             low, high = values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
@@ -154,7 +154,7 @@ def _life(file: Any) -> Iterator[Block]:
             lines.append(f"film on the {part}: {text}")
     low, high = values(file, "motion_changes").tolist()
     lines.append(
-        "no other motion becomes dominant by the end of the calculation"
+        "no other motion becomes dominant before the end of the calculation"
         if math.isnan(low)
         else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
@@ -162,8 +162,8 @@ def _life(file: Any) -> Iterator[Block]:
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
         first = "the cage lasts longer" if not hours <= other else "the balls and races last longer"
         ends = Interval(*values(file, "other_hours_interval").tolist())
-        lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval due to K_s/H: "
-            f"{ends.text} h), ended by {words}; {first}")  # fmt: skip
+        lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval for "
+            f"uncertain K_s/H: {ends.text} h), ended by {words}; {first}")  # fmt: skip
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 

@@ -78,10 +78,10 @@ def cage_document(path: Path) -> Document:
     )  # fmt: skip
     lines = [
         "Work is normal force times slip per shaft turn; its mean and 90 % interval are listed. "
-        "Multiplied by K_s/H of the cage material, it gives the wear volume.",
+        "The wear volume is the work multiplied by K_s/H of the cage material.",
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
-        lines.append("A hanging cage may change its motion after hundreds of turns.")
+        lines.append("The motion of a hanging cage may change after hundreds of turns.")
     scene = scene_of(motions)
     said = Block(
         "Choice of a cage",
@@ -183,11 +183,11 @@ def quiet_region(motions: xr.Dataset) -> str:
     """Region of quiet cages, in a sentence."""
     every = designs(motions)
     quiet = [one for one in every if one.quiet >= MOSTLY]
-    gravity = "at every level of gravity" if motions.sizes["gravity"] > 1 else "here"
+    gravity = " at every level of gravity" if motions.sizes["gravity"] > 1 else ""
     if not quiet:
-        return f"No cage in the map is quiet {gravity}"
+        return f"No cage in the map is quiet{gravity}"
     if len(quiet) == len(every):
-        return f"Every cage in the map is quiet {gravity}"
+        return f"Every cage in the map is quiet{gravity}"
     parts = []
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     for values in itertools.product(*(motions[axis].values.tolist() for axis in varied)):
@@ -199,10 +199,10 @@ def quiet_region(motions: xr.Dataset) -> str:
             upto = "up to " if known == alike and len(known) > 1 else ""
             mu = digits(known[-1]) if upto else ", ".join(map(digits, known))
             where = ", ".join(map(in_design_words, varied, values))
-            parts.append(f"{where + ': ' if where else ''}friction {upto}{mu}")
+            parts.append(f"{where + ', ' if where else ''}friction {upto}{mu}")
     return (
-        f"Quiet {gravity} ({100.0 * MOSTLY:.0f} % of the runs float, hang or turn with the balls): "
-        f"{'; '.join(parts)}"
+        f"Cages that are quiet{gravity} (they float, hang or turn with the balls in at least "
+        f"{100.0 * MOSTLY:.0f} % of the runs): {'; '.join(parts)}"
     )
 
 
@@ -211,7 +211,7 @@ def recommended_cage(motions: xr.Dataset) -> str:
     every = designs(motions)
     own = own_design(motions, every)
     if own is None:
-        return "No cage in the map could be solved"
+        return "No cage in the map could be evaluated"
     calm = [one for one in every if one.quiet >= MOSTLY] or every
     best = min(calm, key=lambda one: one.high if math.isfinite(one.high) else math.inf)
     own_words = f"the present cage ({shares_in_words(own.shares)})"
@@ -225,9 +225,9 @@ def recommended_cage(motions: xr.Dataset) -> str:
     less = own.work / best.work if best.work > 0.0 else math.inf
     ends = own.low / best.high, own.high / best.low if best.low > 0.0 else math.inf
     return (
-        f"Use {changes}: {shares_in_words(best.shares)}; this reduces wear by a factor of "
-        f"{digits(round(less, 1))} ({digits(float(f'{ends[0]:.2g}'))} to "
-        f"{digits(float(f'{ends[1]:.2g}'))}) compared with {own_words}"
+        f"Best cage in the map: {changes}. Compared with {own_words}, this cage "
+        f"({shares_in_words(best.shares)}) reduces wear by a factor of {digits(round(less, 1))} "
+        f"({digits(float(f'{ends[0]:.2g}'))} to {digits(float(f'{ends[1]:.2g}'))})"
     )
 
 

@@ -58,7 +58,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
         if one.attrs != attributes:
             raise CaseFileError(f"{path}: differs from {first} in its scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
-        raise CaseFileError(f"{first}: has a different requirement on the gyroscopic slip share")
+        raise CaseFileError(f"{first}: has a different requirement for the gyroscopic slip share")
     try:
         whole = xr.combine_by_coords(
             list(found.values()),
@@ -150,7 +150,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
         return at_once if solved.any() else NO_LIFE_SOLVED
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
-        return "the design is impractical at any preload"
+        return "the design is impractical at every preload"
     if not limits.given:
         return NO_LIMIT
     margin = np.array([one.values for one in limit_margins(line, limits)])

@@ -52,10 +52,10 @@ class DesignLimits(_LIMITS):
             one = LIMITED[key]
             for name in one.needs:
                 if scene.arrangement is None or getattr(scene.arrangement, name) is None:
-                    problem = f"got nothing; needed for a requirement on the {one.words}"
+                    problem = f"got nothing, expected a value for the required {one.words}"
                     raise SceneError(f"arrangement.{name}", problem, source=source)
             if one.block and getattr(scene, one.block) is None:
-                problem = f"got nothing; needed for a requirement on the {one.words}"
+                problem = f"got nothing, expected a block for the required {one.words}"
                 raise SceneError(one.block, problem, source=source)
 
     @property
@@ -129,7 +129,8 @@ class Design:
     map: MapAxes | None = setting("Axes of the design map", default=None)
     # fmt: off
     small_map: MapAxes | None = setting("Axes of a small design map, with at most a few hundred "
-        "lives; the map is part of the main study if that study includes the scene", default=None)
+        "life calculations; the map is part of the main study if that study includes the scene",
+        default=None)
     limits: DesignLimits = setting("Requirements, which apply from new to the end of life",
         default_factory=DesignLimits)
     beside: Mapping[str, Beside] = setting(

@@ -82,8 +82,8 @@ from bearingwear.studies.solve import life_scene
 RECOMMENDATION = "recommendation"
 _IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload",
-    comment="rounded to three significant digits, or more if the requirements or the life "
-        "require it"
+    comment="rounded to three significant digits, or to more if the requirements or the life "
+        "demand it"
 )  # fmt: skip
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error in the life"

@@ -24,9 +24,9 @@ from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 from bearingwear.studies.dataset import counted
 
 INDEX_WORDS = (
-    "Total Sobol index of log life: the share of its variance due to the value, including "
-    "interactions. The preload is the recommended one; the scene defines the distributions. If a "
-    "distribution does not state a mean or median, the value in the scene is used."
+    "Total Sobol index: the share of the variance in log life due to the uncertain value, "
+    "including interactions. The recommended preload is used; the scene defines the distributions. "
+    "If a distribution specifies no mean or median, the value in the scene is used."
 )
 
 
@@ -58,7 +58,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     rows = [
         Row("method", "", tuple(name for name, *_ in points), "preload_method"),
         Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
-        Row("wear counted", "", tuple(way for *_, way, _ in points), "counts"),
+        Row("wear included", "", tuple(way for *_, way, _ in points), "counts"),
         Row("preload", "N", tuple(float(one["preload"]) for one in ones), "preload"),
         Row("nominal life", "h", tuple(Rough(one["nominal_life"]) for one in ones), "nominal_life"),
         *spread_rows([one.rows if one else {} for one in found]),
@@ -95,10 +95,11 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     basis, names = counted(uncertainty), quantities_of(uncertainty)
     given = scene_of(uncertainty)["uncertainty"]
     same = [is_same_for_batch(name, Distribution(**given[name])) for name in names]
+    units = ["batch" if one else "bearing" for one in same]
     rows = [
         Row("value", "", tuple(key_in_words(name)[0] for name in names)),
         Row("distribution", "", tuple(distribution_text(given[name]) for name in names)),
-        Row("varies between", "", tuple("batches" if s else "bearings" for s in same)),
+        Row("varies", "", tuple(f"from {s} to {s}" for s in units)),
     ]
     used = []
     for method, of_method in methods(uncertainty):

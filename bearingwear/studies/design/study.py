@@ -172,7 +172,7 @@ def _drawn(scene: str, sampled: bool) -> Bundle:
     if sampled:
         figures.append(_figure("uncertainty", inputs))
     return bundle(f"drawn_{scene}", f"results/{scene}/design", scene,
-        f"{scene}: figures and tables of its map", *figures, *_told(inputs, inputs))  # fmt: skip
+        f"{scene}: figures and tables of the map", *figures, *_told(inputs, inputs))  # fmt: skip
 
 
 def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
@@ -181,7 +181,7 @@ def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
     more = {"beside": bool(plan.beside(scene)), "spread": with_spread}
     several = len(plan.small_maps[scene].friction) > 1
     return bundle(f"small_drawn_{scene}", f"results/{scene}/preload", scene,
-        f"{scene}: figures and tables of its small map", _figure("design", inputs),
+        f"{scene}: figures and tables of the small map", _figure("design", inputs),
         *([_figure("map", {"design": "design.nc"})] if several else ()),
         *_told(inputs, inputs | {name: f"{name}.nc" for name, there in more.items() if there}),
         default=True)  # fmt: skip

@@ -31,7 +31,7 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
 WORDS = {"ball_and_races": "balls and races", "ball": "the balls alone"}
-NO_END = "no end-of-life criterion is reached"
+NO_END = "no end-of-life criterion is met"
 RANK = 1
 """Of the answer: one that recommends a preload comes before it."""
 
@@ -134,7 +134,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
             "scene": name,
             "bearing": bearing_line(scene),
             # the heading after a recommendation, which may prefer the other method
-            "beside": f"For comparison: both methods with the preload of the scene file, {preload}",
+            "beside": f"For comparison: both methods with the preload in the scene file, {preload}",
         },
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
@@ -201,7 +201,7 @@ def _compared(lives: Sequence[MethodLife]) -> str:
         grooves += " where wear is deep"
     return (
         f"This comparison uses {grooves} and ignores the requirements. At the recommended "
-        "preloads, the order may differ."
+        "preloads, the order of the methods may differ."
     )
 
 
@@ -227,8 +227,8 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
             frictions = dict(of_frictions)[str(winner)]
             equal = f"At {frictions}, the lives differ by no more than their numerical errors."
             none = (
-                f"Neither can be used at {frictions}: with both, an end-of-life criterion is met "
-                "when the bearing is new."
+                f"Neither method can be used at {frictions}: with both methods, an end-of-life "
+                "criterion is met when the bearing is new."
             )
             said.append(equal if winner is None else none)
             continue
@@ -247,7 +247,7 @@ def _one(method: str) -> str:
 
 def _margin(ratio: float) -> str:
     if ratio == math.inf:
-        return "the other life is zero"
+        return "the other method gives a life of zero"
     if ratio < 1.1:
         return f"{percent_in_text(ratio - 1.0)} longer"
     return f"{ratio:.2g} times as long"
@@ -267,13 +267,13 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
 
 def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
-    counts = f"Lives are based on the wear of {WORDS[lives[0].counts]}."
+    counts = f"The lives are based on the wear of {WORDS[lives[0].counts]}."
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
         f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
         f"all uncertain values in the scene. {causes_told(scene)}"
-        + ("" if all(life.spread for life in lives) else f" If no interval is given, {SEE}.")
+        + ("" if all(life.spread for life in lives) else f" If an interval is missing, {SEE}.")
     )
 
 
@@ -292,7 +292,7 @@ def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
 def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
     contests = _contests(lives)
     hours = _hours([life.counted for life in lives])
-    said = [f"{hours}, with wear counted as each scene specifies"]
+    said = [f"{hours}, based on the wear that each scene specifies"]
     for winner in dict.fromkeys(contest.longest for contest in contests):
         count = sum(contest.longest == winner for contest in contests)
         name = f"{in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]

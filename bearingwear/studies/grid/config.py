@@ -35,7 +35,7 @@ class DynamicBlock(GridBlock):
     """Scenes that are solved dynamically, with their cage, over a grid of their own."""
 
     model: Mapping[str, Any] = setting(
-        "Keys of the scene's `model` block that are set for these runs", default_factory=dict
+        "Keys to set in the scene's `model` block for these runs", default_factory=dict
     )
 
 
@@ -116,17 +116,19 @@ class Config:
 
     # fmt: off
     studies: tuple[GridBlock, ...] = setting(
-        "Groups of scenes that share a grid (none: only the small maps in config/design.yaml)")
+        "Groups of scenes that share a grid (if empty, only the small maps in config/design.yaml "
+        "are computed)")
     dynamic: tuple[DynamicBlock, ...] = setting(
         "Groups of scenes that are also solved dynamically", default=())
-    points_per_job: int | None = setting("Number of grid points that a job solves; each point "
+    points_per_job: int | None = setting("Number of grid points solved per job; each point "
         "has its own file. A job that solves more than one line (all losses for one scene, method "
         "and friction coefficient) writes whole lines to one file. Null means one line of at most "
         "200 points",
         within="[1, inf)",
         default=None)
-    unsolved: str = setting("Effect of an unsolved case or life: the study ends with an error, "
-        "or only writes a warning to standard error (the page reports it in either case)",
+    unsolved: str = setting("Effect of a failed case or life calculation: the study ends with "
+        "an error, or only writes a warning to standard error (the page reports the failure in "
+        "either case)",
         choices=UNSOLVED, default=UNSOLVED[0])
     uncertain_lives: UncertainLives = setting("Scenes for which the spread in life is reported",
         default=UncertainLives())

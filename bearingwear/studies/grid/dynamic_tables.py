@@ -79,7 +79,7 @@ def _text(solved: xr.Dataset) -> str:
                 *((f"residual_preload.{way}", way) for way in WAYS),
             ],
             "QV and preload",
-            ("QV is that of the whole bearing.",),
+            ("QV values are for the whole bearing.",),
         ),
         table_of(solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)),
         table_of(

@@ -26,7 +26,7 @@ INTERPOLATED = table(
     Variable("interpolated_loss_at_end", (), "m",
         f"total wear depth at the end of life, {_FROM_THE_STUDY}"),
     Variable("interpolated_end_criterion", (), "",
-        f"first criterion reached, {_FROM_THE_STUDY}", "i1", flags=CRITERIA),
+        f"first criterion met, {_FROM_THE_STUDY}", "i1", flags=CRITERIA),
     Variable("interpolated_history_ball_diameter_loss", ("interpolated_step",), "m",
         f"total wear depth, {_FROM_THE_STUDY}"),
     Variable("interpolated_history_time", ("interpolated_step", "counts"), "h",

@@ -210,7 +210,7 @@ class Plan:
         if case in grids[scene].cases():
             return None
         if near := _meant(case, grids[scene].cases()):
-            return f"{path}: got an unknown point, did you mean {near}"
+            return f"{path}: got an unknown point; did you mean {near}"
         axes = "; ".join(
             f"{axis} {', '.join(map(str, values))}" for axis, values in vars(grids[scene]).items()
         )

@@ -96,7 +96,7 @@ def _wear(study: xr.Dataset) -> Block:
         for error in _WEAR.values()
         for k in range(one.sizes["ball_diameter_loss"])
     ]
-    said = ("QV is that of the whole bearing.",)
+    said = ("QV values are for the whole bearing.",)
     return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said, errors)
 
 
@@ -106,12 +106,12 @@ def _not_compared(lives: xr.Dataset) -> str:
     said = []
     if bool(lives["life_route_difference"].isnull().any()):
         said.append(
-            "A dash marks a life that cannot be interpolated between the cases. It was computed "
-            "with worn grooves or for two different bearings, or the cases do not contain its "
-            "end-of-life criterion."
+            "A dash marks a life that cannot be interpolated between the cases. Such a life was "
+            "computed with worn grooves or for two different bearings, or the cases do not contain "
+            "its end-of-life criterion."
         )
     if unknown:
-        said.append(f"The cases do not contain: {', '.join(unknown)}.")
+        said.append(f"Criteria that the cases do not contain: {', '.join(unknown)}.")
     return " ".join(said)
 
 

@@ -50,7 +50,7 @@ def history_figure(life: xr.Dataset) -> Figure:
         unit = power_of_ten([volume for volume, _ in lines])
         for volume, look in lines:
             panel.plot(time, 10.0**-unit * volume, linewidth=1.0, **look)
-        panel.set_ylabel(f"volume worn off {part} ({_cubed(unit)})")
+        panel.set_ylabel(f"wear volume of {part} ({_cubed(unit)})")
     if not _with_cage(life):
         panels[1, 0].axis("off")
     panels[1, 1].plot(time, life["history_residual_preload"], color="black", marker=".")

@@ -93,7 +93,7 @@ def _beside(scene: Scene) -> dict[str, Any]:
         words = "all parts at mounting temperature"
         return {"cold": {"words": words, "set": {"temperature": None, "thermal": None}}}
     inner = Temperature().reference_C + WARMER
-    words = f"an inner ring {WARMER:g} K warmer than the rest"
+    words = f"an inner ring {WARMER:g} K warmer than the rest of the bearing"
     return {"warm": {"words": words, "set": {"temperature.inner_ring_C": inner}}}
 
 

@@ -249,7 +249,7 @@ def _curve(
     CaseFileError: where the model has none at the middle of the friction.
     """
     if tell:
-        tell(f"computing {'torque' if torque else 'life'} against friction for one condition ...")
+        tell(f"computing {'torque' if torque else 'life'} versus friction for one condition ...")
     nodes = np.array([x.mean])
     if friction:
         cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]

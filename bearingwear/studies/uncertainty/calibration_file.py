@@ -53,7 +53,7 @@ CALIBRATION_VARIABLES = table(
         "life that 10 % of the bearings in a batch fail to reach"),
     Variable("scatter", (), "1", "standard deviation of log life within a batch of bearings"),
     Variable("interpolation_error", (), "1",
-        "maximum error in log life between the friction values that were solved"),
+        "maximum error in log life interpolated between friction values"),
     Variable("friction", ("friction",), "1", "friction coefficient, or shear strength in MPa"),
     Variable("friction_density", ("stage", "friction"), "1",
         "probability density of the logarithm of friction"),
@@ -65,12 +65,12 @@ CALIBRATION_VARIABLES = table(
     Variable("seen", ("test",), "", "kind of result", "i1", flags=SEEN),
     Variable("row", ("test",), "1", "line in the test file", "i8"),
     Variable("value", ("test",), "1", "result, in the unit given by its name"),
-    Variable("after", ("test",), "h", "time at which the result was measured (not for a torque)"),
+    Variable("after", ("test",), "h", "time at which the result was measured (none for a torque)"),
     Variable("expected", ("test", "end"), "1",
         "5 % and 95 % quantiles predicted before the tests: time [h] to this result, or torque "
         "[N mm]"),
     Variable("probability_of_test", ("test",), "1",
-        "probability of a result that deviates from the model by at least this much, given the "
+        "probability of a deviation from the model at least as large as in the test, given the "
         "other tests"),
 )  # fmt: skip
 """Axes and results; `end` is the lower and the upper one of an interval."""

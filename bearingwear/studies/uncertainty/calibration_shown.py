@@ -64,8 +64,8 @@ def calibration_sheet(file: Any) -> Document:
         "Within a batch, two thirds of the lives are within a factor of "
         f"{digits(float(np.exp(scatter)))} of the median.",
         f"The error in lives interpolated between friction values is at most {100 * error:.1g} %.",
-        "The probability is that of a test result that deviates from the model by at least this "
-        "much, given the other tests.",
+        "The probability is that of a deviation from the model at least as large as in the test, "
+        "given the other tests.",
     )
     return Document(
         heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=summary))

@@ -213,8 +213,8 @@ def _quantiles_at(
         rows, batches = independent_rows(preloaded, plan), Batches(preloaded, plan)
         if tell:
             tell(
-                f"{method}: sampling {len(rows)} lives of independent bearings and as many of "
-                "bearings in batches"
+                f"{method}: sampling {len(rows)} lives of independent bearings and the same number "
+                "of bearings in batches"
             )
         found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
         independent, known = slice(1, len(rows) + 1), worse(found.cost)

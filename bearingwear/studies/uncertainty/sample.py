@@ -43,7 +43,7 @@ SAMPLED = table(
         "wear_factor",
         (),
         "1",
-        "ratio of the life to that computed with the K_s and hardness of the scene",
+        "ratio of the life to that computed with the K_s and hardness in the scene",
     ),
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
 )

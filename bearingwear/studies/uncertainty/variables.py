@@ -49,8 +49,8 @@ ANALYSED = table(
         "within a batch, and its ends give the uncertainty of the batch"),
     Variable("batch_life_quantile_error", (BATCH, PROBABILITY, BASIS), "h",
         "half-width of the confidence interval of batch_life_quantile, due to sampling",
-        comment="the larger distance from the quantile to either end of the interval, widened by "
-        "the error in interpolated lives"),
+        comment="the larger of the distances from the quantile to the ends of the interval, "
+        "widened by the error in interpolated lives"),
     Variable("life_quantile", QUANTILE, "h",
         "quantile of life, allowing for scatter within a batch and the uncertainty of the batch",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
@@ -73,7 +73,7 @@ ANALYSED = table(
     Variable("class_index", ("quantity", BASIS), "1",
         "total Sobol index of log life within the class of the value",
         comment="the two classes are values common to a batch and values that scatter within it; "
-        "the values in the other class are those in the scene"),
+        "the values in the other class are set to those in the scene"),
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1",
         "half-width of the confidence interval of total_index"),

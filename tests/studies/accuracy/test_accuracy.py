@@ -266,18 +266,18 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
         (
             "| 50 equal strips | 5 | 0.01 ",
             "| 50 equal strips | 5 | 0.03 ",
-            "50 equal strips: median QV: the table contains 0.03, a run gives 0.01",
+            "50 equal strips: median QV: the table contains 0.03, the run gives 0.01",
         ),
         ("| 50 equal strips | 5 | 0.01 ", "| 50 equal strips | 5 | 0.019 ", ""),
         (
             "| gyro_worn | 0.918 |",
             "| gyro_worn | 0.94 |",
-            "fixed position: growth at speed, gyro_worn: preload: the table contains 0.94",
+            "fixed-position preload: growth at speed, gyro_worn: preload: the table contains 0.94",
         ),
         (
             "| yes |",
             "| no |",
-            "constant force: loss of 0.3 A a², gyro_fresh: worn profile: the table contains no",
+            "force preload: loss of 0.3 A a², gyro_fresh: worn profile: the table contains no",
         ),
         ("| 50 equal strips |", "| 51 equal strips |", "50 equal strips: missing"),
     ]:

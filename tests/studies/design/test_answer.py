@@ -159,13 +159,13 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     ]
     assert f"A spacer offset of {offsets[1]:.3g} µm" in said["Setting the preload"]
     tolerance = 0.5 * (offsets[2] - offsets[0])
-    error = f"error of {tolerance:.2g} µm changes it by 10 %"
+    error = f"error of {tolerance:.2g} µm changes this preload by 10 %"
     assert error in said["Setting the preload"]
     assert (
         "if the inner ring is more than 9.1 K warmer than the rest"
         in (said["What would change the choice"])
     )
-    assert "when the residual preload falls to the criterion of 40 %" in said["Expected life"]
+    assert "The life ends when the residual preload falls to 40 %" in said["Expected life"]
     assert "at speed" not in answer.title
     found["residual_preload_at_start"][1] = 3.0 * preload
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(found, design).title

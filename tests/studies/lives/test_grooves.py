@@ -19,7 +19,7 @@ def test_sheet_and_figure(track, tmp_path, capsys):
     assert main(["life", str(scene_file("gyro_s1")), "-o", str(file), *sets]) == 0
     shown = capsys.readouterr()
     assert "deepest groove" in shown.out and "total approach" in shown.out
-    assert "the contact is no longer Hertzian" not in shown.err
+    assert "in a Hertzian contact" not in shown.err
     assert main(["plot", str(file), "-o", str(tmp_path / "life.svg")]) == 0
     drawn = (tmp_path / "life.svg").read_text()
     assert "inner groove" in drawn and ("latitude" in drawn) == (track == "bands")

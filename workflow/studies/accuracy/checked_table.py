@@ -70,7 +70,7 @@ class CheckedTable:
                 self.columns.items(), old[row], new, strict=True
             ):
                 if not agreement.holds(one, other):
-                    yield f"{where}: {name}: the table contains {one}, a run gives {other}"
+                    yield f"{where}: {name}: the table contains {one}, the run gives {other}"
 
 
 def table_cells(text: str, axes: int = 1) -> TableCells:

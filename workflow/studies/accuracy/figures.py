@@ -183,9 +183,9 @@ def integration_figure(trade: xr.Dataset) -> Figure:
         time_ratios(points_where(explicit, label=small), points_where(implicit, label=small))
     )
     title = (
-        f"Same number of turns: a reduction in v_r from {large} to {small} m/s increases the time "
-        f"by a factor of up to {slower[0]} with Runge-Kutta and up to {slower[1]} with Rosenbrock; "
-        f"at {small} m/s, Rosenbrock is up to {faster} times as fast"
+        f"Same number of turns: a reduction in v_r from {large} to {small} m/s increases the "
+        f"computing time by a factor of at most {slower[0]} with Runge-Kutta and {slower[1]} with "
+        f"Rosenbrock; at {small} m/s, Rosenbrock is up to {faster} times as fast as Runge-Kutta"
     )
     return multiples(trade, points, ("total_qv", "contact_qv"), title)
 
@@ -234,13 +234,13 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
 
 
 SIMPLER = (  # sweep, label, text
-    ("fidelity_steady", "race control", "race control instead of steady model"),
+    ("fidelity_steady", "race control", "race control instead of the steady model"),
     ("across", "1", "slip on the centre line of the ellipse"),
-    ("normal_balance", "with traction", "traction in the normal balance"),
-    ("fidelity", "race control", "race control instead of dynamic model"),
-    ("fidelity", "steady", "steady, pure thrust"),
+    ("normal_balance", "with traction", "traction in the balance of normal forces"),
+    ("fidelity", "race control", "race control instead of the dynamic model"),
+    ("fidelity", "steady", "steady state, pure thrust"),
     ("fidelity", "three balls", "three balls, dynamic, pure thrust"),
-    ("fidelity", "no cage", "all balls, dynamic, no cage"),
+    ("fidelity", "no cage", "all balls, dynamic, without the cage"),
     ("hertz", "fit", "Hamrock and Brewe's fit"),
 )
 BOOKED = (

@@ -58,12 +58,14 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
         dataset = load(path)
         attrs = dataset.attrs
         if not {"scene_name", "sweep_name", "sweep_kind", "against"} <= set(attrs):
-            raise CaseFileError(f"{path}: got another file, expected a sweep of the accuracy study")
+            raise CaseFileError(
+                f"{path}: got a file of another kind, expected a sweep of the accuracy study"
+            )
         of = {key: attrs.get(key) for key in _SHARED}
         shared = shared or of
         for key, value in of.items():
             if value != shared[key]:
-                raise CaseFileError(f"{path}: {key} differs from that in the previous files")
+                raise CaseFileError(f"{path}: {key} differs from its value in the previous files")
         found[attrs["scene_name"], attrs["sweep_name"]] = dataset
     if not found:
         raise CaseFileError("got no sweeps, expected those of the accuracy study")
@@ -81,7 +83,7 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
         columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error in {quantity}"
     columns["error_contact_qv"] = (
         np.maximum(*(np.abs(columns[f"error_qv_{race}"][0]) for race in ("inner", "outer"))),
-        "magnitude of the error in QV of a contact, the larger of the two",
+        "magnitude of the error in QV of a contact, larger of the two contacts",
     )
     time = np.full(solved.size, float(reference["wall_time"]))
     variables = {

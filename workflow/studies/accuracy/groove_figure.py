@@ -38,8 +38,8 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
         axes.set_xlabel("loss at the end of life / gap A a²")
     panels[1, 2].set_xlabel("CPU time per life calculation (s)")
     title = (
-        f"With worn grooves, life is {span(ratios['life'])} times that with Hertzian contact, "
-        f"and QV at the end of life is {span(ratios['end_qv'])} times as large"
+        "Relative to Hertzian contact, worn grooves change life by a factor of "
+        f"{span(ratios['life'])} and QV at the end of life by a factor of {span(ratios['end_qv'])}"
     )
     handles = [key(in_words(scene), color=colour, linewidth=3) for scene, colour in colours.items()]
     handles += [

@@ -193,7 +193,10 @@ class Tolerance:
     floor: float = setting(
         "Error in a steady state below which differences are regarded as noise", within="[0, inf)"
     )
-    floor_dynamic: float = setting("The same for the dynamic model", within="[0, inf)")
+    floor_dynamic: float = setting(
+        "Error in a dynamic solution below which differences are regarded as noise",
+        within="[0, inf)",
+    )
     time: float = setting("Permitted factor between times", within="[1, inf)")
 
 
@@ -211,7 +214,7 @@ class AccuracyPlan:
     sweeps: Mapping[str, Sweep] = setting("Sweeps")
     table: tuple[TableRow, ...] = setting("Rows of the table in docs/accuracy.md")
     effects: tuple[TableRow, ...] = setting(
-        "Rows of the tables of single effects on each scene, relative to the first point of the "
+        "Rows of the tables of single effects in each scene, relative to the first point of the "
         "sweep",
         default=(),
     )

@@ -47,7 +47,7 @@ def ridge_and_lives(found: xr.Dataset) -> Figure:
             for count, marker in markers.items()
         ),
         key(
-            "agree on the loss of preload, but not on another statement",
+            "match the stated loss of preload, but not another statement",
             color="0.75",
             linestyle="none",
             marker=".",
@@ -96,7 +96,7 @@ def _ridge(figure: Figure, panel: Any, found: xr.Dataset, markers: dict[int, str
         panel.annotate(name, (dm, angle), xytext=(6, 6), textcoords="offset points", color="C3")
     panel.set_xlabel("pitch diameter (mm)")
     panel.set_ylabel("free contact angle (°)")
-    panel.set_title("ridge of bearings that agree")
+    panel.set_title("ridge of matching bearings")
     if image is not None:
         figure.colorbar(image, ax=panel, pad=0.01).set_label("inner groove factor")
 
@@ -114,19 +114,19 @@ def _lives(panel: Any, found: xr.Dataset) -> None:
     panel.set_xlabel("wear life (h)")
     panel.set_ylabel("share of these bearings with a shorter life")
     worn = in_words(COUNTS[basis]).replace("ball", "balls")
-    panel.set_title(f"their lives, counting the wear of {worn}")
+    panel.set_title(f"computed life, wear of {worn}")
 
 
 def candidates_message(candidates: xr.Dataset) -> str:
     """What the study finds, in a sentence."""
     fits, basis = fitting(candidates), counted(candidates)
     if not fits.sizes["candidate"]:
-        return "No bearing in the grid agrees with the statements"
+        return "No bearing in the grid matches the statements"
     spans = []
     for name, one in methods(fits):
         hours = one["life"].isel(loss_basis=basis).values
         spans.append(f"{span(hours)} h ({in_words(name)})")
     return (
-        f"{fits.sizes['candidate']} bearings agree with the statements of the paper; their lives "
-        f"are {' and '.join(spans)}"
+        f"{fits.sizes['candidate']} bearings match the statements in the paper; their computed "
+        f"lives are {' and '.join(spans)}"
     )

@@ -46,7 +46,7 @@ FIT_RESULTS = (
 FITS, NO_ROOM, NO_ANGLE, STATE_NOT_SOLVED, SPINS_INSIDE, NO_SLIP, NO_DRAG = range(len(FIT_RESULTS))
 
 CANDIDATE = table(
-    Variable("fit_result", (), "", "whether the bearing agrees with the statements", dtype="i1",
+    Variable("fit_result", (), "", "whether the bearing matches the statements", dtype="i1",
         flags=FIT_RESULTS),
     Variable("pitch_diameter", (), "mm", "pitch diameter"),
     Variable("ball_count", (), "1", "number of balls", dtype="i8"),
@@ -58,7 +58,7 @@ CANDIDATE = table(
     Variable("drag_high", (), "kg m-3",
         "maximum drag density at which QV varies with wear as stated"),
     Variable("skid_ratio", (), "1",
-        "maximum skid ratio at low friction, over the drag densities that agree"),
+        "maximum skid ratio at low friction, over the matching drag densities"),
     Variable("life", ("preload_method", *LOSS_BASIS.dims), "h", "wear life at high friction",
         scale=HOURS_PER_SECOND),
 )  # fmt: skip
@@ -224,10 +224,10 @@ def identified(scene: Path, marks: Sequence[Path], plan: Mapping[str, Any]) -> x
             LOSS_BASIS: None,
         },
         rows,
-        title="Bearings that agree with the statements",
+        title="Bearings that match the statements",
         kind=CANDIDATES,
         scene=base,
         marks=" ".join(checked.marks),
         statements=json.dumps(asdict(checked.statements)),
-        comment="This is a fit to a text, not a validation.",
+        comment="A fit to a text is not a validation.",
     ).merge(filled(MARKED, {"mark": len(marked)}, marked), combine_attrs="override")

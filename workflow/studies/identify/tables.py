@@ -19,7 +19,7 @@ from workflow.studies.identify.search import CANDIDATE, FIT_RESULTS
 
 _SKID_NOTE = (
     "Above 0.6 µm of wear, the fit does not require the whole ball to slip in the rolling "
-    "direction. The table lists the maximum skid ratio over the drag densities that agree with "
+    "direction. The table lists the maximum skid ratio over the drag densities that match "
     "the statements."
 )
 
@@ -35,9 +35,9 @@ def candidates_table(candidates: Path) -> str:
         points_block("", {"result": "", "candidates": ""}, results),
         _fits(found),
     )
-    message = f"{candidates_message(found)}. This is a fit to a text, not a validation."
+    message = f"{candidates_message(found)}. A fit to a text is not a validation."
     return as_markdown(
-        Document(("Bearings that agree with the statements of the paper", message), blocks=blocks)
+        Document(("Bearings that match the statements in the paper", message), blocks=blocks)
     )
 
 

@@ -138,9 +138,9 @@ _WAYS: dict[str, dict[str, Any]] = {
     "anew": {"color": "black", "linestyle": "none", "marker": ".", "markersize": 3},
 }
 _WAY_WORDS = {
-    "up": "followed as it increases",
-    "down": "followed as it decreases",
-    "anew": "new search at each point (as for life)",
+    "up": "followed with increasing values",
+    "down": "followed with decreasing values",
+    "anew": "new search at each point (as in life calculations)",
 }
 _SHOWN = {
     "orbit_share": "orbit rate / shaft speed",

@@ -68,7 +68,7 @@ def state_map(
         x_log=int(along_x.is_log),
         y_log=int(along_y.is_log),
     )
-    text = "limit along y, from solves or from a closed form"
+    text = "limit along y, from solutions or from a closed form"
     kinds = table(*(Variable(key, (), "", text) for key in borders[0]))
     lines = filled(kinds, {X: along_x.values}, borders)
     for key in lines:

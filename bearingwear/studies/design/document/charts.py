@@ -57,7 +57,7 @@ def design_charts(
     lives, found, sampled = design_files(design, recommendation, uncertainty)
     sampled = sampled if spread is None else load_quantiles(spread)
     given = limits_of(lives).given
-    asked = f"Required by the user, from new to the end of life: {_reached(found)}."
+    asked = f"User requirements, from new to the end of life: {_reached(found)}."
     question = asked if given else "Which preload and preload method give the longest life?"
     bands = {} if sampled is None else _bands(found, sampled)
     charts = list(preload_charts(lives, found, bands))
@@ -75,7 +75,7 @@ def _reached(found: xr.Dataset) -> str:
         one = LIMITED[name]
         reached, margin = one.shown(float(one.worst(point))), float(one.margins(point, value))
         left = f"margin {100.0 * abs(margin):.0f} %"
-        texts[k] += f" (reached: {reached:.3g} {in_print(one.unit)}, {left})"
+        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}, {left})"
     return "; ".join(texts)
 
 

@@ -26,8 +26,8 @@ LOSS_RATE = display("m s-1", shown="um/1000 h")
 SHARE_LABEL = "maximum gyroscopic slip share"
 WITH_CAGE = (
     "The scene has no cage.",
-    "Only the dynamic cases include the cage: its pockets slow down and wear the balls, which "
-    "increases the wear depth (especially with wear.counts ball).",
+    "Only the dynamic cases include the cage, whose pockets slow and wear the balls. This "
+    "increases the wear depth, especially if wear.counts is ball.",
 )
 """Without a cage, and with one."""
 
@@ -74,19 +74,20 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     limit = limits_of(chosen).gyroscopic_slip_share
     method = in_words(first["operation"]["preload_method"])
     known = np.isfinite(chosen["preload"].values).any()
-    middle = "its recommended preload" if known else "its own preload (no recommendation)"
+    middle = "the recommended preload" if known else "the scene's preload (no recommendation)"
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
     said = (
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
-        f"and near {middle}. Lives are based on the wear of {in_words(scene['wear']['counts'])}. "
-        f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state. Agreement "
-        "therefore means that the motion remains in that state, not that every initial state "
-        "leads to it. The gyroscopic slip share has no error estimate."
+        f"and near {middle}. The wear life is based on the wear of the "
+        f"{in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each dynamic run "
+        "starts from the steady state. Agreement therefore means that the motion remains in that "
+        "state, not that every initial state leads to it. The gyroscopic slip share has no error "
+        "estimate."
     )
     settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
     made = Document(
         (
-            f"The dynamic model at the recommended preload of {scene['name']}",
+            f"Dynamic model at the recommended preload of {scene['name']}",
             agreement(points),
             said,
         ),
@@ -108,12 +109,12 @@ def _numbers_of(points: Sequence[CheckedPreload], limit: float | None) -> Block:
             lines.append((point.preload, one.name, *numbers, _beyond(one, limit)))
     heads = (
         ("preload", "N"),
-        ("number", ""),
+        ("quantity", ""),
         ("steady, as in the map", ""),
         ("dynamic", ""),
         ("difference", "%"),
-        ("numerical error estimates of both", "%"),
-        ("beyond them", ""),
+        ("sum of error estimates", "%"),
+        ("difference exceeds estimates", ""),
     )
     columns = zip(*lines, strict=True)
     rows = (Row(label, unit, column) for (label, unit), column in zip(heads, columns, strict=True))
@@ -125,7 +126,7 @@ def _beyond(one: Compared, limit: float | None) -> str:
     if one.name == SHARE_LABEL and limit is not None:
         allowed = (one.steady <= limit) + (one.dynamic <= limit)
         words = ("both violate", "one violates", "both satisfy")
-        return f"{words[allowed]} the required {limit:g}"
+        return f"{words[allowed]} the requirement of {limit:g}"
     return ("yes" if one.beyond else "no") if np.isfinite(one.errors) else "–"
 
 
@@ -141,7 +142,9 @@ def _cases(
         case = load(path)
         fidelity = case.attrs.get("fidelity")
         if fidelity not in CHECKED_FIDELITIES or "total_qv" not in case or case["status"].ndim:
-            raise CaseFileError(f"{path}: got another file, expected a steady or dynamic case")
+            raise CaseFileError(
+                f"{path}: got a file of another kind, expected a steady or dynamic case"
+            )
         scene = scene_of(case)
         if scene["name"] != name:
             raise CaseFileError(f"{path}: got the scene {scene['name']}, expected {name}")
@@ -186,7 +189,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         *(
             compared(
-                f"total wear depth counting {in_words(way)}",
+                f"total wear depth, {in_words(way)}",
                 "ball_diameter_loss_rate",
                 "wear_rate_error_estimate",
                 LOSS_RATE,
@@ -221,21 +224,21 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
         share = worst.pop(SHARE_LABEL)
         allowed, beyond = (
             "; ".join(
-                f"{one.name.partition(' (')[0]} {_at(one)} (estimates {100.0 * one.errors:.2g} %)"
+                f"{one.name.partition(' (')[0]}, {_at(one)} (estimates: {100.0 * one.errors:.2g} %)"
                 for one in worst.values()
                 if one.beyond == way and np.isfinite(one.errors)
             )
             for way in (False, True)
         )
         agrees = "agrees" if allowed else "does not agree"
-        partly = (
-            ", but only in part" if allowed and beyond else " within the estimated numerical errors"
-        )
+        partly = " within the estimated numerical errors"
+        if allowed and beyond:
+            agrees, partly = "agrees only partly", ""
         said = [
             f"The dynamic model {agrees} with the steady values of the map{partly}.",
-            *([f"The largest differences within the estimates: {allowed}."] if allowed else []),
-            *([f"Beyond them: {beyond}."] if beyond else []),
-            f"The largest difference in the {SHARE_LABEL} is {_at(share).removeprefix('by ')}.",
+            *([f"Largest differences within the error estimates: {allowed}."] if allowed else []),
+            *([f"Differences beyond the error estimates: {beyond}."] if beyond else []),
+            f"The largest difference in the {SHARE_LABEL} is {_at(share)}.",
         ]
     if unsolved:
         said.append(f"Not solved: {'; '.join(unsolved)}.")
@@ -243,4 +246,4 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
 
 
 def _at(one: Compared) -> str:
-    return f"by {100.0 * one.difference:+.2g} % at {digits(one.preload)} N"
+    return f"{100.0 * one.difference:+.2g} % at {digits(one.preload)} N"

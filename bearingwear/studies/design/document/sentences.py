@@ -50,13 +50,13 @@ TAKE = {
 """How a preload is applied, in the words of the headline, by method or pair."""
 
 _HELD = {
-    "none": "No requirement limits this preload: it gives the longest life.",
-    "not_solved": "The life at the next preload of the map could not be computed, and may be "
+    "none": "No requirement limits the recommended preload, which gives the longest life.",
+    "not_solved": "The life at the next preload in the map could not be computed, and may be "
     "longer.",
-    "end_of_life": "No requirement limits this preload, but at other preloads another criterion "
-    "is reached earlier.",
-    "impractical": "Preloads that give a longer life make the design impractical.",
-    "cliff": "The life drops sharply near this preload.",
+    "end_of_life": "No requirement limits the recommended preload, but at other preloads another "
+    "end-of-life criterion is met earlier.",
+    "impractical": "Any preload that gives a longer life would make the design impractical.",
+    "cliff": "The life drops sharply near the recommended preload.",
 }
 """Why no other preload has a longer life, where no requirement decides."""
 
@@ -64,7 +64,8 @@ SIMILAR = 0.9
 """Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
-    "Use it for comparison only: wear coefficients are known to an order of magnitude at best"
+    "Use the computed life for comparison only: wear coefficients are known to within an order of "
+    "magnitude at best"
 )
 
 SHORT_LIFE = 500.0
@@ -151,13 +152,14 @@ def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
     beyond = float(one.get("beyond_preload", math.nan))
     if not math.isfinite(beyond):
         return f" or {'less' if lower else 'more'}", (
-            f"No requirement limits this preload, and a {less} one lengthens the life further. Use "
-            f"the {lowest} that can be set reliably, or state another requirement."
+            f"No requirement limits the recommended preload, and a {less} preload extends the life "
+            f"further. Use the {lowest} preload that can be set reliably, or state another "
+            "requirement."
         )
     gain = float(one["beyond_life"]) / float(one["life"][counted(found)]) - 1.0
     said = (
-        f"No requirement limits this preload, but a {less} one gains little: the life is "
-        f"{percent_in_text(gain)} longer at {beyond:.7g} N"
+        f"No requirement limits the recommended preload, but a {less} preload gains little: the "
+        f"life is {percent_in_text(gain)} longer at {beyond:.7g} N"
     )
     if _at_speed(one):
         then = digits(float(one["beyond_running_preload"]))
@@ -186,7 +188,7 @@ def what_it_gives(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> lis
     if end:
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"
-        first += f" It ends when the {end.words} {reaches} the criterion of {in_print(limit)}."
+        first += f" The life ends when the {end.words} {reaches} {in_print(limit)}."
     if scene.get("calibrated"):
         return [first]
     return [first, f"{NO_CLOCK}{NO_OIL if life < SHORT_LIFE else ''}."]
@@ -266,23 +268,23 @@ def how_to_set_it(design: xr.Dataset | None, found: xr.Dataset) -> list[str]:
     method, best, _ = by_life(found)[0]
     is_fixed, preload = method == "fixed_position", float(best["preload"])
     low, high = (preload, preload) if design is None else similar_preloads(design, found)
-    kept = "satisfies all requirements and " if limits_of(found).given else ""
+    kept = "satisfy all requirements and " if limits_of(found).given else ""
     newtons = f"{digits(low)} to {digits(high)} N"
     said = []
     if is_fixed:
         offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
         said.append(
-            f"A spacer offset of {offset:.3g} µm between the bearings produces "
-            f"{preload_text(best)} N at rest; an error of {0.5 * (more - less):.2g} µm changes it "
-            "by 10 %."
+            f"A spacer offset of {offset:.3g} µm between the bearings produces a "
+            f"preload of {preload_text(best)} N at rest; an offset error of "
+            f"{0.5 * (more - less):.2g} µm changes this preload by 10 %."
         )
     if low == high:
         return said
-    text = f"The range from {newtons}"
+    text = f"Preloads from {newtons}"
     if is_fixed:
         start, end = _offset(found, low), _offset(found, high)
-        text = f"An offset from {start:.3g} to {end:.3g} µm ({newtons})"
-    text += f" {kept}gives at least {100 * SIMILAR:g} % of this life"
+        text = f"Offsets from {start:.3g} to {end:.3g} µm ({newtons})"
+    text += f" {kept}give at least {100 * SIMILAR:g} % of the life at the recommended preload"
     if kept and preload in (low, high):  # the recommended one has no tolerance on one side
         middle = f"the middle of the range, {digits(0.5 * (low + high))} N"
         if is_fixed:
@@ -311,7 +313,7 @@ def _cliffs(found: xr.Dataset) -> list[str]:
         near = percent_in_text(abs(below / preload - 1.0))
         side = "less" if below < preload else "more"
         fall = f"the life falls to {Rough(life).text} h" if life > 0.0 else "the life is zero"
-        text = f"{name}: at {below:.7g} N, {near} {side}, {fall}"
+        text = f"{name}: at {below:.7g} N ({near} {side}), {fall}"
         if math.isfinite(clear):
             life_there = Rough(kept).text
             text += f"; {clear:.7g} N leaves a margin of 5 % and gives a life of {life_there} h"
@@ -344,7 +346,7 @@ def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) ->
     """Which assumption reverses the choice of the method."""
     lives = by_life(found)
     if len(lives) < 2:
-        return "No preload of the other method satisfies the requirements."
+        return "With the other method, no preload satisfies the requirements."
     near, active = [], ACTIVE[int(lives[0][1]["active_limit"])]
     for row in room_rows(found):
         low, now, high = row.values
@@ -352,7 +354,7 @@ def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) ->
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
             required = "required " * row.name.startswith(LIMIT_KEY)
-            label = "the " + required + row.label.replace("end: ", "end-of-life criterion on ")
+            label = "the " + required + row.label.replace("end: ", "end-of-life criterion for the ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
             is_active = row.name == f"{LIMIT_KEY}{active}"
@@ -360,21 +362,26 @@ def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) ->
     near.sort(key=lambda one: one[0])
     said = [text for _, text in near]
     if beside is not None and (kelvin := beside.attrs.get(REVERSED_BY_WARMTH)):
-        than = "given" if scene_of(found).get("temperature") else "the rest"
+        than = "specified" if scene_of(found).get("temperature") else "the rest of the bearing"
         said.insert(0, f"the inner ring is more than {Rough(kelvin).text} K warmer than {than}")
     if not said:
         return (
-            "Within the range tried, no change in a requirement, an end-of-life criterion or "
+            "Within the ranges searched, no change in a requirement, an end-of-life criterion or "
             "friction makes the other method better."
         )
     other = _as_subject(found, lives[1][0])
     return f"{other} becomes the better method if {'; or if '.join(said[:NEAREST])}."
 
 
+def _as_object(found: xr.Dataset, method: str) -> str:
+    """A method or a pair within a sentence."""
+    scene = scene_of(found)
+    return f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
+
+
 def _as_subject(found: xr.Dataset, method: str) -> str:
     """A method or a pair at the begin of a sentence."""
-    scene = scene_of(found)
-    return f"{'a ' * is_pair(scene)}{method_words(scene, method)}".capitalize()
+    return _as_object(found, method).capitalize()
 
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
@@ -397,7 +404,7 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
     said = (
         ("The other method gives the longer life with {}.", turned),
         (f"{name} violates a requirement with {{}}.", beyond),
-        ("No life was found with {}.", unknown),
+        ("No life could be computed with {}.", unknown),
         # which the temperature of a reversal says, too
         (f"{name} remains the better method and satisfies the requirements with {{}}.",
             [] if REVERSED_BY_WARMTH in beside.attrs else same),
@@ -412,8 +419,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
     said = []
     if int(found["verdict"]) == NEITHER_LONGER:
         said.append(
-            f"Neither method is preferred: a change of {100 * CLAIMED:g} % in one "
-            "assumption, or the other ball track, would reverse the order."
+            f"Neither method is preferred: a {100 * CLAIMED:g} % change in one assumption, or the "
+            "other ball track, would reverse the order."
         )
     if mine := spread[method]:
         uncertain = ", ".join(causes(scene))
@@ -422,8 +429,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in "
                 f"{Rough(mine.longest_share).text} % of the simulated bearings "
-                f"({mine.longest.text} % allowing for sample size and numerical errors), if no "
-                "other input differs from its given value."
+                f"({mine.longest.text} % allowing for sample size and numerical errors), "
+                "provided that all other inputs have their given values."
             )
     else:
         band, taken = band_by_wear(scene, life)
@@ -457,6 +464,6 @@ def what_is_not_possible(found: xr.Dataset) -> list[str]:
     if not limits_of(found).given:
         return list(filter(None, without_limits(because)[1:]))
     return [
-        f"No {method_words(scene_of(found), method)} preload satisfies all requirements: {why}."
+        f"With {_as_object(found, method)}, no preload satisfies all requirements: {why}."
         for method, why in json.loads(because).items()
     ]

@@ -83,9 +83,9 @@ AT_END = "residual_preload_at_end"
 
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_WORDS = (
-    "Between these values, the same method gives the longer life. A dash means no reversal up to "
-    f"{FARTHEST:g} times a requirement and {CRITERIA_FARTHEST:g} times the other values. If a "
-    "requirement changes, the preloads are re-optimised."
+    "Between the listed values, the same method gives the longer life. A dash means no reversal "
+    f"for changes by a factor of {FARTHEST:g} in a requirement or {CRITERIA_FARTHEST:g} in any "
+    "other value. If a requirement changes, the preloads are re-optimised."
 )
 
 
@@ -373,7 +373,7 @@ def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
         Row("preload method", "", tuple(name for _, name, _ in points), "preload_method"),
         *brief_rows([one for _, _, one in points], basis),
     ]
-    title = "Effect of other assumptions at these preloads"
+    title = "Effect of other assumptions at the recommended preloads"
     return Block(title, rows=tuple(rows), axes=2)
 
 
@@ -387,13 +387,16 @@ def _statuses(design: xr.Dataset) -> Block:
     """How many lives and states the map took, and what was not solved."""
     codes, counts = np.unique(design["status"].values, return_counts=True)
     worn = int((design["groove"] == WORN_GROOVE).sum())
-    grooves = f"{worn} lives have worn grooves, the others" if worn else "All lives have"
+    grooves = "All lives were computed with"
+    if worn:
+        grooves = f"{worn} lives were computed with worn grooves, the others with"
     solves, failed = (int(design[name].sum()) for name in ("solves", "failed_solves"))
     said = (
-        f"{design['status'].size} lives at combinations of preload, method, friction and speed, "
-        f"from {solves} steady states; {failed} states were not found. {grooves} Hertzian grooves.",
-        "A life that could not be computed has a status that gives the reason, and is never "
-        "chosen.",
+        f"{design['status'].size} lives at combinations of preload, method, friction and speed "
+        f"were computed from {solves} steady states; {failed} states could not be found. {grooves} "
+        "Hertzian grooves.",
+        "If a life could not be computed, its status gives the reason, and its preload is never "
+        "recommended.",
     )
     rows = (
         Row("status", "", tuple(in_words(STATUS_NAMES[int(k)]) for k in codes)),

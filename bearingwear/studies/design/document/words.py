@@ -11,7 +11,7 @@ from bearingwear.results.units import in_print
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "no requirement: longest life",
     "end_of_range": "no requirement",
-    "not_solved": "an unsolved neighbouring point",
+    "not_solved": "a neighbouring point without a solution",
     "no_preload_within_limits": "no preload satisfies all requirements",
     "end_of_life": "a switch to another end-of-life criterion",
     "impractical": "a warning: impractical design",
@@ -70,8 +70,8 @@ AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
 
 WHAT_LIMITS = (
     "Without a requirement, the lowest preload always causes the least wear. State what the "
-    "machine requires, such as a stiffness, and what the bearing can withstand, such as a "
-    "pressure. Only preloads that satisfy these requirements are then considered."
+    "machine requires, such as a minimum stiffness, and what the bearing can withstand, such as a "
+    "maximum pressure. Only preloads that satisfy these requirements are then considered."
 )
 """What a requirement does, where none was given."""
 
