@@ -459,7 +459,7 @@ def test_recommend_at_a_cliff(capsys):
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
     (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
     assert re.search(r"limited by +a sudden drop in life +a switch to another end", told)
-    assert re.search(r"^ +Constant force: at [\d.]+ N, \([\d.]+ % less\), the life falls", told, re.M)
+    assert re.search(r"^ +Constant force: at [\d.]+ N \([\d.]+ % less\), the life falls", told, re.M)
     assert "A wear depth of 0.7 um is" in told
     lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
     counted = float(lived.life.sel(counts="ball_and_races"))
