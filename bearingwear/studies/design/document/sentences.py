@@ -71,7 +71,7 @@ NO_CLOCK = (
 SHORT_LIFE = 500.0
 """Life [h] below which a bearing evidently has no lubricant film."""
 
-NO_OIL = ", and no lubricant film is assumed"
+NO_OIL = ", and lubricant films are not modelled"
 
 _RUNS_APART = 1.5
 """Running preload over the initial one, or the reverse, that is worth a word."""
