@@ -17,6 +17,8 @@ from bearingwear.solvers.condition import States
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 
+_MET = 0.02  # margin left where a criterion counts as met, over that at the last node before
+
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
 
 
@@ -217,6 +219,7 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
 def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None:
     """Take steps until something is met: its index in the margins, None where nothing is."""
     met: int | None = None
+    lost: Node | None = None
     before = margins(life.last)
     for _ in range(method.most_steps):
         check_interrupt()
@@ -228,7 +231,7 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
             solved = step.nodes[:-1] if failed else step.nodes
             found, after = _first_zero([life.last, *solved], before, method, margins)
             if found is not None:
-                bound, met = found  # up to there and no further
+                bound, met, lost = found  # up to there and no further
                 if bound < step.end:
                     continue
         kept = [] if failed or step.is_rough else method.kept(step)
@@ -242,6 +245,9 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
             continue
         if not method.shorten():
             break
+    if lost:
+        life.fails(lost)
+        return None
     return met
 
 
@@ -249,28 +255,47 @@ def _failed(nodes: Iterable[Node]) -> Node | None:
     return next((node for node in nodes if node.status != code.OK), None)
 
 
+@dataclass
+class _Left:
+    """A margin over the way; a solve that fails counts as beyond the criterion."""
+
+    k: int  # index of the margin
+    method: Method
+    margins: Any
+    known: dict[float, float]  # at nodes that were solved
+    failed: Node | None = None  # the last one that was not
+
+    def __call__(self, x: float) -> float:
+        if x not in self.known:
+            node = self.method.at(x)
+            if node.status != code.OK:
+                self.failed = node
+                return -1.0
+            self.known[x] = float(self.margins(node)[self.k])
+        return self.known[x]
+
+    def lost(self, start: float, root: float) -> Node | None:
+        """The node on which a bracket closed, if the criterion is not met there."""
+        last = max(x for x in self.known if x <= root)
+        return self.failed if self.known[last] > _MET * self.known[start] else None
+
+
 def _first_zero(
     nodes: Iterable[Node], before: np.ndarray, method: Method, margins: Any
-) -> tuple[tuple[float, int] | None, np.ndarray]:
+) -> tuple[tuple[float, int, Node | None] | None, np.ndarray]:
     """Where the first margin falls to zero along solved nodes, and which; and the last margins.
 
-    Those of the first node are given. A solve that fails in between counts as met there: the
-    bracket closes on it.
+    Those of the first node are given. The bracket closes on a solve that fails in between. If
+    nothing is met there, the third is that node, which ends what can be solved.
     """
     a, *others = nodes
     for b in others:
         after, zeros = margins(b), []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
-            known = {a.x: before[k], b.x: after[k]}
-
-            def value(x: float, k: int = int(k), known: dict[float, Any] = known) -> float:
-                if x not in known:
-                    node = method.at(x)
-                    known[x] = margins(node)[k] if node.status == code.OK else -1.0
-                return float(known[x])
-
-            zeros.append((method.zero(value, a, b), int(k)))
+            left = _Left(int(k), method, margins, {a.x: before[k], b.x: after[k]})
+            root = method.zero(left, a, b)
+            zeros.append((root, int(k), left.lost(a.x, root)))
         if zeros:
-            return min(zeros), after
+            return min(zeros, key=lambda zero: zero[:2]), after
         a, before = b, after
     return None, before

@@ -224,7 +224,7 @@ class WornBearing:
                 )  # fmt: skip
                 if seat.status != code.OK:
                     break
-            if seat.status != code.NOT_CONVERGED:
+            if seat.status not in (code.NOT_CONVERGED, code.BEYOND_GROOVE):
                 break
         return seat, u
 
