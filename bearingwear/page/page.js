@@ -246,7 +246,7 @@ const sliders = [...document.querySelectorAll(".slider")].map((box) => {
 
   function stand(x) {
     const recommended = stars.some((star) => star[0] === x) ? " (recommended)" : "";
-    const at = x === null ? "the recommended preloads (move for others)" : `${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
+    const at = x === null ? "the recommended preloads; move the slider for other preloads" : `${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
     output.textContent = `Values at ${at}`;
     input.setAttribute("aria-valuetext", output.textContent);
     if (x !== null) input.value = stops.indexOf(x);

@@ -41,7 +41,6 @@ class Tried:
     values: Mapping[str, Any]  # as of `followed_point`
     life: float  # [s]; zero where it was not solved
     exact: bool  # whether it is the life that is printed, not a quick one
-    scale: float = 1.0  # of an exact life, over the quick one before
 
     @property
     def solved(self) -> bool:
@@ -240,9 +239,7 @@ class PreloadLine:
         solved = values["status"] == OK
         life = float(values["life"][self.basis]) if solved else 0.0
         life = life if life > 0.0 else 0.0
-        quick = self.tried[preload].life if preload in self.tried else life
-        scale = life / quick if min(life, quick) > 0.0 else 1.0
-        self.tried[preload] = Tried(preload, values, life, exact, scale)
+        self.tried[preload] = Tried(preload, values, life, exact)
         self._guesses.clear()
 
     def uncovered(self, limits: DesignLimits) -> list[float]:

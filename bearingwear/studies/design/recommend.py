@@ -277,12 +277,12 @@ class Search:
         for _ in range(STEPS_BEYOND):
             if found is None or held_back_by(line, found, self.limits) != END_OF_RANGE:
                 break
-            end, best = found.best.preload, found.best.life / found.best.scale  # quick
+            end, best = found.best.preload, found.best.life
             step = STEP_BEYOND if end == max(line.tried) else 1.0 / STEP_BEYOND
             *between, far = (float(f"{end * step ** (k / 3):.3g}") for k in (1, 2, 3))
             if far > most_preload():
                 break
-            yield [(line, far, False)]
+            yield [(line, far, True)]
             one = line.tried[far]
             if one.is_allowed(self.limits) and best <= one.life < LITTLE_LONGER * best:
                 return replace(found, beyond=line.leave_out(far))
@@ -456,7 +456,7 @@ def _row(line: PreloadLine, found: Found, limits: DesignLimits) -> dict[str, Any
             row |= {f"{name}_preload": one.preload, f"{name}_life": one.life}
     if one := found.beyond:
         running = one.values["residual_preload_at_start"]
-        row |= {"beyond_preload": one.preload, "beyond_life": found.best.scale * one.life}
+        row |= {"beyond_preload": one.preload, "beyond_life": one.life}
         row |= {"beyond_running_preload": running}
     return row
 

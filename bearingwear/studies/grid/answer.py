@@ -134,14 +134,14 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
             "scene": name,
             "bearing": bearing_line(scene),
             # the heading after a recommendation, which may prefer the other method
-            "beside": f"For comparison: both methods with the preload in the scene file, {preload}",
+            "beside": f"For comparison: both methods with the input preload of {preload}",
         },
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
             lives_block(f"{name}: lives at {given}", here, scene),
         ),
         ("wear_life",),
-        subject=f"Scene preload: {preload}",
+        subject=f"Input preload: {preload}",
         rank=RANK,
     )
 

@@ -61,7 +61,7 @@ FOLDED = ("Effect of other assumptions", "robustness of the choice")
 
 def tables(answer):
     """Tables by their place; of those that are folded, the last."""
-    return {b.place: b for b in answer.blocks if b.rows and b.title != "at the recommended preload"}
+    return {b.place: b for b in answer.blocks if b.rows and b.title != "new and worn"}
 
 
 def test_the_answer_is_that_of_the_files(files, tmp_path):
@@ -159,7 +159,7 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     ]
     assert f"A spacer offset of {offsets[1]:.3g} µm" in said["Setting the preload"]
     tolerance = 0.5 * (offsets[2] - offsets[0])
-    error = f"error of {tolerance:.2g} µm changes this preload by 10 %"
+    error = f"error of {tolerance:.2g} µm changes it by 10 %"
     assert error in said["Setting the preload"]
     assert (
         "if the inner ring is more than 9.1 K warmer than the rest"
@@ -200,7 +200,7 @@ def test_a_recommendation_at_an_end_of_its_range_has_a_tolerance(files):
         for one in (low, high)
     )
     assert float(found["preload"][1]) == low < high
-    middle, half = map(float, re.findall(r"specify (\S+)\s±\s(\S+) µm", said)[0])
+    middle, half = map(float, re.findall(r"offset of (\S+)\s±\s(\S+) µm", said)[0])
     assert start - 0.05 < middle - half < middle + half < end + 0.05
     assert middle == pytest.approx(0.5 * (start + end), rel=5e-3)
 

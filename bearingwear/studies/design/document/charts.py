@@ -75,7 +75,8 @@ def _reached(found: xr.Dataset) -> str:
         one = LIMITED[name]
         reached, margin = one.shown(float(one.worst(point))), float(one.margins(point, value))
         left = f"margin {100.0 * abs(margin):.0f} %"
-        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}, {left})"
+        means = f"; {one.means}" if one.means else ""
+        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}, {left}{means})"
     return "; ".join(texts)
 
 

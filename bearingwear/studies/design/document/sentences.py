@@ -21,6 +21,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
+from bearingwear.solvers.roots import brent_root
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import (
     NONE_PASSED,
@@ -264,35 +265,40 @@ def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> tuple[float, floa
 
 
 def how_to_set_it(design: xr.Dataset | None, found: xr.Dataset) -> list[str]:
-    """Which difference in length of its spacers sets a fixed position, and tolerances."""
+    """What to specify, with its tolerance; of a fixed position the offset of its spacers."""
     method, best, _ = by_life(found)[0]
     is_fixed, preload = method == "fixed_position", float(best["preload"])
     low, high = (preload, preload) if design is None else similar_preloads(design, found)
-    kept = "satisfy all requirements and " if limits_of(found).given else ""
-    newtons = f"{digits(low)} to {digits(high)} N"
+    start, end = (_offset(found, one) if is_fixed else one for one in (low, high))
+    between = f"{digits(low)} to {digits(high)} N"
+    if is_fixed:
+        between = f"{start:.3g} to {end:.3g} µm ({between})"
     said = []
+    if limits_of(found).given and preload in (low, high) and low < high:
+        # the recommended one has no tolerance on one side
+        middle, newtons = 0.5 * (start + end), 0.5 * (low + high)
+        asked = f"a preload of {digits(newtons)} N"
+        if is_fixed:
+            newtons = brent_root(lambda one: _offset(found, one) - middle, low, high)
+            half = math.floor(10.0 * 0.5 * (end - start)) / 10.0
+            within = f"{middle:.3g}\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}{half:.2g} µm"
+            asked = (
+                f"a spacer offset of {within} between the bearings ({digits(newtons)} N at rest)"
+            )
+        said.append(
+            f"Specify {asked}: the range from {between} satisfies all requirements and gives at "
+            f"least {100 * SIMILAR:g} % of the life at the recommended preload."
+        )
+    elif low < high:
+        what = "Offsets" if is_fixed else "Preloads"
+        said.append(f"{what} from {between} give at least {100 * SIMILAR:g} % of this life.")
     if is_fixed:
         offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
         said.append(
-            f"A spacer offset of {offset:.3g} µm between the bearings produces a "
-            f"preload of {preload_text(best)} N at rest; an offset error of "
-            f"{0.5 * (more - less):.2g} µm changes this preload by 10 %."
+            f"A spacer offset of {offset:.3g} µm produces the recommended {preload_text(best)} N "
+            f"at rest; an offset error of {0.5 * (more - less):.2g} µm changes it by 10 %."
         )
-    if low == high:
-        return said
-    text = f"Preloads from {newtons}"
-    if is_fixed:
-        start, end = _offset(found, low), _offset(found, high)
-        text = f"Offsets from {start:.3g} to {end:.3g} µm ({newtons})"
-    text += f" {kept}give at least {100 * SIMILAR:g} % of the life at the recommended preload"
-    if kept and preload in (low, high):  # the recommended one has no tolerance on one side
-        middle = f"the middle of the range, {digits(0.5 * (low + high))} N"
-        if is_fixed:
-            half = 0.5 * (end - start)
-            tolerance = f"±\N{NO-BREAK SPACE}{math.floor(10.0 * half) / 10.0:.2g} µm"
-            middle = f"{0.5 * (start + end):.3g}\N{NO-BREAK SPACE}{tolerance}"
-        text += f"; to allow for tolerances, specify {middle}"
-    return [*said, f"{text}."]
+    return said
 
 
 def _offset(found: xr.Dataset, preload: float) -> float:
@@ -353,7 +359,9 @@ def what_would_change_it(found: xr.Dataset, beside: xr.Dataset | None = None) ->
         known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
-            required = "required " * row.name.startswith(LIMIT_KEY)
+            required = ""
+            if limit := LIMITED.get(row.name.removeprefix(LIMIT_KEY)):
+                required = "required " if limit.falls else "permitted "
             label = "the " + required + row.label.replace("end: ", "end-of-life criterion for the ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
@@ -428,9 +436,9 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
         if mine.longest:
             said.append(
                 f"{_as_subject(found, method)} gives the longer life in "
-                f"{Rough(mine.longest_share).text} % of the simulated bearings "
-                f"({mine.longest.text} % allowing for sample size and numerical errors), "
-                "provided that all other inputs have their given values."
+                f"{Rough(mine.longest_share).text} % of the simulated bearings, each with the same "
+                f"values for both methods ({mine.longest.text} % allowing for sample size and "
+                "numerical errors). All other inputs, such as temperature, have their given values."
             )
     else:
         band, taken = band_by_wear(scene, life)

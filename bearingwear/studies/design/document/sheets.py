@@ -325,7 +325,7 @@ def _new_and_worn(found: xr.Dataset) -> Block:
         )
         for one in SHORT_TABLE
     ]
-    return Block("at the recommended preload", tuple(columns), tuple(rows))
+    return Block("new and worn", tuple(columns), tuple(rows))
 
 
 def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
