@@ -225,8 +225,8 @@ class OnRotor:
             slope = sum(n * state.steepness for n, state in zip(tandem, states, strict=True))
             return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
 
-        x = self.nearby.at(losses) if self.nearby.known else self._first_place(losses, F_ext)
-        return self._state(losses, *balanced(trial, x, self._rounded, self.nearby, tolerance))
+        first = functools.partial(self._first_place, losses, F_ext)
+        return self._found(trial, losses, first, self._rounded, tolerance)
 
     @functools.cached_property
     def _rounded(self) -> float:
@@ -254,18 +254,38 @@ class OnRotor:
             soft = sum(k_s / (n * state.steepness) for n, state in each if state.is_usable)
             return RotorTrial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
 
-        e = self.nearby.at(losses) if self.nearby.known else 0.0
-        return self._state(losses, *balanced(trial, e, 0.0, self.nearby, tolerance))
+        return self._found(trial, losses, lambda: 0.0, 0.0, tolerance)
+
+    def _found(
+        self,
+        trial: Callable[[float], RotorTrial | int],
+        losses: tuple[float, float],
+        first: Callable[[], float],
+        rounded: float,
+        tolerance: float,
+    ) -> RotorState:
+        """The balance from where earlier ones lead; if that fails, from the place of the last one.
+
+        first: where to begin without an earlier one.
+        """
+        known, last = self.nearby.known, self.nearby.place
+        x = self.nearby.at(losses) if known else first()
+        place, found = balanced(trial, x, rounded, self.nearby, tolerance)
+        if isinstance(found, int) and known:
+            # what a short way said of the slope can lead far astray
+            self.nearby.forget()
+            place, found = balanced(trial, last, rounded, self.nearby, tolerance)
+        return self._state(losses, place, found, tolerance <= self.tolerance)
 
     def _state(
-        self, losses: tuple[float, float], position: float, found: RotorTrial | int
+        self, losses: tuple[float, float], position: float, found: RotorTrial | int, exact: bool
     ) -> RotorState:
         """The state at a place, or why there is none."""
         if isinstance(found, int):
             self.nearby.forget()
             lost = self.sides[0].unsteady if found == code.NO_STEADY_STATE else found
             return RotorState(lost)
-        self.nearby.found(losses, position)
+        self.nearby.found(losses, position, exact)
         states = found.states
         status = next((one.status for one in states if one.status != code.OK), code.OK)
         shift = states[0].place - self.sides[0].mounted

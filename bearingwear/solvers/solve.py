@@ -63,8 +63,8 @@ def solved(
 def check_restart(scene: Scene, chosen: Choice) -> None:
     if chosen.fidelity != "dynamic":
         raise NotAvailable(
-            f"{scene.name}: restart: got a scene solved with {chosen.fidelity}, expected one "
-            "solved with fidelity dynamic"
+            f"{scene.name}: restart: got a scene solved with fidelity {chosen.fidelity}, expected "
+            "one solved with fidelity dynamic"
         )
 
 

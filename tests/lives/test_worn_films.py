@@ -215,6 +215,6 @@ def test_refused_in_bands(scene):
         "wear.ball_track": "bands",
         f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.1},
     }
-    problem = "balls that wear in bands and have a film or running-in"
+    problem = "balls that wear in bands and have a film or run in"
     with pytest.raises(NotAvailable, match=problem):
         life(scene("gyro_s1", changes))

@@ -36,6 +36,7 @@ class Nearby:
     steeper: float = 1.0  # slope of what is left over that of a trial
     place: float = math.nan  # that was found last [m]
     losses: np.ndarray = field(default_factory=lambda: np.zeros(2))  # there [m]
+    rough: tuple[np.ndarray, float] | None = None  # losses and place found roughly since then [m]
     slope: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the place by the losses
 
     @property
@@ -44,17 +45,24 @@ class Nearby:
 
     def at(self, losses: tuple[float, float]) -> float:
         """The place to expect [m]."""
-        return self.place + float(self.slope @ (losses - self.losses))
+        losses_there, place = self.rough or (self.losses, self.place)
+        return place + float(self.slope @ (losses - losses_there))
 
-    def found(self, losses: tuple[float, float], place: float) -> None:
-        """Remember a place, and its slope by Broyden's rule."""
+    def found(self, losses: tuple[float, float], place: float, exact: bool) -> None:
+        """Remember a place and, if it is exact, its slope by Broyden's rule.
+
+        A rough one is next to an exact one, and its error over so short a way is no slope.
+        """
+        self.rough = None if exact else (np.array(losses), place)
+        if not exact:
+            return
         moved = losses - self.losses
         if self.known and moved.any():
             self.slope += (place - self.at(losses)) / (moved @ moved) * moved
         self.losses, self.place = np.array(losses), place
 
     def forget(self) -> None:
-        self.place, self.steeper, self.slope = math.nan, 1.0, np.zeros(2)
+        self.place, self.steeper, self.slope, self.rough = math.nan, 1.0, np.zeros(2), None
 
 
 @dataclass

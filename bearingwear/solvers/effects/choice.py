@@ -188,5 +188,5 @@ def effort(scene: Scene, chosen: Choice) -> str:
         runs = f"; a life calculation requires at least about {scene.model.life_steps} such runs"
     return (
         f"computing time: {before}about {1e-3 * turns * ms:.1g} s for at most {turns:g} shaft "
-        f"turns (estimated from one measured scene){runs}"
+        f"turns (estimated from timings of one scene){runs}"
     )

@@ -60,7 +60,7 @@ def _then(scene: Scene) -> str:
     end, given = scene.wear.end_of_life, scene.friction.film
     if end is not None and end.film_worn_share is not None:
         share = f"{100.0 * end.film_worn_share:g} %"
-        return f"the life ends when the film is worn through on {share} of a track"
+        return f"the life ends when the film is worn through over {share} of a track"
     if given is not None and given.bare_ball_race is not None:
         return f"where the film is worn through, friction is {given.bare_ball_race:g}"
     return "where the film is worn through, friction is unchanged"

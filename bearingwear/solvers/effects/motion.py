@@ -136,8 +136,8 @@ def balls(chosen: Choice) -> Iterator[str]:
         yield from _in_time(scene)
     else:
         yield (
-            "ball motion: by Jones-Harris race control, without a friction balance; slip, QV "
-            "and wear are estimates"
+            "ball motion: determined by Jones-Harris race control, without a friction balance; "
+            "slip, QV and wear are estimates"
         )
         yield f"balls: {count}, each in equilibrium"
         if scene.operation.rotating_load_N:
@@ -200,7 +200,7 @@ def _in_time(scene: Scene) -> Iterator[str]:
             )
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the published model; "
-        "the energy balance includes the work of the Coriolis force"
+        "the energy balance includes the work done by the Coriolis force"
     )
 
 

@@ -168,8 +168,8 @@ EFFECTS = (
     Effect(
         "speed_beyond_makers",
         practice.faster_than_made_for,
-        "{value:.6g} r/min is above the speed limit for {bearing} {kind}: {limit:.0f} r/min with "
-        "grease, {oil:.0f} r/min with oil ({source})",
+        "{value:.6g} r/min is above the speed limit for the {bearing} {kind}: {limit:.0f} r/min "
+        "with grease, {oil:.0f} r/min with oil ({source})",
         "reduce the speed or the preload, or consult the maker",
     ),
     Effect(

@@ -40,6 +40,8 @@ SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
+_FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
+"""How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
@@ -224,7 +226,7 @@ class WornBearing:
                 )  # fmt: skip
                 if seat.status != code.OK:
                     break
-            if seat.status not in (code.NOT_CONVERGED, code.BEYOND_GROOVE):
+            if seat.status not in _FAR:
                 break
         return seat, u
 
