@@ -72,7 +72,7 @@ results/fuzz/%.nc: always
 ACCURACY_INTO := $(BIN)/bearingwear step studies.accuracy
 ACCURACY_DOCS := $(ACCURACY_INTO).docs.docs_with_part plan=config/accuracy.yaml docs=docs/accuracy.md
 ACCURACY_GIVEN := trade=results/accuracy/accuracy.nc
-accuracy-docs: $(STAMP) # after `snakemake accuracy`: its numbers into docs/accuracy.md, and a figure
+accuracy-docs: $(STAMP) # after `snakemake -j2 accuracy`: its numbers into docs/accuracy.md, and a figure
 	$(ACCURACY_DOCS) $(ACCURACY_GIVEN) --settings '{"part": "accuracy"}' -o docs/accuracy.md
 	$(ACCURACY_INTO).figures.figure $(ACCURACY_GIVEN) --settings '{"which": "overview"}' -o docs/figures/tradeoff.png
 

@@ -119,13 +119,16 @@ def _check_study(
     parser: argparse.ArgumentParser, args: argparse.Namespace, argv: Sequence[str]
 ) -> None:
     """Refuse a name that is no study's, or that an option of Snakemake may take for its value."""
-    from bearingwear.studies.launch import DRY_RUN
+    from bearingwear.studies.launch import DRY_RUN, takes_value
 
-    options = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
-    if options and args.name in argv[argv.index(options[0]) :]:
+    before = argv[: argv.index(args.name)] if args.name in argv else []
+    typed = [text for text in before if text.startswith("-") and text in args.more]
+    options = [text for text in typed if text not in DRY_RUN]
+    if options and ((valued := takes_value(options[-1])) or is_study(args.name)):
+        words = ("all", options[-1], args.name) if valued else (args.name, options[-1])
         parser.error(
-            f"study: got {args.name} after {options[0]}; the name of the study must come first: "
-            f"`bearingwear study all {options[0]} {args.name}`"
+            f"study: got {args.name} after {options[-1]}; the name of the study must come first: "
+            f"`bearingwear study {' '.join(words)}`"
         )
     if not is_study(args.name):
         parser.error(f"study: got {args.name!r}, expected {STUDY_NAMES}")

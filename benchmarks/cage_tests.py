@@ -22,7 +22,8 @@ OTHERS, ALLOYS = (2.0, 6.0), (22.5, 19.3)  # h
 LOADS = (890.0, 1780.0, 3560.0)
 TESTED = LOADS.index(1780.0)
 RUNS = {"runs": 20, "within": 0.2, "workers": 2}
-PARTS = {"pocket": ("C0", "o"), "land": ("C2", "s")}
+PARTS = {"pocket": ("C4", "o"), "land": ("C2", "s")}
+TESTED_FILM = {"color": "C3", "marker": "D", "markersize": 8, "markerfacecolor": "none"}
 
 
 def bearing(load: float) -> bearingwear.Scene:
@@ -67,16 +68,16 @@ def lives(folder: Path) -> tuple[np.ndarray, np.ndarray]:
 def draw(work: dict[str, np.ndarray], depth: np.ndarray, life: np.ndarray) -> None:
     figure, ((left, right),) = new_figure(1, 2, 7.2, 3.2)
     first = int(np.argmax(depth[-1]))
-    left.plot(1e6 * depth[1:, first], life[1:], "s-", color="C2")
+    left.plot(1e6 * depth[1:, first], life[1:], "s-", color="C2", markersize=3.5, fillstyle="none")
     left.plot(1e6 * LEAD * np.array([0.1, 1.0]), [0.1, 1.0], ":", color="black")
-    left.plot(1e6 * LEAD, 1.0, "*", color="C3", markersize=10)
+    left.plot(1e6 * LEAD, 1.0, **TESTED_FILM)
     left.set_xlabel("thickness of the film (µm)")
     left.set_ylabel("life over that of 50 µm at 1780 N")
     for k, (part, (colour, marker)) in enumerate(PARTS.items()):
         mean, low, high = work[part][TESTED, 0] / work[part].T
-        at = np.array(LOADS) * (0.97 + 0.06 * k)
+        at = np.array(LOADS) * (0.94 + 0.12 * k)
         right.errorbar(at, mean, [mean - high, low - mean], fmt=marker, color=colour, capsize=2)
-    right.plot(LOADS[TESTED], 1.0, "*", color="C3", markersize=10)
+    right.plot(LOADS[TESTED], 1.0, **TESTED_FILM)
     right.plot([LOADS[TESTED]] * 2, np.array(ALLOYS) / HOURS, "_", color="C3", markersize=10)
     right.set_xlabel("load (N)")
     right.set_xscale("log")
@@ -96,7 +97,7 @@ def draw(work: dict[str, np.ndarray], depth: np.ndarray, life: np.ndarray) -> No
             for part, words in (("pocket", "of the pockets"), ("land", "at the land"))
         ),
         key("proportional", color="black", linestyle=":"),
-        key("test: 50 µm lasted 15 h", color="C3", linestyle="none", marker="*"),
+        key("test: 50 µm lasted 15 h", linestyle="none", **TESTED_FILM),
         key("tests: 2 to 6 h, thickness unknown", color="C3", linewidth=6, alpha=0.2),
         key("tests of alloys, 22.5 and 19.3 h", color="C3", linestyle="none", marker="_"),
     ]

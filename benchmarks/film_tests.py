@@ -17,7 +17,8 @@ from bearingwear.plotting.drawing import key, new_figure, save
 from bearingwear.scene.coefficients import NINETY, RUBBING
 from bearingwear.solvers.bearing.films import Films
 
-SEEN, LOADS, LIVES = 1.05e8, (250.0, 1000.0), (5e5, 3.8e4)
+SEEN, LOADS, LIVES = 1.05e8, (250.0, 1000.0), (5e5, 3.8e4)  # that at 250 g is a lower bound
+MEASURED = {"color": "C3", "marker": "s", "markersize": 8, "markerfacecolor": "none"}
 
 
 def revolutions() -> tuple[float, float]:
@@ -137,18 +138,22 @@ def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
     left.set_ylim(-0.6, 1.6)
     left.set_xlabel("revolutions until the film is worn through")
     lives = [LIVES[1] * archard, LIVES[1]]
-    right.plot(LOADS, LIVES, ">-", color="C3")
+    right.plot(LOADS, LIVES, "-", color="C3")
+    right.plot(LOADS[0], LIVES[0], "^", color="C3")
     right.plot(LOADS, lives, "o-", color="C2")
+    right.plot(LOADS[1], LIVES[1], **MEASURED)  # round the computed one, which starts from it
     right.set_xscale("log")
     right.set_yscale("log")
     right.set_xticks(LOADS, [f"{load:g}" for load in LOADS])
-    right.set_yticks((4e4, 1e5, 4e5))
+    right.set_yticks((4e4, 1e5, 4e5), ("4 × 10⁴", "1 × 10⁵", "4 × 10⁵"))
     right.minorticks_off()
     right.set_xlabel("load (g, as in the test)")
     right.set_ylabel("life (cycles)")
     handles = [
         key("computed, bar: 90 % interval of the wear coefficient", color="C2", marker="o"),
-        key("measured lower bound", color="C3", linestyle="none", marker=">"),
+        key("measured lower bound of revolutions", color="C3", linestyle="none", marker=">"),
+        key("measured lower bound of life", color="C3", linestyle="none", marker="^"),
+        key("measured at 1000 g, start of the computed line", linestyle="none", **MEASURED),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     figure.suptitle(f"An MoS₂ film lasted at least {SEEN / rev:.0f} times as long as computed")

@@ -33,6 +33,7 @@ from kernels.test_worn_contact import KAPPA, PROFILES  # noqa: E402
 SIZES = [(32, 8), (48, 5), (48, 8), (48, 10), (64, 12), (96, 16), (192, 64)]
 USED = (48, 10)  # of `model.accuracy: standard`
 MOVED = 0.02
+SHAPES = {"flat": "one groove, centred", "skew": "one groove, off centre", "two": "two grooves"}
 MOST_TIMED = 2000  # cells; more are only the judge of the others
 
 
@@ -180,7 +181,8 @@ def figure(found, path):
     errors.set(xlabel="cells in half of the contact", ylabel="relative error of the load")
     errors.set_xticks([250, 500, 1000], ["250", "500", "1000"], minor=False)
     errors.set_xticks([], minor=True)
-    handles = [key(name, color=colour) for name, colour in colours.items()]
+    errors.set_yticks([1e-5, 1e-4, 1e-3], ["10⁻⁵", "10⁻⁴", "10⁻³"])
+    handles = [key(SHAPES[name], color=colour) for name, colour in colours.items()]
     worst = max(abs(loads / found[-1][2] - 1.0).max() for n, m, loads, _ in found if (n, m) == USED)
     cells_used = " by ".join(map(str, USED))
     said = f"With {cells_used} cells the error of a worn contact's load is {percent_in_text(worst)}"

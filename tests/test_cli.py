@@ -16,7 +16,7 @@ from support import only_line, step
 
 import bearingwear
 from bearingwear.arguments import command_parser
-from bearingwear.cli import main
+from bearingwear.cli import _parsed, main
 from bearingwear.kernels import status as code
 from bearingwear.lives import life as life_model
 from bearingwear.results.netcdf import load
@@ -24,6 +24,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
+from bearingwear.studies.launch import check_arguments
 
 SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
@@ -267,6 +268,25 @@ def test_wrong_arguments(argv, capsys):
     assert err.startswith("bearingwear") and "--help" in err
 
 
+@pytest.mark.parametrize(
+    ("typed", "advised"),
+    [
+        ("-f results/a.nc", "results/a.nc -f"),
+        ("-n -p -f -j 2 all", "all -f"),
+        ("--forcerun results/a.nc", "all --forcerun results/a.nc"),
+        ("-p --configfile a.yaml", "all --configfile a.yaml"),
+        ("--config=a=1 design", "design --config=a=1"),
+    ],
+)
+def test_an_option_before_the_study_is_advised_of(typed, advised, capsys):
+    assert main(["study", *typed.split()]) == 2
+    assert f"`bearingwear study {advised}`" in only_line(capsys)
+    name, *more = advised.split()
+    args = _parsed(["study", name, *more])
+    assert (args.name, args.more) == (name, more)
+    check_arguments(more, [])
+
+
 # steps
 
 
@@ -459,7 +479,9 @@ def test_recommend_at_a_cliff(capsys):
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
     (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
     assert re.search(r"limited by +a sudden drop in life +a switch to another end", told)
-    assert re.search(r"^ +Constant force: at [\d.]+ N \([\d.]+ % less\), the life falls", told, re.M)
+    assert re.search(
+        r"^ +Constant force: at [\d.]+ N \([\d.]+ % less\), the life falls", told, re.M
+    )
     assert "A wear depth of 0.7 um is" in told
     lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
     counted = float(lived.life.sel(counts="ball_and_races"))

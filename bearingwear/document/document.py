@@ -161,9 +161,9 @@ def quantity_row(
 
 def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
     """The text of a value in the unit that is shown."""
-    if isinstance(value, Interval) or (
-        isinstance(value, Rough | Estimated) and math.isfinite(value)
-    ):
+    if isinstance(value, Rough):
+        return value.in_unit(unit)
+    if isinstance(value, Interval) or (isinstance(value, Estimated) and math.isfinite(value)):
         return value.text
     if not isinstance(value, float):
         return str(value)

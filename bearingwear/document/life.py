@@ -68,7 +68,12 @@ def _of_both(file: Any) -> list[Block]:
         row_of(n, np.atleast_1d(values(file, n))[followed]) for n in LIVES if n in file.variables
     )
     life = _life_of(file, counted)
-    own = Row(f"with wear of {COUNTED[counted]}", "h", (Rough(life),), "life_of_the_scene")
+    own = Row(
+        f"wear of {COUNTED[counted].replace('ball', 'balls')}",
+        "h",
+        (Rough(life),),
+        "life_of_the_scene",
+    )
     band, taken = band_by_wear(scene, life)
     by_wear = () if band is None else (Row(BY_WEAR, "h", (band,), "life_by_wear_alone"),)
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])

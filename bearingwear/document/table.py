@@ -12,6 +12,7 @@ import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Row
 from bearingwear.results.units import Estimated, display
+from bearingwear.results.variables import STIFFNESS_UNITS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,12 +105,15 @@ def _of(dataset: xr.Dataset, name: Any, axes: Mapping[str, str]) -> Iterator[tup
         return
     values = variable.transpose(*axes, ...)
     inner = values.dims[len(axes) :]
-    unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
     flags = variable.attrs.get("flag_meanings", "").split()
     for index in np.ndindex(*values.shape[len(axes) :]):
         words = [flag_names(dataset[dim])[k] for dim, k in zip(inner, index, strict=True)]
         numbers = values.values[(..., *index)].ravel()
-        yield ".".join([str(name), *words]) + unit, [cell_text(x, flags) for x in numbers]
+        unit = variable.attrs.get("units", "1")
+        if "dof_column" in inner:
+            unit = STIFFNESS_UNITS[sum(word.startswith("tilt") for word in words)]
+        head = ".".join([str(name), *words]) + (f" ({unit})" if unit != "1" else "")
+        yield head, [cell_text(x, flags) for x in numbers]
 
 
 def _axis_texts(coordinate: xr.DataArray) -> list[str]:

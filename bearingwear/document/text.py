@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 
 from bearingwear.document.document import Block, Document, row_notes
@@ -12,6 +12,8 @@ from bearingwear.results.units import in_ascii
 LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
 WIDTH = 110
 """Of a line of sentences, and of a table's heads where its columns need no more."""
+COMPARED = 4
+"""Columns that stay beside each other however wide: two methods, new and worn."""
 
 
 def as_text(document: Document) -> str:
@@ -38,15 +40,32 @@ def _quantities(block: Block) -> list[str]:
     widths = [max(VALUE_WIDTH, *(len(text) + 2 for text in column)) for column in columns_of]
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
 
-    def line(label: str, unit: str, texts: Iterable[str]) -> str:
-        columns = "".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=False))
+    def line(label: str, unit: str, texts: Sequence[str], part: slice) -> str:
+        shown = zip(texts[part], widths[part], strict=False)
+        columns = "".join(f"{text:>{width}}" for text, width in shown)
         return f"  {label:<{label_width}}{unit:<{UNIT_WIDTH}}{columns}"
 
-    lines = [line(block.title, block.unit, block.columns)] if block.title else []
-    for row, texts in zip(block.rows, cells, strict=True):
-        text, notes = line(row.label, row.unit, texts), row_notes(row)
-        lines.append(f"{text}  {notes}" if notes else text)
+    lines = []
+    for part in _parts(widths, WIDTH - 2 - label_width - UNIT_WIDTH):
+        if block.title:
+            lines.append(line(block.title, block.unit, block.columns, part))
+        for row, texts in zip(block.rows, cells, strict=True):
+            if part.start and not texts[part]:
+                continue
+            text, notes = line(row.label, row.unit, texts, part), row_notes(row)
+            last = part.stop >= len(texts)
+            lines.append(f"{text}  {notes}" if notes and last else text)
     return lines
+
+
+def _parts(widths: Sequence[int], room: int) -> Iterator[slice]:
+    """Columns that fit beside each other; of many, further ones stand below."""
+    start = 0
+    for k in range(1, len(widths)):
+        if len(widths) > COMPARED and sum(widths[start : k + 1]) > room:
+            yield slice(start, k)
+            start = k
+    yield slice(start, len(widths))
 
 
 def _points(block: Block) -> list[str]:

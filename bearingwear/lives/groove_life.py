@@ -63,7 +63,7 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
         f"model.fidelity {fidelity}": fidelity != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
-        "balls that wear in bands and have a film or running-in": in_bands,
+        "balls that wear in bands and have a film or run in": in_bands,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":
@@ -71,7 +71,7 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
             raise NotAvailable(
                 f"{scene.name}: model.contact: got worn with {found[0]}, expected the steady "
                 f"model with wear.counts ball_and_races, slip evaluated over the ellipse, and even "
-                f"wear of balls that have a film or running-in"
+                f"wear of balls that have a film or run in"
             )
         return scene, "grooves: worn profile, as requested by model.contact"
     if scene.model.contact != "auto" or found:

@@ -34,7 +34,7 @@ GROWN = table(
         "number of solves required to compute the temperatures", "i4",
         comment="in a life file, the sum over its states"),
     Variable("history_part_temperature", ("step", "part"), "degC",
-        "temperature of the part during the life", label="temperature"),
+        "temperature of the part at each step", label="temperature"),
 )
 """Of a bearing that does not run as it was mounted."""
 

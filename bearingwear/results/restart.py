@@ -34,7 +34,7 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
         fidelity = str(getattr(file, "fidelity", "none"))
         if fidelity != "dynamic" or "contact_load" not in file.variables:
             raise CaseFileError(
-                f"{name}: got a file of fidelity {fidelity}, expected a dynamic case"
+                f"{name}: got a file with fidelity {fidelity}, expected a dynamic case"
             )
         status = int(file["status"][...])
         if status != OK:

@@ -141,6 +141,10 @@ RESOLVED = 1e-4
 """Relative error below which a number has no further digits: those serve no comparison."""
 
 
+_GIVEN = 1e-8
+"""Relative difference below which a result is the given number of few digits."""
+
+
 class Estimated(float):
     """A number with the estimate of its error, which decides its digits."""
 
@@ -154,7 +158,10 @@ class Estimated(float):
 
     @property
     def text(self) -> str:
-        return to_error(self, self.error)
+        text = to_error(self, self.error)
+        if self.error <= RESOLVED * abs(self) and math.isclose(float(text), self, rel_tol=_GIVEN):
+            return f"{float(text):.7g}"  # a given number, as 140, no computed one
+        return text
 
 
 def to_error(value: float, error: float) -> str:

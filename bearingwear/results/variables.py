@@ -28,6 +28,9 @@ BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
 STABILITY = ("unstable", "stable")
 DOFS = ("axial", "y", "z", "tilt_y", "tilt_z")
 
+STIFFNESS_UNITS = ("N m-1", "N", "N m")
+"""Units of a term of a stiffness matrix, by how many of its row and column are tilts."""
+
 _BALL, _RACE, _BOTH = ("ball",), ("race",), ("ball", "race")
 _STRIPS = ("ball", "race", "strip")
 TIME, _TIME_BALL, _TIME_BOTH = ("time",), ("time", "ball"), ("time", "ball", "race")
@@ -285,11 +288,11 @@ DYNAMIC = table(
         "residual of the energy balance, relative to the energy dissipated",
         label="energy balance error", shown="%"),
     Variable("coriolis_energy_share", (), "1",
-        "work of the Coriolis force, relative to the energy dissipated",
+        "work done by the Coriolis force, relative to the energy dissipated",
         comment="neglected in the equations of motion"),
     Variable("azimuth_energy_share", (), "1",
-        "circumferential work of the normal forces at the inner race, relative to the energy "
-        "dissipated",
+        "work done by the circumferential component of the normal forces at the inner race, "
+        "relative to the energy dissipated",
         comment="neglected in the equations of motion"),
     Variable("maximum_contact_load", _BOTH, "N", "normal contact load", label="maximum load"),
     Variable("minimum_contact_load", _BOTH, "N", "normal contact load", label="minimum load"),

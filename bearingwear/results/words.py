@@ -57,7 +57,7 @@ def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = 
     allowed = " or ".join(BEARINGS)
     if OF_BEARING not in dataset.dims:
         allowed = "no bearing, because the file contains only one"
-    raise CaseFileError(f"{name}: got the bearing {bearing}, expected {allowed}")
+    raise CaseFileError(f"{name}: bearing: got {bearing}, expected {allowed}")
 
 
 def in_words(name: str) -> str:

@@ -214,8 +214,8 @@ class Model:
         "requires a short run", "1",
         "[2, 10000]", default=12)
     life_run_in_turns: float = setting("Number of shaft turns before the first wear rates are "
-        "evaluated in a life calculation with the dynamic model, so that the influence of the "
-        "cage's initial position decays (0 without a cage)",
+        "evaluated in a life calculation with the dynamic model, to let the influence of the "
+        "cage's initial position decay (0 without a cage)",
         "1", "[0, 1e6]",
         default=200.0)
     tolerance: float = setting("Relative error tolerance for the computed life", "1",

@@ -58,11 +58,11 @@ class Arrangement:
                                            "N/um",
         "[0, 1e6]", default=0.0)
     rotor_mass_kg: float | None = setting(
-        "Mass of the rotor of a pair, used for its natural frequencies", "kg", "(0, 1e6]",
+        "Mass of the rotor of a pair, used to compute its natural frequencies", "kg", "(0, 1e6]",
         default=None)
     span_mm: float | None = setting(
-        "Distance between the centres of the two bearings of a pair, used for the natural "
-        "frequencies of the rotor", "mm",
+        "Distance between the centres of the two bearings of a pair, used to compute the "
+        "natural frequencies of the rotor", "mm",
         "(0, 1e5]", default=None)
     rotor_transverse_inertia_kg_mm2: float | None = setting("Moment of inertia of the rotor about "
         "a transverse axis through its centre of mass (if omitted, a slender rod of the same mass "
@@ -77,7 +77,8 @@ class Arrangement:
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
-        "Keys whose values differ for the second bearing of a pair, with its values",
+        "Keys whose values differ for the second bearing of a pair, with the values for that "
+        "bearing",
         allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25", default_factory=dict)
     # fmt: on
 

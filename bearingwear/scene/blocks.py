@@ -143,7 +143,7 @@ class Operation:
         example="18000")
     outer_speed_rpm: float = setting("Speed of the outer race, in either direction", "r/min",
         "[-1e7, 1e7]", default=0.0)
-    preload_method: str = setting("Preload method: by a spring or at a fixed position",
+    preload_method: str = setting("Preload method: spring or fixed position",
         choices=PRELOAD_METHODS)
     preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]",
         example="140")

@@ -196,7 +196,7 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     text = {name: f"{factor:.2g}" for name, factor in factors.items()}
     if row:
         film = "film mos2 (no source for other films)" if coated else "dry"
-        said = f"spread of {pair}, {film}, from {', '.join(row.rows)}"
+        said = f"spread for {pair}, {film}, from {', '.join(row.rows)}"
     else:
         said = "spread assumed, because no source covers these materials"
     said += f": K_s/H by a factor of {text['wear_coefficient']}"

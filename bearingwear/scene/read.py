@@ -105,7 +105,7 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(
             "wear.end_of_life.preload_fraction",
-            "got a fraction of a preload of 0, expected a preload > 0",
+            "got a fraction of a zero preload, expected a preload > 0",
             ("operation.preload_N",),
             source,
         )

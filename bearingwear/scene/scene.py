@@ -101,7 +101,7 @@ class Scene:
         "The cage (none if omitted; a cage alone does not require the dynamic model)",
         default=None)
     operation: Operation = setting("Speeds, preload and loads")
-    arrangement: Arrangement | None = setting("Bearings of the rotor (default: a single bearing)",
+    arrangement: Arrangement | None = setting("Bearings on the rotor (default: a single bearing)",
         default=None)
     launch: Launch | None = setting(
         "Accelerations of the stationary rotor at launch (none if omitted)", default=None)

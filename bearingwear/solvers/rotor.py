@@ -274,7 +274,9 @@ class OnRotor:
         if isinstance(found, int) and known:
             # what a short way said of the slope can lead far astray
             self.nearby.forget()
-            place, found = balanced(trial, last, rounded, self.nearby, tolerance)
+            again = balanced(trial, last, rounded, self.nearby, tolerance)
+            if not isinstance(again[1], int):  # else the first reason is the nearer one
+                place, found = again
         return self._state(losses, place, found, tolerance <= self.tolerance)
 
     def _state(

@@ -178,7 +178,9 @@ def both_ways(study: Path, dynamic: Path) -> tuple[xr.Dataset, xr.Dataset]:
     axes = ("preload_method", "friction", "ball_diameter_loss")
     steady = loaded(study, **{axis: motion[axis].values.tolist() for axis in axes})
     if json.loads(steady.attrs["scene"])["name"] != json.loads(motion.attrs["scene"])["name"]:
-        raise CaseFileError(f"{dynamic}: got cases of another scene, expected the scene of {study}")
+        raise CaseFileError(
+            f"{dynamic}: got cases from another scene, expected the scene of {study}"
+        )
     return steady, motion
 
 

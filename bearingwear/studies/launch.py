@@ -93,6 +93,14 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
         refuse(f"got {unknown[0]!r}; {allowed}")
 
 
+def takes_value(option: str) -> bool:
+    """Whether an option of Snakemake takes the word after it for its value."""
+    from snakemake.cli import get_argument_parser
+
+    action = get_argument_parser()._option_string_actions.get(option)
+    return action is not None and action.nargs != 0
+
+
 def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     """Run Snakemake and pass on its output, until it is interrupted or nobody reads it."""
     # the program's own handler would leave Snakemake behind

@@ -36,7 +36,7 @@ RUNNING_JOBS = "running: "
 RELAYED = "BEARINGWEAR_STUDY"
 """Variable of the environment: the folder of a study whose lines a command passes on."""
 
-COMPILING = b"compiling the solver"
+COMPILING = b"compiling part of the solver"
 """How the line of a job begins that needs the solver while it is compiled."""
 
 _DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}

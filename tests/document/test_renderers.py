@@ -44,6 +44,28 @@ def test_text_has_a_line_for_each_quantity_and_for_each_point():
     assert max(map(len, as_text(long).splitlines())) <= 110
 
 
+def test_columns_that_do_not_fit_stand_below():
+    temperature = Row("temperature", "degC", tuple(range(9)), limit=9.0)
+    block = Block(
+        "parts", tuple(f"column {k}" for k in range(9)), (temperature, Row("mass", "kg", (1,)))
+    )
+    lines = as_text(Document(blocks=(block,))).splitlines()
+    assert max(map(len, lines)) <= 110
+    heads = [line.split("column")[1:] for line in lines if line.startswith("  parts")]
+    values = [line.split()[2:] for line in lines if line.startswith("  temperature")]
+    assert [len(part) for part in heads] == [5, 4]
+    assert values == [[*"01234"], [*"5678", "criterion", "9"]]
+    assert sum("mass" in line for line in lines) == 1
+    # a few are there to be compared
+    both = Block("x", ("spring", "fixed"), (Row("limited by", "", ("a" * 40, "b" * 40)),))
+    assert len(as_text(Document(blocks=(both,))).splitlines()) == 2
+
+
+def test_percentages_too_small_to_matter_are_not_spelled_out():
+    rows = (Row("error", "%", (Rough(-1.9e-9), Rough(0.0123), 2e-9)),)
+    assert Block("x", rows=rows).cells == [["< 0.001", "0.012", "< 0.001"]]
+
+
 def test_markdown_has_no_markup_of_others():
     text = as_markdown(DOCUMENT)
     assert text.startswith("# a_b: take &lt;5&gt; N\n\nsecond line\n\n## what to take\n\n")

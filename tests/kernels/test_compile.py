@@ -23,7 +23,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
 
 GYRO = str(scene_file("gyro_s1"))
-LINE = "compiling the solver (only once); this may take a minute ...\n"
+LINE = "compiling part of the solver (only once); this may take a minute ...\n"
 SMALL = """
 from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
 print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))

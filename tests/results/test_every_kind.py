@@ -223,7 +223,7 @@ def test_a_dynamic_life_is_drawn_and_tabulated(kinds, tmp_path, capsys):
         for run, given in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
             assert step(run, tmp_path / "no.svg", **given) == 2
             problem = capsys.readouterr().err
-            assert re.fullmatch(r".*: not a life file of the dynamic model\n", problem)
+            assert re.fullmatch(r".*: not a life file from the dynamic model\n", problem)
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in NOT_DRAWN])

@@ -248,7 +248,7 @@ def test_restart_of_a_steady_scene(case, tmp_path, capsys):
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--restart", str(case)]
     for more, fidelity in (([], "steady"), (["--fidelity", "race_control"], "race_control")):
         line = refused(capsys, [*argv, *more])
-        assert line.startswith("--restart: got a scene solved with " + fidelity)
+        assert line.startswith("--restart: got a scene solved with fidelity " + fidelity)
     with pytest.raises(NotAvailable, match="restart: got a scene"):
         bearingwear.solve(S1, restart=case)
 

@@ -70,9 +70,9 @@ def test_one_process_that_ends_with_its_command(file, tmp_path, monkeypatch):
 
 def test_jobs_of_a_study_announce_compilation_once(capsys):
     tell.cache_clear()
-    text = "compiling the solver ...\n"
+    text = "compiling part of the solver ...\n"
     command = [sys.executable, "-c", f"import sys\nsys.stderr.write({text!r} * 2 + 'done\\n')"]
     assert launch._relayed(command, Path(), []) == 0
     first, *others = capsys.readouterr().err.splitlines()
-    assert first.startswith("compiling the solver (only once)")
+    assert first.startswith("compiling part of the solver (only once)")
     assert others == ["done"]

@@ -57,7 +57,7 @@ def test_a_job_that_waited_for_a_kernel_is_no_pace_for_the_others():
 
 def test_a_silent_study_says_that_a_job_compiles(tmp_path, monkeypatch):
     log, said = tmp_path / "job.log", []
-    log.write_bytes(b"compiling the solver (only once) ...\n")
+    log.write_bytes(b"compiling part of the solver (only once) ...\n")
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
     monkeypatch.setattr(progress, "tell_of_compiling", lambda: said.append(True))
     lines = JobLines(logging.StreamHandler(io.StringIO()))

@@ -40,7 +40,7 @@ SHOWN = {
     ),
     r"snakemake -n": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
-    r"snakemake -f results": "tests/workflow/test_study.py::test_one_point_again",
+    r"snakemake -j2 -f results": "tests/workflow/test_study.py::test_one_point_again",
     r"bearingwear study (results/\S+\.nc|-n)$": (
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
     ),
@@ -194,9 +194,10 @@ def test_page(run, page):
     if page.name == "tutorial.md":
         assert compared > 20
     if page.name == "python.md":
-        assert compared >= 3
+        assert compared >= 4
         figures = {"case.svg", "life.svg"}
-        assert made == {"config", "docs", "mine.yaml", "stiffer.yaml", "case.nc", *figures}
+        files = {"mine.yaml", "stiffer.yaml", "case.nc", "softer.nc", *figures}
+        assert made == {"config", "docs", *files}
 
 
 @pytest.mark.long
@@ -234,6 +235,10 @@ def test_every_line_shown_is_run_somewhere():
         for line in commands(page, ("console",)):
             (where,) = {SHOWN[p] for p in SHOWN if re.match(p, line)} or {None}
             assert where, f"{named(page)}: {line}"
+            # without a number of jobs Snakemake runs none
+            assert not re.match("snakemake", line) or re.search(
+                r" (-j\d|-n|--unlock|--report|--workflow-profile)\b", line
+            ), line
             if where == "Makefile":
                 assert re.search(rf"^{line.split()[1]}:", makefile, re.M), line
             elif where == "benchmarks":

@@ -6,11 +6,13 @@ import re
 import shutil
 import subprocess
 import sys
+import types
 
+import jinja2
 import netCDF4
 import pytest
 import yaml
-from support import scene_file
+from support import ROOT, scene_file
 
 from bearingwear import studies
 from bearingwear.document.document import Block, Document
@@ -123,9 +125,22 @@ def test_the_report_of_the_jobs(solved):
     assert "Slip (race minus ball) over the contact ellipses" in report  # a caption
     for label in ("slip across the contacts", "cases and lives, table, to download"):
         assert label in report
+    assert {"against friction, new", "against friction, 0.5 \\u00b5m worn"} <= set(
+        re.findall(r"against friction, [^\"]*", report)
+    )
     figures = {str(path.relative_to(solved.root)) for path in solved.root.glob("results/**/*.svg")}
     assert figures and figures == set(re.findall(r'"(results/[^"]*\.svg)": ?{', report))
     assert "gyro_s1_drag</strong>: " in report  # the first page
+
+
+def test_captions_know_what_they_name():
+    """Jobs have files without names; a name that is unknown would stand there as nothing."""
+    files = ["results/a.nc", "config/reference/b.csv", "config/reference/b.csv"]
+    job = types.SimpleNamespace(input=files, config={"studies": []})
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
+    for path in (ROOT / "workflow/report").glob("*.rst"):
+        text = environment.from_string(path.read_text(encoding="utf-8")).render(snakemake=job)
+        assert text.count("b.csv is empty") == (path.stem == "running_average"), path
 
 
 def test_a_design_study_comes_into_the_page(solved):

@@ -52,7 +52,7 @@ def code_folder() -> str:
 
 
 def tell_of_compiling() -> None:
-    tell(f"compiling the solver (only once); this may take {compile_time()} ...")
+    tell(f"compiling part of the solver (only once); this may take {compile_time()} ...")
 
 
 @functools.cache

@@ -75,7 +75,7 @@ def shown(value: Any) -> str:
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}"
     if isinstance(value, int) and abs(value) > 10**30:
-        return "a whole number of more than 30 digits"
+        return "a whole number with more than 30 digits"
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
     return short(yaml_number(value) if isinstance(value, float) else repr(value))

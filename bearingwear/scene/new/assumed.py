@@ -173,7 +173,7 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
             why = f"; the catalogue gives no preload class for {entry.designation}"
         raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)
     density = PRELOAD_CLASSES[name]
-    rule = f"{name}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
+    rule = f"{name}, {density:g} N/mm2 x number of balls x ball diameter^2 x sin(contact angle)"
     return Origin(rounded_to(density * size), rule)
 
 

@@ -46,7 +46,7 @@ OPTIONS = (
     ("--contact-angle", "bearing.contact_angle_deg", "DEG", "free contact angle"),
     ("--speed", "operation.shaft_speed_rpm", "RPM", "shaft speed"),
     ("--preload", "operation.preload_N", "N", "initial axial preload"),
-    ("--friction", "friction.ball_race", "MU", "Coulomb friction coefficient of balls on races"),
+    ("--friction", "friction.ball_race", "MU", "Coulomb ball-race friction coefficient"),
 )
 """What `new` takes beside bore and outside diameter: option, key of the scene, metavar, meaning."""
 

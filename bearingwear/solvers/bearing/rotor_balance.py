@@ -48,7 +48,7 @@ class Nearby:
         losses_there, place = self.rough or (self.losses, self.place)
         return place + float(self.slope @ (losses - losses_there))
 
-    def found(self, losses: tuple[float, float], place: float, exact: bool) -> None:
+    def found(self, losses: tuple[float, float], place: float, exact: bool = True) -> None:
         """Remember a place and, if it is exact, its slope by Broyden's rule.
 
         A rough one is next to an exact one, and its error over so short a way is no slope.

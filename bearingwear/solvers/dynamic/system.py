@@ -267,7 +267,7 @@ class DynamicSystem:
         h = np.empty(1)
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):
-            raise ValueError(f"got a state of {state.size} numbers, expected {len(self.packed())}")
+            raise ValueError(f"state of {state.size} numbers rather than {len(self.packed())}")
         offset = 0
         for part in parts:
             part[...] = state[offset : offset + part.size].reshape(part.shape)

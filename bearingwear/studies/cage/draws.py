@@ -54,8 +54,8 @@ def cage_spread(scene: Scene) -> tuple[dict[str, Distribution], str]:
     found["cage"] = Distribution(distribution="lognormal", factor=float(friction))
     found[WEAR] = Distribution(distribution="lognormal", factor=float(wear))
     said = (
-        f"assumed scatter of the cage's values: friction by a factor of {friction}, clearances by "
-        f"{100.0 * ASSUMED_CLEARANCE:g} %, K_s/H by a factor of {wear}"
+        f"assumed scatter in the cage parameters: friction by a factor of {friction}, clearances "
+        f"by {100.0 * ASSUMED_CLEARANCE:g} %, K_s/H by a factor of {wear}"
     )
     return found, said
 

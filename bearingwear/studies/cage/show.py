@@ -139,7 +139,7 @@ def _life(file: Any) -> Iterator[Block]:
         rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
             ("cage_life_interval", "scatter between runs only"),
-            ("cage_life_interval_with_wear", "scatter between runs and uncertain K_s"),
+            ("cage_life_interval_with_wear", "scatter between runs and uncertainty in K_s"),
         ):
             low, high = values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
@@ -162,8 +162,8 @@ def _life(file: Any) -> Iterator[Block]:
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
         first = "the cage lasts longer" if not hours <= other else "the balls and races last longer"
         ends = Interval(*values(file, "other_hours_interval").tolist())
-        lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval for "
-            f"uncertain K_s/H: {ends.text} h), ended by {words}; {first}")  # fmt: skip
+        lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval due "
+            f"to uncertainty in K_s/H: {ends.text} h), ended by {words}; {first}")  # fmt: skip
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 

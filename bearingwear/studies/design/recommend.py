@@ -220,7 +220,7 @@ def recommendation(
     point = {"friction": scene.friction.coefficient, "shaft_speed": scene.operation.shaft_speed_rpm}
     for axis, value in point.items():
         if value not in design[axis]:
-            raise CaseFileError(f"the design map does not contain the scene's {axis} of {value:g}")
+            raise CaseFileError(f"the design map does not contain the scene's {axis} ({value:g})")
     lines = design.sel(point, drop=True)
     known = limits_of(design), counted(design)
     search = Search(scene, *known, each, tell or (lambda text: None), left or TimeLeft({}))

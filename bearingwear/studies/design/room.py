@@ -419,8 +419,9 @@ HELD = table(
         scale=HOURS_PER_SECOND),
     Variable("verdict", (), "", "whether one method is preferred over the other", dtype="i1",
         flags=VERDICTS,
-        comment="neither is preferred if a 5 % change in one assumption, or the other ball track, "
-        "reverses the order, or if the lives differ by less than their numerical errors"),
+        comment="neither is preferred if a 5 % change in one assumption, or a change in the "
+        "assumed ball track, reverses the order, or if the lives differ by less than their "
+        "numerical errors"),
 )  # fmt: skip
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it holds over all searched."""
 

@@ -70,15 +70,15 @@ def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
 def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> str:
     """Effect of wear on QV and preload, the wear life, and what could not be solved, as Markdown.
 
-    `known` are files of the study of uncertainty, if there are any.
+    `known` are files of the study of uncertainty, if there are any. The description of the scene is
+    left to the page: it makes no result anew.
     """
     scene = scene_of(study)
     unsolved = tuple(unsolved_cases(study)) or ("None: every case was solved and verified.",)
-    heading = tuple(filter(None, (scene["name"], scene.get("description", ""))))
     table = lives_block("Wear life", lives_of(lives, known), scene, every=True)
     table = replace(table, lines=(*table.lines, *filter(None, [_not_compared(lives)])))
     blocks = (_wear(study), table, Block("Not solved", lines=unsolved))
-    return as_markdown(Document(heading, blocks=blocks))
+    return as_markdown(Document((scene["name"],), blocks=blocks))
 
 
 def _wear(study: xr.Dataset) -> Block:

@@ -78,13 +78,13 @@ def _worn(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[str, Any]
     races = life["history_race_worn_volume"]
     worn = {
         "one ball": [(life["history_ball_worn_volume"], {"color": _BALLS})],
-        "whole race": [
+        "the whole race": [
             (races.isel(race=k), {"color": _RACES, "linestyle": dash})
             for k, dash in enumerate(("-", ":"))
         ],
     }
     if _with_cage(life):
-        worn["cage"] = [
+        worn["the cage"] = [
             (life["history_pocket_worn_volume"], {"color": _POCKETS}),
             (life["history_land_worn_volume"], {"color": _LAND}),
         ]

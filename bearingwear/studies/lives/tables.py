@@ -16,9 +16,10 @@ from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import counted, loaded
 
 COLUMN_WORDS = (
-    "The error bound allows for the finite wear steps and the scatter of the runs. Ball wear is "
-    "the diameter loss of a ball since the start, relative to the mean. The steady life is "
-    "computed for the same scene under thrust only, without the cage, at the mean loss."
+    "The error bound allows for the finite wear steps and the scatter between the runs. Ball wear "
+    "is the diameter loss of a ball since the start, relative to the mean. The steady life is "
+    "computed for the same scene under thrust only, without the cage, and with the mean initial "
+    "loss on every ball."
 )
 
 
@@ -82,7 +83,7 @@ def dynamic_life(path: Path) -> xr.Dataset:
     """A life file of fidelity dynamic. Raises CaseFileError."""
     life = loaded(path)
     if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
-        raise CaseFileError(f"{path}: not a life file of the dynamic model")
+        raise CaseFileError(f"{path}: not a life file from the dynamic model")
     return life
 
 

@@ -84,7 +84,9 @@ def files_of(path: Path) -> Path:
     if path.suffix not in SCENE_SUFFIXES:
         raise OutputError(f"{path}: got this file name, expected one that ends in .yaml or .yml")
     if path.exists():
-        raise OutputError(f"{path}: already exists, and is not overwritten; choose another name")
+        raise OutputError(
+            f"{path}: already exists and will not be overwritten; choose another name"
+        )
     return path.with_suffix(".nc")
 
 

@@ -42,7 +42,7 @@ def calibration_sheet(file: Any) -> Document:
     scene = json.loads(file.scene)
     calibration = scene["calibrated"]
     film = "ball_race" not in scene["friction"]
-    friction = ("shear strength of film", "MPa") if film else ("friction", "")
+    friction = ("film shear strength", "MPa") if film else ("friction", "")
     rows = [
         Row(f"{friction[0]}, 90 % of batches", friction[1], _pair(file, "friction_interval")),
         Row("K_s/H, 90 % of batches", "m2/N", _pair(file, "wear_over_hardness_interval")),
@@ -121,7 +121,7 @@ def calibration_figure(found: xr.Dataset) -> Figure:
     scene = json.loads(found.attrs["scene"])
     panels = [("wear_over_hardness", "wear_density", "K_s/H (m²/N)", "density of the logarithm")]
     if "friction_density" in found:
-        label = "friction" if "ball_race" in scene["friction"] else "shear strength of film (MPa)"
+        label = "friction" if "ball_race" in scene["friction"] else "film shear strength (MPa)"
         panels.insert(0, ("friction", "friction_density", label, "density of the logarithm"))
     panels.append(("hours", "failed_share", "life (h)", "share of failed bearings"))
     figure, axes = new_figure(1, len(panels), 3.2 * len(panels), 3.2)

@@ -132,7 +132,7 @@ def _parts(
             )
             if [int(part.attrs["chunk"]) for part in some] != list(range(plan.chunks)):
                 raise CaseFileError(
-                    f"sampled lives of {method}, {choice} preload: some parts are missing"
+                    f"sampled lives for {method}, {choice} preload: some parts are missing"
                 )
             ordered[method, choice] = some
     return ordered
@@ -213,8 +213,8 @@ def _quantiles_at(
         rows, batches = independent_rows(preloaded, plan), Batches(preloaded, plan)
         if tell:
             tell(
-                f"{method}: sampling {len(rows)} lives of independent bearings and the same number "
-                "of bearings in batches"
+                f"{method}: sampling the lives of {len(rows)} independent bearings and of the same "
+                "number of bearings in batches"
             )
         found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
         independent, known = slice(1, len(rows) + 1), worse(found.cost)

@@ -222,7 +222,7 @@ def test_figures_and_tables_are_drawn(folder):
     text = (folder / "design.md").read_text()
     assert (
         "violates a requirement: axial stiffness" in text
-        and "10 lives at combinations of preload" in text
+        and "10 lives for combinations of preload" in text
     )
     assert len((folder / "map.csv").read_text().splitlines()) == 11
     assert step(f"{draw}.other", folder / "x.svg", **files) == 2
@@ -313,7 +313,7 @@ def test_every_status_is_counted(folder, tmp_path):
         assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
     solves = int(design["solves"].sum())
     assert (
-        "10 lives at combinations of preload, method, friction and speed were computed from "
+        "10 lives for combinations of preload, method, friction and speed were computed from "
         f"{solves} steady states" in text
     )
 

@@ -332,7 +332,12 @@ def test_tables(folder, tmp_path):
     row = rows[-1]
     assert float(row["qv.inner (W)"]) == pytest.approx(float(solved["qv"][0, 0]), rel=1e-8)
     assert rows[0]["total_qv (W)"] == "" and "nan" not in outputs[0].read_text()
-    assert outputs[1].read_text().count("µm: undetermined") == 6
+    for term in ("y.z (N m-1)", "tilt_y.z (N)", "axial.tilt_z (N)", "tilt_z.tilt_z (N m)"):
+        assert f"stiffness_matrix.{term}" in row and f"quasistatic_stiffness_matrix.{term}" in row
+    summary = outputs[1].read_text()
+    assert summary.count("µm: undetermined") == 6
+    # an edited description makes no result anew, and the summary would keep the old one
+    assert summary.startswith("# gyro_s1\n\n## Effect of wear\n")
 
 
 FIGURES = {

@@ -161,9 +161,9 @@ def test_thickness_is_that_of_a_film_that_has_one():
         (
             "gyro_s1",
             [],
-            "spread of steel/steel, dry, from archard, dry_steel: K_s/H by",
+            "spread for steel/steel, dry, from archard, dry_steel: K_s/H by",
         ),
-        ("mos2_gyro", FILM, "spread of steel/steel, film mos2 (no source for other films), from"),
+        ("mos2_gyro", FILM, "spread for steel/steel, film mos2 (no source for other films), from"),
         ("turbopump", ["model.contact=hertz"], "spread assumed, because no source covers"),
     ],
 )

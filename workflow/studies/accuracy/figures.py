@@ -36,7 +36,7 @@ DOUBT = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 
 QUANTITY = {
     "total_qv": "error in total QV",
-    "contact_qv": "error in QV of a contact",
+    "contact_qv": "error in QV at one contact",
     "wear_rate": "error in wear rate",
     "life": "error in wear life",
 }
@@ -282,8 +282,8 @@ def models_figure(trade: xr.Dataset) -> Figure:
         _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
     )
     title = (
-        f"With race control, the error is up to {total} in total QV and up to {contact} in QV of a "
-        f"contact; without the cage, total QV changes by up to {cage}"
+        f"With race control, the error is up to {total} in total QV and up to {contact} in QV at "
+        f"one contact; without the cage, total QV changes by up to {cage}"
     )
     frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)
     return figure

@@ -83,7 +83,7 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
         columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error in {quantity}"
     columns["error_contact_qv"] = (
         np.maximum(*(np.abs(columns[f"error_qv_{race}"][0]) for race in ("inner", "outer"))),
-        "magnitude of the error in QV of a contact, larger of the two contacts",
+        "magnitude of the error in contact QV, larger of the two contacts",
     )
     time = np.full(solved.size, float(reference["wall_time"]))
     variables = {

@@ -135,7 +135,7 @@ class Sweep:
     )
     changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
     grid: Mapping[str, Any] = setting("Lists of values; every combination is a point")
-    only: tuple[str, ...] = setting("Scenes of the sweep; default: all", default=())
+    only: tuple[str, ...] = setting("Scenes in the sweep; default: all", default=())
 
     def __post_init__(self) -> None:
         for key, values in self.grid.items():

@@ -101,8 +101,8 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         '(`config/accuracy.yaml`). "Median QV" is the median error in QV over the scenes; all '
         'other errors are those in the worst scene. "Contact" is the error in QV at the worse of '
         "the two contacts. Settings that are not named in a row are those of the reference "
-        'solution. "Speed" is the median speed over the scenes relative to the reference solution, '
-        "measured with compiled code on an idle machine. Scenes: "
+        'solution. "Speed" is the median speed over the scenes relative to that of the reference '
+        "solution, measured with compiled code on an idle machine. Scenes: "
         f"{scenes}.",
         f"Errors below {100.0 * tolerance.floor:g} % ({100.0 * tolerance.floor_dynamic:g} % in all "
         "tables except the first) are regarded as noise. The study fails if any larger error "
@@ -121,7 +121,7 @@ def accuracy_part(trade: xr.Dataset, plan: AccuracyPlan) -> list[str | CheckedTa
         presets(trade),
         '"Life" is the error in life for steady solves, and the error in the loss rate for dynamic '
         "solves. Errors are relative to each scene's reference solution. QV at a single contact is "
-        "far more sensitive to the settings than total QV. The speed of `draft` is relative to "
+        "far more sensitive to the settings than total QV is. The speed of `draft` is relative to "
         "that of `standard`, and the speed of `standard` is relative to that of `reference`.",
         estimates(trade),
         "All points with an error estimate are included, even those at the extremes of the sweeps. "

@@ -47,7 +47,7 @@ def ridge_and_lives(found: xr.Dataset) -> Figure:
             for count, marker in markers.items()
         ),
         key(
-            "match the stated loss of preload, but not another statement",
+            "match the stated loss of preload, but not all statements",
             color="0.75",
             linestyle="none",
             marker=".",

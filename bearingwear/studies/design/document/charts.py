@@ -75,8 +75,7 @@ def _reached(found: xr.Dataset) -> str:
         one = LIMITED[name]
         reached, margin = one.shown(float(one.worst(point))), float(one.margins(point, value))
         left = f"margin {100.0 * abs(margin):.0f} %"
-        means = f"; {one.means}" if one.means else ""
-        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}, {left}{means})"
+        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}, {left})"
     return "; ".join(texts)
 
 

@@ -77,12 +77,12 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     middle = "the recommended preload" if known else "the scene's preload (no recommendation)"
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
     said = (
-        f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
-        f"and near {middle}. The wear life is based on the wear of the "
-        f"{in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each dynamic run "
-        "starts from the steady state. Agreement therefore means that the motion remains in that "
-        "state, not that every initial state leads to it. The gyroscopic slip share has no error "
-        "estimate."
+        f"The values apply to a new bearing ({method}, {operation['shaft_speed_rpm']:g} r/min, "
+        f"friction coefficient {friction:g}) at and near {middle}. The wear life is based on the "
+        f"wear of the {in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each "
+        "dynamic run starts from the steady state. Agreement therefore means that the motion "
+        "remains in that state, not that every initial state leads to it. The gyroscopic slip "
+        "share has no error estimate."
     )
     settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
     made = Document(

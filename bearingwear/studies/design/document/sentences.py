@@ -205,24 +205,26 @@ def what_limits_it(found: xr.Dataset, design: xr.Dataset | None = None) -> list[
     violated = ""
     for method, one, _ in by_life(found):
         name, newtons = ACTIVE[int(one["active_limit"])], preload_text(one)
-        if name in given:
-            longer, shorter = _longer_and_shorter(found, method, design)
-            what = "the same requirement" if violated == name else limit_text(name, given[name])
-            required = what if violated == name else f"a requirement: {what}"
-            violated = name
-            if said:  # of the other method
-                other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
-                said.append(f"With {other}, the preload of {newtons} N is limited by {required}.")
-                continue
-            text = f"Any preload with a longer life violates {required}."
-            if longer:
-                text = (
-                    f"A {longer} preload gives a longer life but violates {required}. A {shorter} "
-                    "preload gives a shorter life."
-                )
-            said.append(text)
-        elif not said:
-            said.append(_HELD.get(name) or _at_the_end(found, one)[1])
+        if name not in given:
+            said += [] if said else [_HELD.get(name) or _at_the_end(found, one)[1]]
+            continue
+        required = f"a requirement: {limit_text(name, given[name])}"
+        if design is not None and LIMITED[name].means:  # of a page, whose question is brief
+            required += f" ({LIMITED[name].means})"
+        if violated == name:
+            required = "the same requirement"
+        violated = name
+        longer, shorter = _longer_and_shorter(found, method, design)
+        if said:  # of the other method
+            other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
+            said.append(f"With {other}, the preload of {newtons} N is limited by {required}.")
+        elif longer:
+            said.append(
+                f"A {longer} preload gives a longer life but violates {required}. A {shorter} "
+                "preload gives a shorter life."
+            )
+        else:
+            said.append(f"Any preload with a longer life violates {required}.")
     return [*said, *map(sentence, _cliffs(found))]
 
 
@@ -427,8 +429,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
     said = []
     if int(found["verdict"]) == NEITHER_LONGER:
         said.append(
-            f"Neither method is preferred: a {100 * CLAIMED:g} % change in one assumption, or the "
-            "other ball track, would reverse the order."
+            f"Neither method is preferred: a {100 * CLAIMED:g} % change in one assumption, or a "
+            "change in the assumed ball track, would reverse the order."
         )
     if mine := spread[method]:
         uncertain = ", ".join(causes(scene))
@@ -438,7 +440,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
                 f"{_as_subject(found, method)} gives the longer life in "
                 f"{Rough(mine.longest_share).text} % of the simulated bearings, each with the same "
                 f"values for both methods ({mine.longest.text} % allowing for sample size and "
-                "numerical errors). All other inputs, such as temperature, have their given values."
+                "numerical errors). All other inputs, such as temperature, are kept at their given "
+                "values."
             )
     else:
         band, taken = band_by_wear(scene, life)

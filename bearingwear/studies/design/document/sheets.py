@@ -392,11 +392,11 @@ def _statuses(design: xr.Dataset) -> Block:
         grooves = f"{worn} lives were computed with worn grooves, the others with"
     solves, failed = (int(design[name].sum()) for name in ("solves", "failed_solves"))
     said = (
-        f"{design['status'].size} lives at combinations of preload, method, friction and speed "
+        f"{design['status'].size} lives for combinations of preload, method, friction and speed "
         f"were computed from {solves} steady states; {failed} states could not be found. {grooves} "
         "Hertzian grooves.",
-        "If a life could not be computed, its status gives the reason, and its preload is never "
-        "recommended.",
+        "If a life could not be computed, its status gives the reason, and the corresponding "
+        "preload is never recommended.",
     )
     rows = (
         Row("status", "", tuple(in_words(STATUS_NAMES[int(k)]) for k in codes)),

@@ -153,7 +153,7 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
     keys = [key(label, **RUNNING[label][2]) for label in means]
     if any(len(points) for points in known.values()):
         keys.append(key(f"reference: {Path(str(reference)).stem}", **REFERENCE))
-    said = f"the last shaft turn changed the mean wear rate of {' and of '.join(messages)}"
+    said = f"the last shaft turn changed the mean wear rate of {' and that of '.join(messages)}"
     frame(
         figure,
         f"{scene_of(case)['name']}: {said if messages else 'no wear rates'}",
