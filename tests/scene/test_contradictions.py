@@ -42,7 +42,7 @@ NETWORK = {
 }
 EXPANSION = f"{STEEL}.thermal_expansion_1_K"
 WARMTH = [
-    ({"temperature.housing_C": 1000.0, EXPANSION: 2e-5}, "temperature.housing_C: got a difference of"),
+    ({"temperature.housing_C": 1000.0, EXPANSION: 2e-5}, "temperature.housing_C: got a difference"),
     ({"temperature.inner_ring_C": 30} | NETWORK, "thermal: got thermal and temperature"),
     ({"thermal.shaft_C": 20.0}, "thermal.conductance_W_K: got nothing"),
     ({"bearing.inner_groove_factor": 0.501, "temperature.inner_ring_C": -250},
