@@ -21,7 +21,8 @@ MARGINS = (56.0, 14.0, 10.0, 40.0)
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LANE = 9.0
 """Height of the bar on the axis where a method violates a requirement."""
-_VIOLATED = "violates a requirement"
+_VIOLATED, _ROOM = "violates a requirement", 0.65
+"""Words beside the bars on the axis, and the share of the axis up to which these leave room."""
 _STAR = "M0-9 2.1-2.9 8.6-2.8 3.4 1.1 5.3 7.3 0 3.6-5.3 7.3-3.4 1.1-8.6-2.8-2.1-2.9Z"
 _DIAMOND = "M0-6L5 0 0 6-5 0Z"
 _Place = Callable[[float, float], tuple[float, float]]
@@ -204,13 +205,12 @@ def _drawn(chart: Chart, size: tuple[float, float]) -> str:
         )
     for k, line in enumerate(chart.lines):
         marks += _line(line, k, at, height, chart.log_y)
-    ranges = [a for line in chart.lines for a, _ in line.beyond]
-    if ranges and size == LARGE_CHART:
-        first, lanes = min(ranges), len(chart.lines)
+    ends = [b for line in chart.lines for _, b in line.beyond]
+    # lines of a chart from zero on lie where the words would stand
+    if ends and chart.log_y and size == LARGE_CHART and x_axis.share(max(ends)) < _ROOM:
         marks.append(
-            f'<text class="lanes" data-from="{first:g}" data-lane="{lanes}" '
-            f'x="{max(at(first, 1.0)[0], 0.0) + 2:.1f}" y="{height - lanes * _LANE - 4:g}">'
-            f"{_VIOLATED}</text>"
+            f'<text class="lanes" data-from="{max(ends):g}" '
+            f'x="{at(max(ends), 1.0)[0] + 4:.1f}" y="{height - 4:g}">{_VIOLATED}</text>'
         )
     # bars lie under all lines, stars over them
     marks.sort(key=lambda mark: ("star" in mark) - ("rect" in mark))

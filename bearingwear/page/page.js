@@ -118,8 +118,8 @@ class Chart {
       mark.setAttribute("y", this.height - (+mark.dataset.lane + 1) * LANE);
     }
     for (const said of this.field.querySelectorAll("text.lanes")) {
-      said.setAttribute("x", Math.max(this.share(+said.dataset.from, 0) * this.width, 0) + 2);
-      said.setAttribute("y", this.height - said.dataset.lane * LANE - 4);
+      said.setAttribute("x", this.share(+said.dataset.from, 0) * this.width + 4);
+      said.setAttribute("y", this.height - 4);
     }
     const limit = this.field.querySelector(".limit");
     if (limit) {

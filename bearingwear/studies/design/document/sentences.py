@@ -65,8 +65,8 @@ SIMILAR = 0.9
 """Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
-    "Use the computed life for comparison only: wear coefficients are known to within an order of "
-    "magnitude at best"
+    "Use this life for comparison only: wear coefficients are known to an order of magnitude at "
+    "best"
 )
 
 SHORT_LIFE = 500.0
