@@ -189,7 +189,7 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
     *short, study = commands
     known = ["check", "solve", "life", "uncertainty", "recommend"]
     assert [argv[0] for argv in short] == known
-    assert study == ["study", str(path)]  # tests/workflow/test_own.py types that
+    assert study[:2] == ["study", str(path)]  # tests/workflow/test_own.py types that
     for argv in short:
         assert main(argv) == 0, argv
     assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
