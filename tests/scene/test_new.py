@@ -193,7 +193,7 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
     for argv in short:
         assert main(argv) == 0, argv
     assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
-    assert "does not solve: undetermined: " in told(capsys)
+    assert "cannot be solved (undetermined)" in told(capsys)
 
 
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):

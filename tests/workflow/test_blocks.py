@@ -52,7 +52,7 @@ SHOWN = {
     ),
     r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
-    r"python benchmarks/\w+\.py( \w+)?$": "benchmarks",
+    r"python benchmarks/\w+\.py( \w+| -o \S+)?$": "benchmarks",
 }
 """Lines of `console` blocks, and the test or the program that runs them."""
 
