@@ -268,7 +268,7 @@ class OnRotor:
 
         first: where to begin without an earlier one.
         """
-        known, last = self.nearby.known, self.nearby.place
+        known, last = self.nearby.known, self.nearby.last[1]
         x = self.nearby.at(losses) if known else first()
         place, found = balanced(trial, x, rounded, self.nearby, tolerance)
         if isinstance(found, int) and known:

@@ -126,3 +126,16 @@ def test_found_by_random_pairs(scene, name):
     if status == "ok":
         F = result.values["residual_preload"]
         assert_allclose(F[0] - F[1], changes["arrangement.external_axial_N"], rtol=1e-8)
+
+
+def test_rough_places_alone_lead_to_the_next_without_a_slope():
+    nearby = Nearby()
+    assert not nearby.known
+    nearby.found((0.0, 0.0), 1e-6, exact=False)
+    assert nearby.known and nearby.at((1e-7, 1e-7)) == 1e-6
+    nearby.found((1e-9, 0.0), 2e-6, exact=False)
+    assert nearby.at((1e-7, 1e-7)) == 2e-6 and not nearby.slope.any()
+    for loss in (0.0, 1e-7):
+        nearby.found((loss, loss), 1e-6 + 0.5 * loss)
+    nearby.found((1.01e-7, 1e-7), 3e-6, exact=False)  # its slope is not learned
+    assert_allclose(nearby.slope.sum(), 0.5, rtol=1e-6)

@@ -40,12 +40,17 @@ class Nearby:
     slope: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the place by the losses
 
     @property
+    def last(self) -> tuple[np.ndarray, float]:
+        """Losses and the place found with them last, roughly or not [m]."""
+        return self.rough or (self.losses, self.place)
+
+    @property
     def known(self) -> bool:
-        return not math.isnan(self.place)
+        return not math.isnan(self.last[1])
 
     def at(self, losses: tuple[float, float]) -> float:
         """The place to expect [m]."""
-        losses_there, place = self.rough or (self.losses, self.place)
+        losses_there, place = self.last
         return place + float(self.slope @ (losses - losses_there))
 
     def found(self, losses: tuple[float, float], place: float, exact: bool = True) -> None:
@@ -57,7 +62,7 @@ class Nearby:
         if not exact:
             return
         moved = losses - self.losses
-        if self.known and moved.any():
+        if not math.isnan(self.place) and moved.any():
             self.slope += (place - self.at(losses)) / (moved @ moved) * moved
         self.losses, self.place = np.array(losses), place
 
