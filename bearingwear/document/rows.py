@@ -16,6 +16,8 @@ from bearingwear.results.units import scale_of
 from bearingwear.scene.scene import COUNTS
 
 COUNTED = tuple(name.replace("_and_", " + ") for name in COUNTS)
+COUNTED_WORDS = ("the balls alone", "balls and races")
+"""What wear counts, in a sentence, in the order of `COUNTS`."""
 
 
 def values(file: Any, name: str, factor: float = 1.0) -> np.ndarray:

@@ -172,11 +172,12 @@ def page(
 
 def _as_in_files(inputs: Sequence[dict[str, Any]], files: Iterable[Path]) -> set[str]:
     """Give scenes the descriptions of their files; returns the keys that all of these assume."""
-    named = {as_data(file)[0]["name"]: file for file in files}
+    named = {data["name"]: (file, data) for file in files for data in [as_data(file)[0]]}
     assumed: list[set[str]] = []
     for scene in inputs:
-        if file := named.get(scene["name"]):
-            if text := " ".join(as_data(file)[0].get("description", "").split()):
+        if found := named.get(scene["name"]):
+            file, data = found
+            if text := " ".join(data.get("description", "").split()):
                 scene["description"] = text
             assumed.append(assumed_keys(file))
     return set.intersection(*assumed) if len(assumed) == len(inputs) > 0 else set()

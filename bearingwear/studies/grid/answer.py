@@ -11,6 +11,7 @@ import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import COUNTED_WORDS
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
@@ -30,7 +31,7 @@ from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
-WORDS = {"ball_and_races": "balls and races", "ball": "the balls alone"}
+WORDS = dict(zip(COUNTS, COUNTED_WORDS, strict=True))
 NO_END = "no end-of-life criterion is met"
 RANK = 1
 """Of the answer: one that recommends a preload comes before it."""

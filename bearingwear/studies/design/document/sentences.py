@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.document import Row
+from bearingwear.document.rows import COUNTED_WORDS
 from bearingwear.document.table import flag_names
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
@@ -84,10 +85,6 @@ CALIBRATED = (
     "Wear and friction were calibrated with {rows} tests ({tests}). The interval given for "
     "the life covers the remaining uncertainty and the scatter between bearings."
 )
-
-
-COUNTED_WORDS = ("the balls alone", "balls and races")
-"""What wear counts, in the order of `COUNTS`."""
 
 
 def sentence(text: str) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from bearingwear.document.rows import COUNTED_WORDS
 from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.plotting.drawing import (
@@ -36,7 +37,7 @@ from bearingwear.studies.design.choice import (
     limits_of,
     stiffness_of,
 )
-from bearingwear.studies.design.document.sentences import COUNTED_WORDS, headline
+from bearingwear.studies.design.document.sentences import headline
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import WORN_GROOVE
 

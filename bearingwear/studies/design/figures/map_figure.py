@@ -10,13 +10,13 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from bearingwear.document.rows import COUNTED_WORDS
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new_figure
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.results.words import methods, scene_of
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.document.sentences import COUNTED_WORDS
 from bearingwear.studies.design.figures.choice import as_wide_as_it_is
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.rows import COUNTED_WORDS
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
@@ -25,7 +26,7 @@ from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
-from bearingwear.studies.design.document.sentences import COUNTED_WORDS, method_names
+from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
 from bearingwear.studies.design.figures.uncertainty_figure import (
