@@ -38,15 +38,16 @@ def started(modules: list[str]) -> subprocess.Popen[bytes] | None:
     import subprocess
     import tempfile
 
+    from bearingwear.process import ONE_THREAD, python_command
+
     if not hasattr(os, "pidfd_open"):
         return None
     address = os.path.join(tempfile.mkdtemp(prefix="bearingwear-"), "socket")
     os.environ[_ADDRESS] = address
-    command = [sys.executable, "-m", "bearingwear.studies.fork_server", address, *modules]
-    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     server = subprocess.Popen(
-        command,
-        env=os.environ | one_thread,  # as Snakemake gives to jobs of one thread
+        python_command("bearingwear.studies.fork_server", address, *modules),
+        # as Snakemake gives to jobs of one thread
+        env=os.environ | dict.fromkeys(ONE_THREAD, "1"),
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -167,10 +168,12 @@ def _asked(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    if __spec__:  # `python -m`
+    if __spec__:  # run as a module
         _serve(sys.argv[1], sys.argv[2:])
     else:
         try:
             sys.exit(_asked(sys.argv[1:]))
         except (KeyError, OSError):
-            os.execv(sys.executable, [sys.executable, "-m", "bearingwear", *sys.argv[1:]])
+            script = os.path.join(os.path.dirname(os.path.dirname(__file__)), "run_module.py")
+            command = [sys.executable, "-P", script, "bearingwear", *sys.argv[1:]]
+            os.execv(sys.executable, command)

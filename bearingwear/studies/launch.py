@@ -60,7 +60,7 @@ def launch(
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
+    command = [sys.executable, "-P", "-m", "snakemake", "--snakefile", str(snakefile())]
     if not TOLD & set(more):  # of a dry run the table of jobs; never the files of each
         more = [*more, "--quiet", "host", "reason", *(["rules"] if DRY_RUN & set(more) else [])]
     return _relayed([*command, f"-j{jobs}", name, *more], folder, files)

@@ -12,9 +12,16 @@ from snakemake.io import report as in_report
 from snakemake.logging import logger
 
 from bearingwear import studies
-from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
+from bearingwear.provenance import (
+    contents_hash,
+    other_copy,
+    result_hash,
+    sources_hash,
+    text_hash,
+)
 from bearingwear.document.document import load_document
 from bearingwear.kernels.build.folder import is_compiled
+from bearingwear.process import set_environment
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.read import as_data
@@ -26,12 +33,23 @@ from bearingwear.studies.repair import off_grid, survey
 
 BAD_INPUT = 2
 
+set_environment()  # for all jobs
+# libraries first: the project may hold a user's `signal.py`
+sys.path.sort(key=lambda path: path == workflow.basedir)
+
 
 def refuse(reason):
     """Stop with one line and no traceback."""
     print(reason, file=sys.stderr)
     sys.exit(BAD_INPUT)
 
+
+# A study and the command `bearingwear` are of the same sources.
+if workflow.is_main_process and (other := other_copy()):
+    refuse(
+        f"{other}: got an installed copy that differs from the sources of this workflow; "
+        "expected the same ones: run `make venv` or `pip install -c constraints.txt -e .`"
+    )
 
 # What is wrong stops here.
 try:
