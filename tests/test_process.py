@@ -15,7 +15,6 @@ from support import ROOT, scene_file
 
 from bearingwear import process
 from bearingwear.cli import main
-from bearingwear.studies import fork_server
 
 BACKENDS = {
     "of a notebook": "module://matplotlib_inline.backend_inline",
@@ -113,14 +112,14 @@ def test_the_library_leaves_the_backend_alone(case, tmp_path):
 
 
 def test_no_file_of_the_user_is_imported(folder_of_a_user):
-    """By a command, by the one that compiles beside it, and by a job that finds no server."""
+    """By a command, by the process that compiles beside it, and by a job of a study."""
     scene = scene_file("gyro_s1")
     done = bearingwear(folder_of_a_user, "solve", scene, "-o", "a.nc")
     assert done.returncode == 0, done.stderr
     beside = process.python_command("bearingwear.studies.ahead", "missing.yaml")
     assert run(folder_of_a_user, *beside).returncode == 0
-    job = [sys.executable, "-I", "-S", fork_server.__file__, "show", "a.nc"]
-    done = run(folder_of_a_user, *job, BEARINGWEAR_FORK_SERVER=None)
+    job = process.python_command("bearingwear", "show", "a.nc")
+    done = run(folder_of_a_user, *job)
     assert done.returncode == 0 and "contact load" in done.stdout, done.stderr
     assert imported(folder_of_a_user) == []
 

@@ -25,7 +25,10 @@ class Clone:
         self.root, self.caches = folder / "clone", folder / "caches"
         self.root.mkdir()
         names = subprocess.run(
-            ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True
+            ["git", "ls-files", "-co", "--exclude-standard"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
         ).stdout.split("\n")
         if (ROOT / ".git").exists():
             for name in filter(None, names):
