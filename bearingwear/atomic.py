@@ -11,7 +11,7 @@ from pathlib import Path
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""
 
-PROBE_BYTES = 1_000_000
+PROBE_BYTES = 16_000_000  # more than what others, who fail as well, free meanwhile
 """Written to learn whether a disk is full."""
 
 UNFINISHED: set[Path] = set()
@@ -44,7 +44,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
             try:
                 yield part
-            except RuntimeError:
+            except (OSError, RuntimeError):
                 _append(part)
                 raise
             os.replace(part, path)
@@ -66,7 +66,10 @@ def remove_unfinished() -> None:
 
 
 def _append(part: Path) -> None:
-    """HDF5 fails with a RuntimeError that does not say why; a plain write to a full disk does."""
+    """Fail as a plain write to a full disk does.
+
+    HDF5 fails there with a RuntimeError that does not say why, or calls it "Permission denied".
+    """
     with part.open("ab") as file:
         file.write(bytes(PROBE_BYTES))
 
