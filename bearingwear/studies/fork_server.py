@@ -77,6 +77,9 @@ def _serve(address: str, modules: list[str]) -> None:
     while selector.get_map():
         for key, _ in selector.select(0.0 if waiting else None):
             if key.fileobj is sys.stdin:
+                for other in [*selector.get_map().values()]:  # jobs of a Snakemake that was killed
+                    if isinstance(other.data, int):
+                        os.kill(other.data, signal.SIGTERM)
                 selector.unregister(sys.stdin)
                 selector.unregister(listener)
                 listener.close()
@@ -100,7 +103,8 @@ def _serve(address: str, modules: list[str]) -> None:
                 selector.unregister(key.fd)
                 os.close(key.fd)
         if waiting:
-            with contextlib.suppress(ImportError):  # of a library that is not installed
+            # what goes wrong is for the log of the job that needs the module: it tries again
+            with contextlib.suppress(BaseException):
                 importlib.import_module(waiting.pop())
             if not waiting:
                 gc.freeze()  # pages that no fork has to copy
@@ -148,13 +152,17 @@ def _run(folder: str, arguments: list[str], files: list[int]) -> None:
         sys.argv = ["bearingwear", *arguments]
         runpy.run_module("bearingwear", run_name="__main__")
     except SystemExit as end:
-        status = end.code if isinstance(end.code, int) else 0
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
     except BaseException:
         traceback.print_exc()
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+        try:
+            sys.stdout.flush()
+            sys.stderr.flush()
+        finally:
+            os._exit(status)
 
 
 def _asked(arguments: list[str]) -> int:
@@ -164,7 +172,9 @@ def _asked(arguments: list[str]) -> int:
         request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
         sent = socket.send_fds(server, [request], [1, 2])
         server.sendall(request[sent:])
-        return int(server.recv(16) or b"1")
+        if status := server.recv(16):
+            return int(status)
+        raise ConnectionResetError  # an import has ended the server
 
 
 if __name__ == "__main__":

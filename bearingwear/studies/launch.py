@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import errno
 import fcntl
 import os
 import shutil
@@ -17,9 +18,10 @@ from pathlib import Path
 from typing import IO, NoReturn, TextIO
 
 from bearingwear.atomic import reason, write_text
-from bearingwear.console import ProgressLines, UsageError
+from bearingwear.console import ProgressLines, UsageError, one_line
 from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.provenance import PACKAGE
+from bearingwear.studies.command_pipe import CommandPipe
 from bearingwear.studies.progress import COMPILING, RELAYED, RUNNING_JOBS
 
 CONFIG = Path("config/config.yaml")
@@ -35,7 +37,12 @@ _PROFILE = b"Using workflow specific profile"
 _BAD_INPUT = 2
 """Exit status of Snakemake where the workflow refuses the configuration, before anything runs."""
 
-_LOCK_WAIT = 5.0  # seconds, in which an interrupted Snakemake has ended
+_NO_ROOM = tuple(f"[Errno {number}]".encode() for number in (errno.ENOSPC, errno.EDQUOT))
+"""In Snakemake's lines, and in its tracebacks, of a full disk and a used-up quota."""
+
+_TRACEBACK = (b"Traceback", b"During handling of the above")
+
+_LOCK_WAIT = 15.0  # seconds, in which an interrupted Snakemake has ended
 
 
 class NoStudy(UsageError):
@@ -105,32 +112,52 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     """Run Snakemake and pass on its output, until it is interrupted or nobody reads it."""
     # the program's own handler would leave Snakemake behind
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    pipe = CommandPipe()
     process = subprocess.Popen(
         command,
         cwd=folder,
-        env=os.environ | {RELAYED: str(folder)},
-        pass_fds=files,
+        env=os.environ | pipe.environment | {RELAYED: str(folder)},
+        pass_fds=[*files, pipe.file],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
-    unread, lines = threading.Event(), ProgressLines()
+    pipe.started()
+    unread, full_disk, lines = threading.Event(), threading.Event(), ProgressLines()
     lines.running = "starting the workflow"
 
     def relay(source: IO[bytes], target: TextIO) -> None:
+        before: list[str] = []  # what may lead to a line about a full disk
+        held: list[str] = []  # from a traceback on
         for line in source:
             text = line.decode("utf-8", "replace")
-            if line.startswith(b"Traceback"):
-                unread.wait(0.2)  # it may be of the interrupt that ends this command
-            if line.startswith(COMPILING):
+            if any(number in line for number in _NO_ROOM):
+                full_disk.set()
+                before.clear()
+            elif held or line.startswith(_TRACEBACK):
+                held += [*before, text]
+                before.clear()
+            elif line.startswith(b"WorkflowError:") or not line.strip():
+                before.append(text)
+            elif line.startswith(COMPILING):
                 tell_of_compiling()  # once, whichever jobs do
             elif text.startswith(RUNNING_JOBS):
                 lines.running = text.removeprefix(RUNNING_JOBS).strip() or "ending the workflow"
-            elif not (unread.is_set() or line.startswith(_PROFILE)):
-                try:
-                    lines.line(text, target)
-                except (BrokenPipeError, ValueError):
-                    unread.set()
-                    process.send_signal(signal.SIGINT)
+            elif not line.startswith(_PROFILE):
+                show([*before, text], target)
+                before.clear()
+        if held:
+            unread.wait(0.2)  # it may be of the interrupt that ends this command
+        if not full_disk.is_set():
+            show([*held, *before], target)
+
+    def show(texts: Sequence[str], target: TextIO) -> None:
+        for text in texts if not unread.is_set() else ():
+            try:
+                lines.line(text, target)
+            except (BrokenPipeError, ValueError):
+                unread.set()
+                process.send_signal(signal.SIGINT)
+                break
 
     assert process.stdout and process.stderr
     streams = ((process.stdout, sys.stdout), (process.stderr, sys.stderr))
@@ -145,8 +172,13 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
         unread.set()  # what it says of being interrupted
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         _interrupt(process)
+        pipe.tell_of_interrupt()
         raise
+    finally:
+        pipe.close()
     status = process.wait()
+    if full_disk.is_set():
+        sys.stderr.write(one_line(f"{folder}: cannot be written ({os.strerror(errno.ENOSPC)})"))
     if unread.is_set():
         raise BrokenPipeError
     return status

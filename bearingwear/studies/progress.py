@@ -9,7 +9,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.console import LINE_EVERY
+from bearingwear.console import LINE_EVERY, printable
 from bearingwear.kernels.build.folder import tell_of_compiling
 from bearingwear.studies.protocol import Bundle, Step
 from bearingwear.studies.seconds import job_times, kind, seconds_of
@@ -66,6 +66,15 @@ def _compiles(log: str) -> bool:
         return False
 
 
+def _last_line(log: str) -> str:
+    """What a log ends with: why its job failed. Nothing where it is empty or not there."""
+    try:
+        with open(log, encoding="utf-8", errors="replace") as file:
+            return printable("".join(file.read().strip().splitlines()[-1:]))
+    except OSError:
+        return ""
+
+
 class JobLines(logging.Filter):
     """Handler of Snakemake's logger that prints a line for each finished job.
 
@@ -113,7 +122,9 @@ class JobLines(logging.Filter):
             return self._finished(values["job_id"])
         if event == "JOB_ERROR":
             logs = ", ".join(values["log"])
-            return f"failed: {self._labels.get(values['jobid'], values['rule_name'])}; see {logs}"
+            label = self._labels.get(values["jobid"], values["rule_name"])
+            reasons = [line for log in values["log"] if (line := _last_line(log))]
+            return f"failed: {': '.join([label, *reasons])}; see {logs}"
         return self._format(record)
 
     def _finished(self, job: int) -> str:

@@ -3,6 +3,7 @@
 import difflib
 import functools
 import json
+import logging
 import os
 import shlex
 import sys
@@ -12,6 +13,7 @@ from snakemake.io import report as in_report
 from snakemake.logging import logger
 
 from bearingwear import studies
+from bearingwear.cli import NO_ROOM
 from bearingwear.provenance import (
     contents_hash,
     other_copy,
@@ -26,6 +28,7 @@ from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.read import as_data
 from bearingwear.studies import fork_server
+from bearingwear.studies.command_pipe import end_with_command
 from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.progress import JobLines
 from bearingwear.studies.seconds import beside_log
@@ -101,7 +104,25 @@ if workflow.is_main_process:
 # The command of this very environment, whether or not it is activated.
 client = shlex.join([sys.executable, "-I", "-S", fork_server.__file__])
 # A prefix takes the place of Snakemake's own, without which a pipe to `tee` hides a failure.
-shell.prefix(f'set -euo pipefail; bearingwear() ( exec {client} "$@" ); ')
+# A job that ends without a word, or that cannot write one, says so all the same: in its log, else on
+# the terminal (9).
+shell.prefix(f"""set -euo pipefail; exec 9>&2;
+    bearingwear() ( {client} "$@" || silent $? );
+    silent() (
+        if [ $1 = {NO_ROOM} ]; then
+            echo "a job cannot write its log: No space left on device" >&9
+        elif [ -f /dev/stderr ] && [ ! -s /dev/stderr ]; then
+            said="ended with status $1 without a message; above 128: by signal $(($1 - 128))"
+            echo "$said" >&2 || echo "a job $said" >&9
+        fi
+        exit $1
+    ); """)
+
+# On a full disk, not a traceback for each line of Snakemake's own log.
+logging.raiseExceptions = False
+
+if workflow.is_main_process:
+    end_with_command()
 
 
 MADE = set()  # what this run is about to make
