@@ -171,8 +171,9 @@ STATE = ALWAYS | table(
         label="speed"),
     Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter due to wear"),
     Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
-        "rate of increase in total wear depth, averaged over the balls", averaged=True,
-        label="total wear depth", shown="um/1000 h"),
+        "rate of increase in total wear depth, averaged over the balls, with the wear depth of a "
+        "groove averaged over the width of the contact", averaged=True,
+        label="total wear depth, mean of tracks", shown="um/1000 h"),
     Variable("quasistatic_axial_stiffness", (), "N m-1", "quasi-static axial stiffness",
         comment="slope of axial force versus displacement in the steady state; motion and "
         "friction adapt, while temperatures and wear are held constant",

@@ -40,7 +40,7 @@ def test_a_case_says_what_was_solved(capsys):
         r"dynamic axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
-        r"total wear depth +um/1000 h +29\.7 +528",
+        r"total wear depth, mean of tracks +um/1000 h +29\.7 +528",
     ):
         assert re.search(rf"^  {line}$", text, re.M), line
     assert "residual  " not in text and "source_hash" not in text
@@ -65,7 +65,24 @@ def test_a_life_says_what_ends_it(capsys):
     assert re.search(r"^  ended by +residual preload$", text, re.M)
     assert re.search(r"^  residual preload +% +105 +40  criterion 40, reached first$", text, re.M)
     assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  criterion 50$", text, re.M)
-    assert re.search(r"^  total wear depth +um/1000 h +\d+ +\d+$", text, re.M)
+    assert re.search(r"^  total wear depth, mean of tracks +um/1000 h +\d+ +\d+$", text, re.M)
+
+
+def test_two_losses_have_two_labels(capsys):
+    """A state averages the grooves over their width; a life with worn grooves does not."""
+
+    def rates(command, label, *more):
+        text = printed(capsys, command, SCENE, "--set", *more)
+        (found,) = re.findall(rf"^  total wear depth, {label} +um/1000 h +(.*)$", text, re.M)
+        return [float(one) for one in found.split()], text
+
+    loss = "wear.end_of_life.ball_diameter_loss_um=0.3"
+    (_, state), _ = rates("solve", "mean of tracks", loss, "model.contact=hertz")
+    (start, _), text = rates("life", "mean of tracks", loss, "model.contact=hertz")
+    assert start == pytest.approx(state, rel=1e-6) and "equivalent" not in text
+    (start, _), text = rates("life", "equivalent", loss, "model.contact=worn")
+    assert abs(start / state - 1.0) > 0.02 and "mean of tracks" not in text
+    assert re.search(r"^  total wear depth, equivalent +um +0\.3$", text, re.M)
 
 
 @pytest.mark.parametrize("command", ["solve", "life"])

@@ -16,6 +16,7 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
+from bearingwear.results.variables import CASE
 from bearingwear.results.words import in_words, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.choice import limits_of
@@ -189,7 +190,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         *(
             compared(
-                f"total wear depth, {in_words(way)}",
+                f"{CASE['ball_diameter_loss_rate'].label}, {in_words(way)}",
                 "ball_diameter_loss_rate",
                 "wear_rate_error_estimate",
                 LOSS_RATE,
