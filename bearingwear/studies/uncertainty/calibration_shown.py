@@ -60,7 +60,17 @@ def calibration_sheet(file: Any) -> Document:
     facts = {"kind": "calibration", "conflicts": conflicts(file), **calibration}
     tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
     scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
+    carried = [
+        f"{words} {_interval(values(file, name)).text}{unit}"
+        for words, name, unit in (
+            (friction[0], "friction_carried", f" {friction[1]}".rstrip()),
+            ("K_s/H", "wear_over_hardness_carried", " m2/N"),
+        )
+        if name == "wear_over_hardness_carried" or "friction_density" in file.variables
+    ]
     summary = (
+        "The calibrated scene carries lognormal distributions with the mean and the standard "
+        f"deviation of the logarithms; their 90 % intervals are {' and '.join(carried)}.",
         "Within a batch, two thirds of the lives are within a factor of "
         f"{digits(float(np.exp(scatter)))} of the median.",
         f"The error in lives interpolated between friction values is at most {100 * error:.1g} %.",
@@ -113,7 +123,11 @@ def _tests(file: Any) -> Iterator[Row]:
 
 def _pair(file: Any, name: str, ends: tuple[int, int] = (0, 1)) -> tuple[Interval, ...]:
     """An interval before and after."""
-    return tuple(Interval(*(float(one[k]) for k in ends)) for one in values(file, name))
+    return tuple(_interval(one[list(ends)]) for one in values(file, name))
+
+
+def _interval(ends: np.ndarray) -> Interval:
+    return Interval(*map(float, ends))
 
 
 def calibration_figure(found: xr.Dataset) -> Figure:
