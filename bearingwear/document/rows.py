@@ -115,10 +115,11 @@ def _criteria(file: Any) -> dict[str, tuple[Measure, float, float]]:
     """Criteria of the scene: measure, limit and initial preload, by each variable one looks at."""
     scene = json.loads(getattr(file, "scene", "{}"))
     given = scene.get("wear", {}).get("end_of_life") or {}
+    preload = scene.get("operation", {}).get("preload_N", 0.0)
     return {
-        variable: (measure, given[key], scene["operation"]["preload_N"])
+        variable: (measure, given[key], preload)
         for key, measure in ENDS.items()
-        if given.get(key)
+        if given.get(key) and (preload or not measure.over_preload)
         for variable in measure.variables
     }
 

@@ -190,7 +190,7 @@ STATE = ALWAYS | table(
     Variable("quasistatic_stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "quasi-static stiffness of the bearing",
         comment="units as in stiffness_matrix; not symmetric; applies to displacements fixed in "
-        "space, which each ball encounters once per orbit"),
+        "space, which each ball encounters once per orbit; missing if the balls do not orbit"),
     Variable("initial_axial_displacement", (), "m",
         "axial displacement of the unworn bearing at rest"),
     Variable("gyroscopic_moment", _BALL, "N m", "magnitude of the gyroscopic moment on the ball",

@@ -48,13 +48,13 @@ from bearingwear.studies.sampling import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
 from bearingwear.studies.uncertainty.posterior import (
-    Agreement,
+    Conformity,
     LogModel,
     Normal,
     Observation,
     Posterior,
     Prior,
-    agreements,
+    conformities,
     posterior,
 )
 from bearingwear.studies.uncertainty.sample import lives
@@ -155,8 +155,8 @@ def calibrated(
     ]
     seen = [_observation(*one) for one in zip(found, curves, rows, strict=True)]
     before, after = posterior(prior, []), posterior(prior, seen)
-    agreed = agreements(prior, seen)
-    _check_agreement(tests, found, [before.agreement(one) for one in seen], agreed, prior, after)
+    agreed = conformities(prior, seen)
+    _check_conformity(tests, found, [before.conformity(one) for one in seen], agreed, prior, after)
     calibration = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
     new = _carried(scene, friction, after, calibration)
     data = calibration_dataset(
@@ -196,11 +196,11 @@ def _checked(scene: Scene) -> str:
     return next(names, "")
 
 
-def _check_agreement(
+def _check_conformity(
     path: str | Path,
     tests: Sequence[BearingTest],
-    alone: Sequence[Agreement],
-    with_others: Sequence[Agreement],
+    alone: Sequence[Conformity],
+    with_others: Sequence[Conformity],
     prior: Prior,
     after: Posterior,
 ) -> None:
@@ -208,7 +208,7 @@ def _check_agreement(
 
     One that the scene alone makes impossible is named in place of those that it contradicts.
     """
-    found = []
+    found: list[str] = []
     for agreed in (alone, with_others):
         each = zip(tests, agreed, strict=True)
         found = found or [_far(test, one) for test, one in each if one.probability < IMPOSSIBLE]
@@ -225,7 +225,7 @@ def _check_agreement(
         )
 
 
-def _far(test: BearingTest, agreed: Agreement) -> str:
+def _far(test: BearingTest, agreed: Conformity) -> str:
     """How far a test is from what the model expects, and whether a unit may be the reason."""
     words, unit, _ = SEEN_AS[test.seen]
     timed = test.seen in (SEEN_LOSS, SEEN_PRELOAD)

@@ -11,6 +11,7 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
+from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
     frame,
@@ -73,7 +74,8 @@ def calibration_sheet(file: Any) -> Document:
         f"deviation of the logarithms; their 90 % intervals are {' and '.join(carried)}.",
         "Within a batch, two thirds of the lives are within a factor of "
         f"{digits(float(np.exp(scatter)))} of the median.",
-        f"The error in lives interpolated between friction values is at most {100 * error:.1g} %.",
+        "The error in lives interpolated between friction values is at most "
+        f"{plain(100.0 * error, 1)} %.",
         "The probability is that of a deviation from the model at least as large as in the test, "
         "given the other tests.",
     )
@@ -88,7 +90,8 @@ def conflicts(file: Any) -> list[str]:
     for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
         if p < _UNLIKELY:
             found.append(
-                f"{label} has a probability of {100 * p:.2g} %, given the model and the other tests"
+                f"{label} has a probability of {plain(100.0 * p, 2)} %, given the model and the "
+                "other tests"
             )
     scene = json.loads(file.scene)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
@@ -112,7 +115,7 @@ def _tests(file: Any) -> Iterator[Row]:
     of_each = zip(_labels(file), *columns, values(file, "probability_of_test"), strict=True)
     for label, flag, value, after, expected, p in of_each:
         name = SEEN[int(flag)]
-        share = f"{100 * p:.2g} %"
+        share = f"{plain(100.0 * p, 2)} %"
         interval = Interval(*map(float, expected))
         unit = SEEN_AS[name].unit
         if name in (SEEN_LOSS, SEEN_PRELOAD):

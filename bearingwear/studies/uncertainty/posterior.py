@@ -39,8 +39,8 @@ class Normal(NamedTuple):
     deviation: float
 
 
-class Agreement(NamedTuple):
-    """How a test agrees with what is known from others."""
+class Conformity(NamedTuple):
+    """How a test conforms to what is known from others."""
 
     probability: float  # of a result at least as far from the model; of a run-out, its own
     factor: float  # the result over what the model has of the median bearing
@@ -175,12 +175,12 @@ class Posterior:
         mean = model(self.x)[:, None] - self.y[None, :]
         return float((self.shares * ndtr((math.log(life) - mean) / scatter)).sum())
 
-    def agreement(self, test: Observation) -> Agreement:
-        """How far a test that is not part of the posterior agrees with it."""
+    def conformity(self, test: Observation) -> Conformity:
+        """How far a test that is not part of the posterior conforms to it."""
         z = test.deviate(self.x, self.y)
         above = float((self.shares * ndtr(-z)).sum())
         probability = above if test.censored else 2.0 * min(above, 1.0 - above)
-        return Agreement(probability, math.exp(test.scatter * self.mean(z)))
+        return Conformity(probability, math.exp(test.scatter * self.mean(z)))
 
 
 def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
@@ -205,14 +205,14 @@ def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
     return found
 
 
-def agreements(prior: Prior, tests: Sequence[Observation]) -> list[Agreement]:
-    """Of each test, the agreement of its bearing with what the others alone tell."""
+def conformities(prior: Prior, tests: Sequence[Observation]) -> list[Conformity]:
+    """Of each test, how it conforms to what the others alone tell."""
     found = []
     for k, test in enumerate(tests):
         rest = [*tests[:k], *tests[k + 1 :]]
         if test.count > 1:
             rest.append(replace(test, count=test.count - 1))
-        found.append(posterior(prior, rest).agreement(test))
+        found.append(posterior(prior, rest).conformity(test))
     return found
 
 

@@ -11,7 +11,7 @@ from bearingwear.studies.uncertainty.posterior import (
     Normal,
     Observation,
     Prior,
-    agreements,
+    conformities,
     posterior,
 )
 
@@ -139,14 +139,14 @@ def test_intervals_cover_what_they_say(censored):
 def test_tests_that_disagree_are_unlikely():
     prior, model = Normal(0.0, 1.1), constant(100.0)
     agree = [seen(t, model, 0.3) for t in (90.0, 110.0)]
-    assert min(one.probability for one in agreements(Prior(KNOWN, prior), agree)) > 0.1
+    assert min(one.probability for one in conformities(Prior(KNOWN, prior), agree)) > 0.1
     # with one another, and with the prior: each alone
-    third = agreements(Prior(KNOWN, prior), [*agree, seen(1000.0, model, 0.3)])[2]
+    third = conformities(Prior(KNOWN, prior), [*agree, seen(1000.0, model, 0.3)])[2]
     assert third.probability < 1e-6
-    (far,) = agreements(Prior(KNOWN, prior), [seen(100.0 * math.exp(4.0), model, 0.3)])
+    (far,) = conformities(Prior(KNOWN, prior), [seen(100.0 * math.exp(4.0), model, 0.3)])
     assert_allclose(far.probability, 2.0 * norm.sf(4.0 / math.hypot(1.1, 0.3)), rtol=1e-6)
     assert_allclose(far.factor, math.exp(4.0), rtol=1e-9)
-    (long,) = agreements(Prior(KNOWN, prior), [seen(1e4, model, 0.3, censored=True)])
+    (long,) = conformities(Prior(KNOWN, prior), [seen(1e4, model, 0.3, censored=True)])
     assert_allclose(long.probability, norm.sf(math.log(100.0) / math.hypot(1.1, 0.3)), rtol=1e-6)
 
 

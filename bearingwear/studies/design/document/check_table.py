@@ -14,6 +14,7 @@ import xarray as xr
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
 from bearingwear.results.variables import CASE
@@ -225,7 +226,8 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
         share = worst.pop(SHARE_LABEL)
         allowed, beyond = (
             "; ".join(
-                f"{one.name.partition(' (')[0]}, {_at(one)} (estimates: {100.0 * one.errors:.2g} %)"
+                f"{one.name.partition(' (')[0]}, {_at(one)} (estimates: "
+                f"{plain(100.0 * one.errors, 2)} %)"
                 for one in worst.values()
                 if one.beyond == way and np.isfinite(one.errors)
             )
@@ -247,4 +249,4 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
 
 
 def _at(one: Compared) -> str:
-    return f"{100.0 * one.difference:+.2g} % at {digits(one.preload)} N"
+    return f"{plain(100.0 * one.difference, 2, '+')} % at {digits(one.preload)} N"
