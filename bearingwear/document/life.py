@@ -12,6 +12,7 @@ from bearingwear.document.document import VARIABLES, Block, Row, row_of
 from bearingwear.document.pair import bearings_of, of_bearings
 from bearingwear.document.rows import (
     COUNTED,
+    film_lines,
     in_one_unit,
     mean,
     mean_rows,
@@ -84,7 +85,8 @@ def _of_both(file: Any) -> list[Block]:
     if EQUIVALENT_LOSS in file.variables:
         loss = loss._replace(label=EQUIVALENT)
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
-    lines = filter(None, [str(getattr(file, "ended_by", "")), *_calibrated(scene), taken])
+    ended_by = str(getattr(file, "ended_by", ""))
+    lines = filter(None, [ended_by, *_calibrated(scene), taken, *film_lines(scene)])
     return [
         Block("wear included", tuple(COUNTED[k] for k in followed), lives),
         Block("life", (), (own, *by_wear, ended, loss), tuple(lines)),

@@ -8,11 +8,13 @@ import re
 
 import netCDF4
 import pytest
-from support import scene_file
+from support import ROOT, scene_file
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.document.rows import film_lines
 from bearingwear.document.show import sheet_of_result
+from bearingwear.lives.life import life
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.bearing import thrust_problem
@@ -187,3 +189,18 @@ def test_no_thrust_at_all_is_like_hardly_any(tmp_path, capsys, method):
     middle = -1e3 * 0.05 * 7.92 * math.sin(math.radians(10.19))
     expected = middle if method == "constant_force" else 0.0
     assert none["axial_displacement"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_life_of_a_film_says_how_its_tests_ended(capsys):
+    """In the words of the page of tests; a dry bearing and a calibrated film do not say it."""
+    page = " ".join((ROOT / "docs" / "film_tests.md").read_text(encoding="utf-8").split())
+    assert "Only two of the six test results can be predicted; both predictions fail" in page
+    assert "too low by a factor of 40 or more" in page
+    said = "Film lives disagree with published tests: both predictions that can be checked fail"
+    film = str(sheet_of_result(life(load_scene(scene_file("mos2_gyro")))))
+    assert f"{said}, one by a factor of 40" in " ".join(film.split())
+    assert said not in printed(capsys, "life", SCENE, *FIXED)
+    scene = load_scene(scene_file("mos2_gyro")).to_dict()
+    assert film_lines(scene)
+    assert not film_lines(scene | {"calibrated": {"tests": "own.csv"}})
+    assert not film_lines(load_scene(SCENE).to_dict())
