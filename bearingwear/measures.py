@@ -30,6 +30,11 @@ _UNITS = {
 _ROUNDING = 1e-9
 
 
+def plain(value: float, digits: int = 3, sign: str = "") -> str:
+    """A number with so many significant digits, and no power of ten up to ten million: `100`."""
+    return f"{float(f'{value:.{digits}g}'):{sign}.7g}"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measure:
     """A quantity that may end a life or limit a design."""
@@ -183,11 +188,11 @@ class Measure:
 
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
-        return f"{self.shown(value):.3g} {self.unit}"
+        return f"{plain(self.shown(value))} {self.unit}"
 
     def limit_text(self, limit: float) -> str:
         """A limit [as in its key] with its unit."""
-        return f"{self.shown_limit(limit):.3g} {self.unit}"
+        return f"{plain(self.shown_limit(limit))} {self.unit}"
 
 
 _STIFFNESSES = "dynamic", "quasi-static"

@@ -17,7 +17,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.lives import many
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node
-from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
+from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure, plain
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.variables import CASE
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
@@ -97,6 +97,22 @@ WORSE_WHEN_LESS = {
     "preload_kept", "system_axial_stiffness_N_um", "axial_stiffness_N_um", "lowest_frequency_Hz",
     "launch_g", "torque_margin",
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "value, digits, text",
+    [(99.4, 2, "99"), (99.7, 2, "100"), (100.0, 2, "100"), (1234.0, 2, "1200"), (0.0123, 1, "0.01"),
+     (1e9, 3, "1e+09"), (1.2e-27, 2, "1.2e-27")],
+)  # fmt: skip
+def test_plain_numbers_have_no_powers_of_ten(value, digits, text):
+    assert plain(value, digits) == text
+    assert plain(value, digits, "+") == f"+{text}"
+
+
+@of_all
+def test_a_percentage_of_all_has_no_power_of_ten(measure):
+    if measure.unit == "%":
+        assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
 
 def test_margin_and_its_sign():

@@ -26,7 +26,7 @@ from bearingwear.document.rows import (
     solved_rows,
     values,
 )
-from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
 from bearingwear.results.netcdf import in_memory, opened
@@ -70,9 +70,9 @@ BEARING = (
     "shaft_torque",
 )
 LOSSES = ("drag_power", "ball_wear_rate", "cage_frequency", "ball_spin_frequency")
+TURN_COUNTS = ("simulated_turns", "evaluated_turns")
 RUN = (
-    "simulated_turns",
-    "evaluated_turns",
+    *TURN_COUNTS,
     "qv_drift_per_turn",
     "wear_rate_drift_per_turn",
     "spacing_growth_per_turn",
@@ -135,12 +135,21 @@ def _sheet(file: Any, more: Registry) -> Document:
         return made
     if kind in SHEETS:
         blocks = SHEETS[kind](file)
+        if kind == CASE_KIND and int(values(file, "status")) != OK:
+            blocks = [_known_unsolved(block, file) for block in blocks]
         known = tuple(block for block in map(solved_rows, blocks) if block.rows or block.lines)
         heading, facts = _heading(file)
         return Document(heading, {"kind": kind, **facts}, known)
     from bearingwear.document.study import several
 
     return several(file)
+
+
+def _known_unsolved(block: Block, file: Any) -> Block:
+    """What of a block holds though the case was not solved: nothing that was to be verified."""
+    given = json.loads(getattr(file, "scene", "{}")).get("thermal") is None
+    known = {*TURN_COUNTS, *(RINGS if given else RINGS[:1]), *(WARMTH if given else ())}
+    return replace(block, rows=tuple(row for row in block.rows if row.name in known))
 
 
 def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:

@@ -220,8 +220,9 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     if values["status"] == code.OK and not residual <= allowed:
         values["status"] = code.UNVERIFIED
     elif values["status"] == code.OK and problem.constant_force:
-        # Rounding of loads a million times as large swallows a spring's force.
-        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]:
+        # Rounding of loads a million times as large swallows a spring's force; none is never lost.
+        force = problem.F[0] or float(np.linalg.norm(problem.F))
+        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * force:
             values["status"] = code.BELOW_ROUNDING
     n = len(D)
     axial = np.array([state.F_ix for state in balance.states])

@@ -264,6 +264,8 @@ def residual_sentence(case: ThrustCase) -> str:
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     g, op, n = problem.g, problem.op, problem.g.n_balls
+    matrix = quasistatic_matrix(g, D, case)
+    quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}
     return contact_values(
         scene,
         g,
@@ -282,7 +284,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "stiffness_matrix": stiffness_of_loads(
             g, np.array([D]), case.contacts[:, summary.LOAD], case.contacts[:, summary.ANGLE]
         ),
-        "quasistatic_stiffness_matrix": quasistatic_matrix(g, D, case),
+        **quasistatic,
         "centrifugal_force": np.array([case.P_r]),
         "skid_ratio": case.skid,
         "steady_state_branch": case.branch,

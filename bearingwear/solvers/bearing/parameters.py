@@ -35,6 +35,8 @@ def static_place(scene: Scene) -> float:
 
     It is what a fixed position keeps, whatever grows or wears afterwards.
     """
+    if not scene.operation.preload_N:  # any place with play is one, and the solver finds a far one
+        return 0.0
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 

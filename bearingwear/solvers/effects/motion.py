@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from bearingwear.measures import plain
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
@@ -67,7 +68,7 @@ def spin_across_share(scene: Scene) -> float:
 def slip(chosen: Choice) -> Iterator[str]:
     model = chosen.scene.model
     share = 100.0 * spin_across_share(chosen.scene)
-    size = f"about {share:.2g} % of the friction of a spinning contact"
+    size = f"about {plain(share, 2)} % of the friction of a spinning contact"
     if model.slip_is_over == "line":
         who = "model.slip_over" if model.slip_over else "model.contact: paper"
         yield f"slip: evaluated on the centre line of the ellipse ({who}), which neglects {size}"
@@ -80,7 +81,9 @@ def slip(chosen: Choice) -> Iterator[str]:
 
 def traction_borne(chosen: Choice) -> Iterator[str]:
     model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
-    share_of = "an unknown share" if math.isnan(share) else f"up to about {100.0 * share:.2g} %"
+    share_of = (
+        "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
+    )
     status = "included in the balance of normal forces"
     if chosen.fidelity == "race_control":
         status += " at the controlling race"
@@ -150,7 +153,7 @@ def _forces(scene: Scene) -> Iterator[str]:
     """Always included, because neglecting one saves no time (benchmarks/reductions.py)."""
     share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
     if not math.isnan(share):
-        times = f"{100.0 * share:.2g} % of" if share < 1.0 else f"{share:.2g} times"
+        times = f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"
         size = f"about {times} the contact load due to the preload at rest"
     yield f"centrifugal force: included; {size}"
     yield "gyroscopic moment: included"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bearingwear.measures import ENDS
+from bearingwear.measures import ENDS, plain
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
 from bearingwear.solvers.effects.choice import Choice, unwatched
@@ -71,7 +71,7 @@ def _rounded(e: Evidence) -> Finding | None:
     if not slip > 0.0:
         return None
     v_r, error = e.scene.friction.slip_regularisation_m_s, e.state["shaft_torque_error_estimate"]
-    error_text = f", by about {100.0 * error:.2g} %" if error < 1.0 else ""
+    error_text = f", by about {plain(100.0 * error, 2)} %" if error < 1.0 else ""
     excess = v_r / (ROUNDED_SLIP * slip)
     return {"v_r": v_r, "slip": slip, "by": error_text, "better": 0.01 * slip, "excess": excess}
 

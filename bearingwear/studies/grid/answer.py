@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.document.rows import COUNTED_WORDS, film_lines
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
@@ -337,7 +337,7 @@ def lives_block(
             Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
             Row("difference in the interpolated life", "%", routes, "life_route_difference"),
         )
-    return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2)
+    return Block(title, rows=rows, lines=(_note(lives, scene), *film_lines(scene)), axes=2)
 
 
 def _hours(values: Iterable[float]) -> str:

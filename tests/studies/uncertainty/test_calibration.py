@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -173,7 +174,7 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     scene = with_spread()
     base = tmp_path / "mine.yaml"
     bearingwear.save(scene, base)
-    path = written(tmp_path, "torque_Nmm,life_h,run_out_h,bearings", "0.07,,,", ",5,,", ",,4,2")
+    path = written(tmp_path, "torque_Nmm,life_h,run_out_h,bearings", "0.017,,,", ",5,,", ",,4,2")
     out = tmp_path / "calibrated.yaml"
     assert main(["calibrate", str(base), str(path), "-o", str(out)]) == 0
     told = capsys.readouterr().out
@@ -278,7 +279,7 @@ def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
 def test_a_conflict_is_said(tmp_path, capsys):
     base, out = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
     bearingwear.save(with_spread(), base)
-    path = written(tmp_path, "life_h", "2000", "2500")
+    path = written(tmp_path, "life_h", "150", "180")
     assert main(["calibrate", str(base), str(path), "-o", str(out), "--json"]) == 0
     (said,) = json.loads(capsys.readouterr().out)["conflicts"]
     assert said.startswith("K_s/H from the tests is") and said.endswith(
@@ -286,3 +287,50 @@ def test_a_conflict_is_said(tmp_path, capsys):
     )
     assert main(["show", str(tmp_path / "calibrated.nc")]) == 0
     assert f"conflict: {said}" in capsys.readouterr().out
+    data = bearingwear.load(tmp_path / "calibrated.nc")
+    wear = load_scene(out).nominal("wear_coefficient") / load_scene(base).nominal(
+        "wear_coefficient"
+    )
+    factor = load_scene(out).uncertainty["wear_coefficient"].factor
+    carried = data["wear_over_hardness_carried"].values
+    before = data["wear_over_hardness_interval"].sel(stage="before").values
+    assert_allclose(carried[1] / carried[0], factor ** (2.0 * 1.644854), rtol=1e-4)
+    assert_allclose(math.sqrt(np.prod(carried / before)), wear, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "lines, said",
+    [
+        (
+            [
+                "torque_Nmm,run_out_h",
+                "1.7e-5,",
+                ",3",
+            ],  # N m in place of N mm; the run-out is likely
+            r"row 2, torque: 0.00\d+ times the expected value \(a factor near 1000 or 0.001 "
+            r"suggests a wrong unit; expected N mm\)",
+        ),
+        (  # each is likely in the scene, but not the other one beside it
+            ["life_h", "1", "40"],
+            r"row 2, life: 0.0\d+ times the expected value; row 3, life: [\d.]+ times the "
+            "expected value",
+        ),
+        (
+            ["life_h,bearings", "1200,1"],
+            r"row 2, life: \d+ times the expected value \(a factor near .* expected h\)",
+        ),
+    ],
+)
+def test_impossible_results_are_refused(tmp_path, capsys, lines, said):
+    base, out = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
+    bearingwear.save(with_spread(), base)
+    path = written(tmp_path, *lines)
+    assert main(["calibrate", str(base), str(path), "-o", str(out)]) == 2
+    told = capsys.readouterr()
+    *_, last = told.err.strip().splitlines()
+    assert told.out == "" and not out.exists()
+    assert re.fullmatch(
+        rf"{re.escape(str(path))}: got results with a probability below 1e-06 in this scene: {said}"
+        "; correct them, or increase `uncertainty` in the scene",
+        last,
+    )
