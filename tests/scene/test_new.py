@@ -90,7 +90,10 @@ def test_nothing_is_replaced(tmp_path, capsys):
         ([], "--bore: got nothing, expected a designation such as 7008C, or --bore and --outside"),
         (["7008C", "--bore", "40"], "--bore: got 40; only allowed without a designation"),
         (["6204C"], "designation: got '6204C', expected 6204 alone, or with C2, CN, C3"),
-        (["7008C3"], "designation: got '7008C3', expected 7008 alone, or with C, AC, A5, E, A"),
+        (
+            ["7008C3"],
+            "designation: got '7008C3', expected 7008 alone, or with C, FB, FE, AC, A5, E, A",
+        ),
         (["7008C", "--clearance", "CN"], "--clearance: got CN; only allowed for a deep groove"),
         (
             [*SIZE, "--contact-angle", "15", "--clearance", "CN"],

@@ -16,8 +16,10 @@ from bearingwear.scene.new.catalogue import (
     SOURCES,
     CatalogueBearing,
     entry_of,
+    has_bearing,
 )
 from bearingwear.scene.new.designations import Designation, clearance_range, designation_of
+from bearingwear.scene.new.letters import CLASS_OF_LETTER, PAIR, letters_of, maker_of
 
 GROOVES = (0.52, 0.53)
 """Groove radius of the inner and the outer race over the ball diameter that is assumed."""
@@ -81,12 +83,16 @@ def size_of(
                 raise refused_option(
                     option, given, f"only allowed without a designation (here, {designation})"
                 )
-        if maker is None:
-            return designation_of(designation)
-        entry, ignored = entry_of(maker, designation, angle)
+        named, rest = maker_of(designation, tuple(MAKERS))
+        if maker is not None and named not in ("", maker):
+            raise refused_option("--maker", maker, f"{named}, as in the designation {designation}")
+        if maker is None and not (named in MAKERS and has_bearing(named, rest)):
+            return designation_of(rest)
+        entry, ignored = entry_of(maker or named, rest, angle)
         size = entry.bore, entry.outside, entry.width
+        letters = letters_of("", ignored, PAIR)
         return Designation(
-            *size, entry.designation, angle=entry.angle, ignored=ignored, entry=entry
+            *size, entry.designation, angle=entry.angle, letters=letters, entry=entry
         )
     for option, given in (("--bore", bore), ("--outside", outside)):
         if given is None:
@@ -121,6 +127,9 @@ def numbers_of(
         given = {key: value for key, value in given.items() if key != angle_key}
     if preload_class is not None and preload_key in given:
         raise refused_option("--preload-class", preload_class, "only allowed without --preload")
+    if preload_class is None and preload_key not in given and (load := size.letters.load):
+        own = size.entry is not None and size.entry.preloads
+        preload_class = load if own else CLASS_OF_LETTER.get(load, load)
     found: dict[str, Origin] = {}
 
     def decide(key: str, value: float, rule: str, assumed: bool = True) -> float:

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 BALL_MATERIALS = ("bearing_steel", "silicon_nitride")
 
+BALLS_ASSUMED = "bearing.ball_material: bearing_steel"
+
 OPTIONS = (
     ("--balls", "bearing.ball_count", "Z", "number of balls"),
     ("--ball-diameter", "bearing.ball_diameter_mm", "MM", "ball diameter"),
@@ -95,12 +97,16 @@ def scene_text(
     """
     angle = given.get("bearing.contact_angle_deg")
     size = size_of(designation, bore, outside, maker, angle)
+    letters = size.letters
+    if letters.ball_material is not None and ball_material not in (None, letters.ball_material):
+        expected = f"{letters.ball_material}, because of {letters.ball_letters} in the designation"
+        raise refused_option("--ball-material", ball_material or "", expected)
     for key in given:
         _check_range(key, given[key])
     # a maker's class of preload is that of a rigid pair
     rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
     method = preload_method or ("fixed_position" if rigid else "constant_force")
-    rubs = _rubbing(pair, film, given, ball_material)
+    rubs = _rubbing(pair, film, given, ball_material or letters.ball_material)
     numbers = numbers_of(size, given, clearance, preload_class, method)
     if rubs.rule and _BALL_RACE not in given:
         numbers[_BALL_RACE] = Origin(rubs.friction, rubs.rule, assumed=False)
@@ -140,17 +146,16 @@ def _assumed(
     """A line for each thing that was not given."""
     (inner, outer), groove_rule = grooves_of(size.entry)
     lines = []
-    if size.ignored:
-        lines.append(f"designation: interpreted as {size.name}; ignored: {size.ignored}")
-        if "HC" in size.ignored:
-            lines.append(
-                "designation: HC stands for ceramic balls; use --ball-material silicon_nitride"
-            )
+    said = size.letters.meanings
+    if size.letters.ignored:
+        said.append(f"ignored: {size.letters.ignored}")
+    if said:
+        lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
         f"bearing.inner_groove_factor, bearing.outer_groove_factor: {inner:g}, {outer:g}, "
         + groove_rule.removeprefix("assumed: "),
-        *(["bearing.ball_material: bearing_steel"] if ball_material is None else []),
+        *([] if ball_material or size.letters.ball_material else [BALLS_ASSUMED]),
         *([f"operation.preload_method: {method}"] if preload_method is None else []),
         "materials, cage, friction.cage, operation.gravity_m_s2, wear.end_of_life, uncertainty: "
         "see the file",
@@ -251,16 +256,31 @@ def _filled(
         speed=numbers["operation.shaft_speed_rpm"],
         # pockets that leave something of the cage between them, rounded down to three decimals
         pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * room)) / 1e3),
-        ball_material=ball_material,
+        ball_material=ball_material or size.letters.ball_material or "bearing_steel",
+        ball_note=_ball_note(ball_material, size),
         preload_method=method,
         method_given=preload_method is not None,
         pair_kind=PAIRS[method],
-        materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
+        materials=dict.fromkeys(
+            (
+                ball_material or size.letters.ball_material or "bearing_steel",
+                "bearing_steel",
+                "phenolic",
+            )
+        ),
         MATERIALS=MATERIALS | {"bearing_steel": steel},
         film=rubs.film,
         spread=rubs.spread,
         dry_rule=rubs.rule,
     )
+
+
+def _ball_note(ball_material: str | None, size: Designation) -> str:
+    """Where the material of the balls comes from."""
+    if ball_material:
+        return "given"
+    letters = size.letters.ball_letters
+    return f"from the designation ({letters})" if letters else "assumed"
 
 
 def _balls(numbers: Mapping[str, Origin]) -> tuple[float, float, int]:
