@@ -106,6 +106,11 @@ def test_nothing_is_replaced(tmp_path, capsys):
         ([*SIZE, "--ball-diameter", "14"], "--ball-diameter: got 14, expected"),
         ([*SIZE, "--balls", "22"], "--balls: got 22, expected at most 20"),
         (["--bore", "1000", "--outside", "9000"], "bearing.ball_diameter_mm: got 2400.0, expected"),
+        (
+            ["7008C", "--contact-angle", "0"],
+            "--contact-angle: got 0, expected a number > 0, because",
+        ),
+        (["7008C", "--maker", "NSK", "--contact-angle", "0"], "--contact-angle: got 0, expected a"),
         ([*SIZE, "--contact-angle", "90"], "--contact-angle: got 90, expected a number from 0"),
     ],
 )
@@ -239,3 +244,27 @@ def test_blocks_in_comments_can_be_used(block):
     scene = scene_from_dict(data_of(used, "mine"), "mine")
     assert getattr(scene, block) is not None
     assert scene.bearing.bore_mm == 40.0 and scene.bearing.outside_diameter_mm == 68.0
+
+
+def test_an_instrument_bearing_has_the_stiffness_of_its_maker(tmp_path):
+    """R168: 2.88 N/um under 0.45 kg with a radial play of 8 um, printed by its maker."""
+    path, size = tmp_path / "r168.yaml", ["--bore", "6.35", "--outside", "9.525"]
+    preload = str(0.45 * 9.80665)
+    assert new(path, *size, "--radial-clearance-um", "8", "--preload", preload, "--speed", "1") == 0
+    scene = load_scene(path)
+    assert scene.bearing.inner_groove_factor == scene.bearing.outer_groove_factor == 0.57
+    stiffness = solve(scene).values["quasistatic_axial_stiffness"]
+    assert stiffness == pytest.approx(2.88e6, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("argv", "is_small"),
+    [(["608"], True), (["--bore", "9.9", "--outside", "24"], True), (["6000"], False)],
+)
+def test_small_bearings_have_uncertain_grooves(argv, is_small, tmp_path, capsys):
+    assert new(tmp_path / "a.yaml", *argv) == 0
+    assert ("makers of small bearings use 0.52 to 0.58" in told(capsys)) == is_small
+    scene = load_scene(tmp_path / "a.yaml")
+    assert (scene.bearing.inner_groove_factor, scene.bearing.outer_groove_factor) == (0.52, 0.53)
+    for race in ("inner", "outer"):
+        assert (f"{race}_groove_factor" in scene.uncertainty) == is_small

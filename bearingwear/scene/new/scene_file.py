@@ -20,9 +20,10 @@ from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.coefficients import Rubbing, rubbing
 from bearingwear.scene.new.assumed import (
+    SMALL_GROOVES,
     Designation,
     Origin,
-    grooves_of,
+    grooves_vary,
     numbers_of,
     race_conductance,
     refused_option,
@@ -45,7 +46,13 @@ OPTIONS = (
     ("--balls", "bearing.ball_count", "Z", "number of balls"),
     ("--ball-diameter", "bearing.ball_diameter_mm", "MM", "ball diameter"),
     ("--pitch-diameter", "bearing.pitch_diameter_mm", "MM", "pitch diameter"),
-    ("--contact-angle", "bearing.contact_angle_deg", "DEG", "free contact angle"),
+    (
+        "--contact-angle",
+        "bearing.contact_angle_deg",
+        "DEG",
+        "free contact angle (0: a deep groove "
+        "bearing, whose free angle follows from its clearance)",
+    ),
     ("--speed", "operation.shaft_speed_rpm", "RPM", "shaft speed"),
     ("--preload", "operation.preload_N", "N", "initial axial preload"),
     ("--friction", "friction.ball_race", "MU", "Coulomb ball-race friction coefficient"),
@@ -144,7 +151,6 @@ def _assumed(
     method: str,
 ) -> list[str]:
     """A line for each thing that was not given."""
-    (inner, outer), groove_rule = grooves_of(size.entry)
     lines = []
     said = size.letters.meanings
     if size.letters.ignored:
@@ -153,8 +159,6 @@ def _assumed(
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
-        f"bearing.inner_groove_factor, bearing.outer_groove_factor: {inner:g}, {outer:g}, "
-        + groove_rule.removeprefix("assumed: "),
         *([] if ball_material or size.letters.ball_material else [BALLS_ASSUMED]),
         *([f"operation.preload_method: {method}"] if preload_method is None else []),
         "materials, cage, friction.cage, operation.gravity_m_s2, wear.end_of_life, uncertainty: "
@@ -241,7 +245,6 @@ def _filled(
     """The template of a scene, filled in."""
     steel = MATERIALS["bearing_steel"].replace("5.0e-6", yaml_number(rubs.steel))
     D, dm, Z = _balls(numbers)
-    grooves, groove_rule = grooves_of(size.entry)
     room = dm * math.sin(math.pi / Z) - D
     return _template().render(
         name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
@@ -251,8 +254,7 @@ def _filled(
         D=D,
         dm=dm,
         ball_race=race_conductance(numbers),
-        grooves=grooves,
-        groove_rule=groove_rule,
+        groove_ends=SMALL_GROOVES if grooves_vary(size) else None,
         speed=numbers["operation.shaft_speed_rpm"],
         # pockets that leave something of the cage between them, rounded down to three decimals
         pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * room)) / 1e3),
