@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
+from bearingwear.scene.arrangement import Arrangement, set_over_pair
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
@@ -106,7 +107,7 @@ def pair(chosen: Choice) -> Iterator[str]:
         counts = " and ".join(map(str, a.tandem))
         yield (
             f"tandem: {counts} identical bearings on the two sides; bearings on the same side "
-            "share its load equally"
+            f"share its load equally; {_set_preload(chosen.scene, a)}"
         )
     if asymmetries(chosen.scene):
         yield "radial load and tilt: the values in the scene apply to each bearing"
@@ -115,6 +116,20 @@ def pair(chosen: Choice) -> Iterator[str]:
         if a.rotor_transverse_inertia_kg_mm2:
             rod = ""
         yield f"natural frequencies: for a rigid rotor at standstill{rod} (assumed)"
+
+
+def _set_preload(scene: Scene, a: Arrangement) -> str:
+    """What the preload of a set is the force of, and what it would be from a maker's pair."""
+    preload = scene.operation.preload_N
+    of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
+    if a.kind != "rigid_pair":
+        return of_side
+    times = set_over_pair(a.tandem)
+    return (
+        f"{of_side}; bearings matched for a pair of {preload / times:.3g} N give it, because a set "
+        f"has {times:.3g} times the preload of the pair (if {preload:g} N is that of a pair, set "
+        f"{preload * times:.3g} N)"
+    )
 
 
 def no_cage(chosen: Choice) -> Iterator[str]:
