@@ -17,7 +17,7 @@ from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
 from bearingwear.scene.checking.records import NAME, keyed, setting, whole
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene, plain_data
-from bearingwear.scene.slip import default_regularisation
+from bearingwear.scene.slip import regularisation_is_given, regularised
 from bearingwear.scene.uncertain import uncertain_key
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
@@ -76,7 +76,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
         given = "slip_regularisation_m_s" in plain["friction"]
-        return _as_checked(_regularised(built(Scene, _with_accuracy(plain)), given))
+        return _as_checked(regularised(built(Scene, _with_accuracy(plain)), given))
     except SceneError as error:
         raise error.in_source(source) from None
 
@@ -94,28 +94,6 @@ def _as_checked(scene: Scene) -> Scene:
 
 def _is_checked(scene: Scene) -> bool:
     return _CHECKED in scene.__dict__
-
-
-_GIVEN = "_regularisation_is_given"
-"""Marks the friction of a scene whose regularisation was given, even if as the default has it."""
-
-
-def _regularised(scene: Scene, given: bool) -> Scene:
-    """The scene with the regularisation that goes with its slip, unless one was given."""
-    if given:
-        scene.friction.__dict__[_GIVEN] = True
-        return scene
-    default = default_regularisation(scene)
-    if default == scene.friction.slip_regularisation_m_s:
-        return scene
-    return replace(scene, friction=replace(scene.friction, slip_regularisation_m_s=default))
-
-
-def _regularisation_is_given(scene: Scene) -> bool:
-    friction = scene.friction
-    if _GIVEN in friction.__dict__:
-        return True
-    return friction.slip_regularisation_m_s != default_regularisation(scene)
 
 
 def for_life(scene: Scene, source: str = "scene") -> Scene:
@@ -213,7 +191,7 @@ def _undecided(scene: Scene) -> dict[str, Any]:
     for path, value in preset.keys(slip_area, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
         if path == REGULARISATION:
-            decided = not _regularisation_is_given(scene)
+            decided = not regularisation_is_given(scene)
         else:
             decided = plain[block][name] == value
         if decided:
@@ -276,9 +254,9 @@ def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
         return None
     blocks = {name: getattr(scene, name) for name in names}
     plain = {name: plain_data(one) for name, one in blocks.items() if one is not None}
-    given = REGULARISATION in changes or _regularisation_is_given(scene)
+    given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
         made = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
-        return _as_checked(_regularised(made, given))
+        return _as_checked(regularised(made, given))
     except ValueError:
         return None

@@ -7,6 +7,7 @@ so an allowed error asks for less v_r where a bearing turns slowly.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from bearingwear.scene.accuracy import accuracy_preset
@@ -23,6 +24,9 @@ LEAST_REGULARISATION = 1e-9  # [m/s], the least that the key takes
 LEAST_SEMI_AXIS = 0.01
 """Semi-major axis over ball diameter that is assumed of a contact with less or without load."""
 
+_GIVEN = "_regularisation_is_given"
+"""Marks the friction of a scene whose regularisation was given, even if as the default has it."""
+
 _MM, _GPA = 1e-3, 1e9
 _RPM = math.pi / 30.0  # [rad/s]
 
@@ -37,6 +41,25 @@ def default_regularisation(scene: Scene) -> float:
     if not 0.0 < slip < SLOW_SLIP:
         return preset
     return max(float(f"{preset * slip / SLOW_SLIP:.2g}"), LEAST_REGULARISATION)
+
+
+def regularised(scene: Scene, given: bool) -> Scene:
+    """The scene with the regularisation that goes with its slip, unless one was given."""
+    if given:
+        scene.friction.__dict__[_GIVEN] = True
+        return scene
+    default = default_regularisation(scene)
+    if default == scene.friction.slip_regularisation_m_s:
+        return scene
+    return replace(scene, friction=replace(scene.friction, slip_regularisation_m_s=default))
+
+
+def regularisation_is_given(scene: Scene) -> bool:
+    """Whether a scene has a regularisation of its own, for `regularised` after a change of it."""
+    friction = scene.friction
+    if _GIVEN in friction.__dict__:
+        return True
+    return friction.slip_regularisation_m_s != default_regularisation(scene)
 
 
 def mean_slip(scene: Scene) -> float:

@@ -235,7 +235,7 @@ def test_completion(line, offered, tmp_path):
     assert {text.strip() for text in found} == offered
 
 
-@pytest.mark.parametrize("block", ["temperature", "thermal", "fits", "arrangement"])
+@pytest.mark.parametrize("block", ["temperature", "thermal", "arrangement"])
 def test_blocks_in_comments_can_be_used(block):
     text, _ = scene_text("mine", None, None, {}, designation="7008C")
     commented = f"\n# {block}: "
@@ -268,3 +268,23 @@ def test_small_bearings_have_uncertain_grooves(argv, is_small, tmp_path, capsys)
     assert (scene.bearing.inner_groove_factor, scene.bearing.outer_groove_factor) == (0.52, 0.53)
     for race in ("inner", "outer"):
         assert (f"{race}_groove_factor" in scene.uncertainty) == is_small
+
+
+@pytest.mark.parametrize(
+    ("size", "ends"), [("7000C", "-2 to +6"), ("7008C", "-3.5 to +9.5"), ("7020C", "-5 to +13")]
+)
+def test_fits_are_written_with_the_range_of_their_class(size, ends):
+    """ISO 286 and ISO 492, entered once more: js4 and P4 of bores of 10, 40 and 100 mm."""
+    text, _ = scene_text("mine", None, None, {}, designation=size)
+    (line,) = re.findall("^fits: .*", text, re.MULTILINE)
+    assert f"assumed: no interference; a shaft js4 in a bore of class P4 gives {ends} um" in line
+    scene = scene_from_dict(data_of(text, "mine"), "mine")
+    assert scene.fits.shaft_interference_um == 0.0
+
+
+def test_written_fits_change_no_number():
+    text, _ = scene_text("mine", None, None, {}, None, "fixed_position", designation="7008C")
+    scene = scene_from_dict(data_of(text, "mine"), "mine")
+    fitted, free = solve(scene).values, solve(scene.with_({"fits": None})).values
+    for name, value in free.items():
+        assert (fitted[name] == value).all() if hasattr(value, "all") else fitted[name] == value

@@ -101,7 +101,7 @@ ABSURD = {
     ),
     "a fixed position, cold and rigid": (
         {"operation.preload_method": "fixed_position", "bearing.bore_mm": 40},
-        {"temperature_left_out", "preload_grown"},
+        {"temperature_left_out", "preload_grown", "fit_left_out"},
     ),
     "a fixed position at speed": (
         {"operation.preload_method": "fixed_position"},

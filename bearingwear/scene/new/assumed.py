@@ -34,6 +34,17 @@ INSTRUMENT_GROOVES = (0.57, 0.57)
 """Those assumed of a deep groove bearing below `SMALL_BORE` without an ISO designation: an
 instrument bearing R168 (6.35 x 9.525 mm, radial play 8 um) then has the stiffness of its maker."""
 
+SEAT_CLASS = "js4"
+"""Tolerance of the shaft that makers recommend for spindle bearings: GMN, catalogue 4000 0813 EN,
+p. 71, prints +-2 to +-5 um, which is js4 rounded down; above 1.5 million mm r/min it wants more."""
+
+# Bore up to [mm]: width of the shaft's tolerance IT4 (ISO 286), and how far a bore of class P4 may
+# lie below its nominal size (ISO 492), both [um].
+_SEATS = (
+    (3, 3, 4), (10, 4, 4), (18, 5, 4), (30, 6, 5), (50, 7, 6), (80, 8, 7), (120, 10, 8),
+    (180, 12, 10), (250, 14, 12),
+)  # fmt: skip
+
 SPEED_FACTOR = 1.0e6
 """Speed times pitch diameter [mm r/min] that is assumed: a fast spindle."""
 
@@ -295,6 +306,12 @@ def _free_angle(
     return rounded_to(angle, 4), (
         f"from a radial clearance of {um:g} um{rule}; 0 is only the nominal angle"
     )
+
+
+def seat_interference(bore: float) -> tuple[float, float] | None:
+    """Least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
+    seat = next((seat for seat in _SEATS if bore <= seat[0]), None)
+    return None if seat is None else (-0.5 * seat[1], 0.5 * seat[1] + seat[2])
 
 
 def refused_option(option: str, value: float | str, what: str) -> SceneError:

@@ -20,6 +20,7 @@ from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.coefficients import Rubbing, rubbing
 from bearingwear.scene.new.assumed import (
+    SEAT_CLASS,
     SMALL_GROOVES,
     Designation,
     Origin,
@@ -28,6 +29,7 @@ from bearingwear.scene.new.assumed import (
     race_conductance,
     refused_option,
     rounded_to,
+    seat_interference,
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
@@ -161,7 +163,8 @@ def _assumed(
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
         *([] if ball_material or size.letters.ball_material else [BALLS_ASSUMED]),
         *([f"operation.preload_method: {method}"] if preload_method is None else []),
-        "materials, cage, friction.cage, operation.gravity_m_s2, wear.end_of_life, uncertainty: "
+        "materials, cage, friction.cage, operation.gravity_m_s2, fits, wear.end_of_life, "
+        "uncertainty: "
         "see the file",
     ]
     if size.entry is None:
@@ -263,6 +266,7 @@ def _filled(
         preload_method=method,
         method_given=preload_method is not None,
         pair_kind=PAIRS[method],
+        seat_range=_seat_range(size.bore),
         materials=dict.fromkeys(
             (
                 ball_material or size.letters.ball_material or "bearing_steel",
@@ -274,6 +278,18 @@ def _filled(
         film=rubs.film,
         spread=rubs.spread,
         dry_rule=rubs.rule,
+    )
+
+
+def _seat_range(bore: float) -> str:
+    """Interference of the usual seat of a spindle bearing; empty for a bore beyond the table."""
+    ends = seat_interference(bore)
+    if ends is None:
+        return ""
+    low, high = ends
+    return (
+        f"; a shaft {SEAT_CLASS} in a bore of class P4 gives {low:+g} to {high:+g} um, "
+        f"{0.5 * (low + high):g} in the mean (ISO 286, ISO 492), and fast spindles need more"
     )
 
 

@@ -21,7 +21,7 @@ def centrifugal_share(scene: Scene) -> float:
     b, operation = scene.bearing, scene.operation
     D, dm = MM * b.ball_diameter_mm, MM * b.pitch_diameter_mm
     alpha = math.radians(b.contact_angle_deg)
-    _, orbit = _rolling(scene)
+    _, orbit = rolling_rates(scene)
     mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
     load = operation.preload_N / (b.ball_count * math.sin(alpha)) if alpha > 0.0 else 0.0
     return mass * 0.5 * dm * orbit**2 / load if load > 0.0 else math.nan
@@ -36,7 +36,7 @@ def gyroscopic_share(scene: Scene) -> float:
     b, operation = scene.bearing, scene.operation
     D, alpha = MM * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
     gamma = b.ball_diameter_mm / b.pitch_diameter_mm
-    relative, orbit = _rolling(scene)
+    relative, orbit = rolling_rates(scene)
     beta = math.atan2(math.sin(alpha), math.cos(alpha) - gamma)
     w_R = relative * (1.0 + gamma * math.cos(alpha)) / (gamma * math.cos(beta - alpha))
     mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
@@ -45,7 +45,7 @@ def gyroscopic_share(scene: Scene) -> float:
     return 2.0 * moment / D / load if load > 0.0 else math.nan
 
 
-def _rolling(scene: Scene) -> tuple[float, float]:
+def rolling_rates(scene: Scene) -> tuple[float, float]:
     """Orbit rates relative to the outer race and in space, rolling at the free contact angle."""
     b, operation = scene.bearing, scene.operation
     omega_i, omega_o = (RPM * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm))

@@ -264,6 +264,12 @@ EFFECTS = (
         modelled=growth.temperature,
     ),
     Effect(
+        "fit_left_out",
+        growth.fit_left_out,
+        "no interference fit is included in the preload ({held}), {sizes}",
+        "set fits.shaft_interference_um",
+    ),
+    Effect(
         "fit_lost",
         growth.fit_lost,
         "the ring is loose on its seat ({seats}): heat and speed have eliminated the interference",
