@@ -310,3 +310,14 @@ def test_no_fit_is_wider_than_a_scene_may_have(scene):
     tiny = scene("gyro_s1", HELD | {"bearing.bore_mm": 0.6, "bearing.outside_diameter_mm": 13.0})
     (line,) = (line for line in choice(tiny).reasons if line.startswith("fits: "))
     assert "5 um about" in line and "12 um" not in line
+
+
+def test_a_worn_bearing_is_told_of_the_fit_when_new(rigid_spindle):
+    def told(values_of, scene):
+        found = {one["id"]: one["sentence"] for one in warnings_in(values_of(scene).attrs)}
+        return re.search(r"about \d+ and (\d+) N \(loose", found["fit_left_out"])[1]
+
+    new = float(told(solve, rigid_spindle))
+    worn = rigid_spindle.with_({"wear.ball_diameter_loss_um": 1.0})
+    for values_of, scene in ((solve, worn), (life, rigid_spindle)):
+        assert_allclose(float(told(values_of, scene)), new, rtol=0.15)

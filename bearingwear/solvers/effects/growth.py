@@ -143,7 +143,9 @@ def seats(chosen: Choice) -> Iterator[str]:
         given = "no interference" if scene.fits else "none given, so no interference is assumed"
         found = tried_fits(scene, estimated_preload)
         size = f": {interference_sizes(found, found[0].running)}" if found[1:] else ""
-        yield f"fits: {given}{size}"
+        bore = f" (a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate)"
+        assumed = scene.bearing.bore_mm is None and found[1:]
+        yield f"fits: {given}{size}{bore if assumed else ''}"
     elif scene.fits is not None:
         yield f"fits: no interference; {_effect(scene, change_at_speed)}"
 
@@ -230,12 +232,13 @@ def fit_left_out(e: Evidence) -> Finding | None:
     scene = e.scene
     if has_interference(scene) or not is_held(scene) or scene.bearing.bore_mm is None:
         return None
-    running = float(e.state["residual_preload"])
-    is_solved = math.isfinite(running)
+    solved = float(e.state["residual_preload"])
+    is_solved = math.isfinite(solved)
     found = tried_fits(scene, frictionless_preload if is_solved else estimated_preload)
     if not found[1:]:
         return None
-    running = running if is_solved else found[0].running
+    is_new = is_solved and not e.mean("ball_diameter_loss") > 0.0
+    running = solved if is_new else found[0].running  # what is told is of a new bearing
     held = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
     change = max(
         (one.running - found[0].running) / running if running > 0.0 else math.inf for one in found
