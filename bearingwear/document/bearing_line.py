@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.scene.arrangement import set_over_pair
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 
 _CONTACTS = {
@@ -75,13 +76,21 @@ def _warmth(scene: Mapping[str, Any]) -> str:
     return ", ".join(parts) or "temperatures neglected"
 
 
-def _pair_words(a: Mapping[str, Any]) -> list[str]:
+def matched_pair(a: Mapping[str, Any], preload: float) -> float:
+    """Preload [N] of a pair of the same bearings as a rigid set, which has `preload` on a side."""
+    return preload / set_over_pair(a["tandem"])
+
+
+def _pair_words(a: Mapping[str, Any], preload: float) -> list[str]:
     """Lines on the arrangement of two bearings, and on their differences."""
     if a.get("kind", "single") == "single":
         return []
     words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
     if max(a.get("tandem", [1])) > 1:
-        words.append("{} and {} in tandem".format(*a["tandem"]))
+        side = f"{preload:g} N on each side"
+        if a["kind"] == "rigid_pair":
+            side += f", as bearings matched for a pair of {matched_pair(a, preload):.3g} N give"
+        words.append("{} and {} in tandem ({})".format(*a["tandem"], side))
     if a["external_axial_N"]:
         words.append(f"external axial force {a['external_axial_N']:g} N")
     if a["spring_stiffness_N_um"]:
@@ -102,7 +111,7 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     parts = (
         *speeds,
         f"{method} preload {operation['preload_N']:g} N",
-        *_pair_words(scene.get("arrangement") or {}),
+        *_pair_words(scene.get("arrangement") or {}, operation["preload_N"]),
         *_loads(scene),
         f"friction {_friction(scene['friction'])}",
         f"ball diameter loss {worn}",

@@ -80,7 +80,9 @@ RUN = (
     "slow_time_scale",
 )
 WARMTH = ("part_temperature", "thermal_growth")
-RINGS = ("growth_at_speed", "growth_by_fit", "fit_pressure")
+FIT_ROWS = ("growth_by_fit", "fit_pressure")
+"""Rows that are left out where no ring is tight on its seat."""
+RINGS = ("growth_at_speed", *FIT_ROWS)
 CAGE_MEANS = (
     "cage_speed",
     "cage_friction_heat",
@@ -256,6 +258,9 @@ def _grown(file: Any) -> list[Block]:
     blocks = []
     for title, columns, names in (("parts", BEARING_PARTS, WARMTH), ("rings", RACES, RINGS)):
         found = [(name, values(file, name)) for name in names if name in file.variables]
+        found = [
+            (name, of_parts) for name, of_parts in found if name not in FIT_ROWS or any(of_parts)
+        ]
         if found:
             known = np.isfinite(found[0][1])  # shaft and housing need not be
             heads = tuple(c.replace("_", " ") for c, k in zip(columns, known, strict=True) if k)

@@ -247,6 +247,10 @@ STATE = ALWAYS | table(
     Variable("shaft_torque_error_estimate", (), "1",
         "estimated relative numerical error in the shaft torque", comment=ESTIMATE,
         label="error in the torque", shown="%"),
+    Variable("torque_lost_to_regularisation", (), "1",
+        "share of the shaft torque that the regularisation of friction takes, from a second solve",
+        comment="only where the regularisation is large against the slip", label="torque lost to "
+        "regularisation", shown="%"),
     Variable("friction_power_error_estimate", (), "1",
         "estimated relative numerical error in the friction and drag power", comment=ESTIMATE,
         label="error in the friction power", shown="%"),

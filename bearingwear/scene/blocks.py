@@ -145,8 +145,9 @@ class Operation:
         "[-1e7, 1e7]", default=0.0)
     preload_method: str = setting("Preload method: spring or fixed position",
         choices=PRELOAD_METHODS)
-    preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]",
-        example="140")
+    preload_N: float = setting("Initial (static, unworn) axial preload (of a set in tandem, "
+        "the force of each side, not the preload of a pair: see arrangement.tandem)", "N",
+        "[0, 1e7]", example="140")
     radial_load_N: tuple[float, float] = setting("Radial load along Y and Z, fixed in space", "N",
         "[-1e7, 1e7]", each="One component of the radial load", default=(0.0, 0.0))
     rotating_load_N: float = setting(
