@@ -3,13 +3,15 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.contact.points import most_points
 from bearingwear.kernels.contact.profile import contact_approach, middle_height, profile
-from bearingwear.kernels.contact.summary import ANGLE, MAJOR
+from bearingwear.kernels.contact.summary import ANGLE, LOAD, MAJOR
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
@@ -39,8 +41,10 @@ CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where th
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
 ROWS = 2  # more cells across, likewise
+LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
+_GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
@@ -74,6 +78,7 @@ class WornBearing:
         self.D = problem.g.D0 - loss
         self.status, c = case.status, case.contacts  # of the cells, too
         self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
+        self.least_load = LOAD_GONE * float(c[:, LOAD].max())
         self.arc_step = ARC_STEP * self.major
         steps = round(ARC_END / ARC_STEP)
         self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
@@ -130,11 +135,12 @@ class WornBearing:
             self._on_other_motion,
             self._counted_anew,
             *_MOST_WIDENINGS * [self._with_rows],
+            self._after_less_grip,
         ):
             if seat.status not in _FAR:
                 break
             self.seat, self.u = kept[:2]
-            if start(seat.status, p, D):
+            if start(seat.status, p, D, wear):
                 seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
         if status != code.OK:
@@ -144,6 +150,8 @@ class WornBearing:
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
+        if max(seat.inner.Q, seat.outer.Q) < self.least_load:
+            return WornPoint(code.PRELOAD_GONE, wear, p)
         if not self._within(seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
@@ -172,7 +180,7 @@ class WornBearing:
             D=D,
         )
 
-    def _on_other_motion(self, status: int, p: ThrustProblem, D: float) -> bool:
+    def _on_other_motion(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
         """Start from the even state, where the last state has none nearby."""
         if status != code.NOT_CONVERGED:
             return False
@@ -182,7 +190,7 @@ class WornBearing:
         self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
         return True
 
-    def _counted_anew(self, status: int, p: ThrustProblem, D: float) -> bool:
+    def _counted_anew(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
         """Count depths so that the contacts of the start give way as under their loads.
 
         They were counted from those of another state, maybe farther worn, and scale the cells.
@@ -195,7 +203,7 @@ class WornBearing:
         self._forget()
         return True
 
-    def _with_rows(self, status: int, p: ThrustProblem, D: float) -> bool:
+    def _with_rows(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
         """Add cells across contacts that have grown to the edges of theirs."""
         kept = list(self.races)
         for k, race in enumerate(self.races):
@@ -207,6 +215,20 @@ class WornBearing:
         if is_wider:
             self._forget()
         return is_wider
+
+    def _after_less_grip(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start where the state goes as friction grips ever faster, from hardly any.
+
+        Friction decides which of several states there are: past a fold the next one lies far off.
+        """
+        self._forget()
+        is_found = False
+        for level in range(_GRIPS, 0, -1):
+            less = replace(p, op=p.op._replace(v_r=p.op.v_r * _LESS_GRIP**level))
+            seat, u, _, _ = self._settled(less, D, wear)
+            if seat.status == code.OK:
+                self.seat, self.u, is_found = seat, u, True
+        return is_found
 
     def _forget(self) -> None:
         """Keep nothing of a solve that failed."""
