@@ -108,13 +108,18 @@ def losses_of(states: Sequence[State]) -> Losses:
     return tuple(state.loss for state in states)
 
 
-def least_film(states: Sequence[State]) -> float:
+def least_film(scene: Scene, states: Sequence[State]) -> float:
     """Least film left in any contact of some bearings [m]; infinite where none can be gone.
 
     A contact is covered as long as the deepest place of its race, or the ball, has film.
     """
-    lefts = [state["film_left"] for state in states if "film_left" in state.values]
-    return min((float(np.maximum(left[:2], left[2]).min()) for left in lefts), default=math.inf)
+    least = math.inf
+    for side, state in zip(scene.sides, states, strict=False):
+        films = Films.of(side)
+        if films.wear_through:
+            left = np.where(films.thickness > 0.0, state["film_left"], -math.inf)
+            least = min(least, float(np.maximum(left[:2], left[2]).min()))
+    return least
 
 
 def losses_without_film(losses: Sequence[Losses], films: Sequence[float]) -> Losses | None:
@@ -148,7 +153,7 @@ def wear_of(scene: Scene, life: Life | None) -> list[Wear]:
     end = () if why else losses[-1]
     found.append(Wear(_WORN, end, why=why))
     if has_film:
-        gone = losses_without_film(losses, [least_film(states) for states in solved])
+        gone = losses_without_film(losses, [least_film(scene, states) for states in solved])
         found.append(Wear(_BARE, gone or end, True, "" if gone else why))
     return found
 
@@ -199,7 +204,7 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
     losses = [state.values.get("losses", (state.loss,)) for state in states]
     wear = [Wear(_NEW, losses[0]), Wear(_WORN, losses[-1])]
     if len(states) > 1 and any(Films.of(side).wear_through for side in scene.sides):
-        gone = losses_without_film(losses, [least_film([state]) for state in states])
+        gone = losses_without_film(losses, [least_film(scene, [state]) for state in states])
         wear.append(Wear(_BARE, gone or losses[-1], True))
     margins = [corner.margin for corner in corners_of_case(scene, "", wear)]
     return min(margins) if all(map(math.isfinite, margins)) else math.nan
