@@ -81,6 +81,8 @@ def worse_states(life: Life, scene: Scene) -> list[State]:
         worse["losses"] = tuple(state.loss for state in node.states)
         worse["lowest_frequency"] = lowest_frequency(scene, node.states)
         worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
+        if "film_left" in one.values:
+            worse["film_left"] = np.minimum(one["film_left"], other["film_left"])
         found.append(one.with_values(worse))
     return found
 

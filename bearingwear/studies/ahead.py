@@ -95,7 +95,9 @@ def compile_life(file: str, settings: Sequence[str]) -> None:
     followed, _ = grooves_followed(scene, choice_for_life(scene, None).fidelity)
     if followed is None:
         return
-    contact_cells(0.0, -1.0, 1.0, *_CELLS)  # the command compiles what a problem needs meanwhile
+    contact_cells(
+        0.0, -1.0, 1.0, 3.0, *_CELLS
+    )  # the command compiles what a problem needs meanwhile
     problem = ThrustProblem.of(followed.sides[0])
     contacts = np.zeros((2, COLUMNS))
     contacts[:, ANGLE], contacts[:, LOAD] = problem.g.alpha0, problem.preload.F_x

@@ -49,6 +49,7 @@ STEEP = {
     "bearing.contact_angle_deg": 40.0, "operation.shaft_speed_rpm": 30000,
     "operation.preload_N": 210,
 }  # fmt: skip
+AT_REST = {"operation.shaft_speed_rpm": 0, "wear.end_of_life.ball_diameter_loss_um": 0.01}
 RADIAL = {"operation.radial_load_N": [0.0, -2000.0], "model.simulated_turns": 8}
 
 
@@ -173,6 +174,9 @@ def test_a_warning_names_the_pair(spindle):
          {"groove_worn"}),
         ({"wear.end_of_life.ball_diameter_loss_um": 2.0, "model.contact": "worn"}, None, set()),
         ({"wear.end_of_life.ball_diameter_loss_um": 0.01}, None, set()),
+        (AT_REST, None, {"nothing_wears"}),
+        (AT_REST | {"model.contact": "worn"}, None, {"nothing_wears"}),
+        (AT_REST | {"wear.ball_diameter_loss_um": 0.01}, None, {"over_limit_when_new"}),
     ],
 )  # fmt: skip
 def test_lives(spindle, changes, fidelity, expected):
@@ -265,6 +269,7 @@ def test_every_caution_is_tested_and_documented():
     }
     tested = set().union(*(expected for _, expected in ABSURD.values()))
     of_lives_and_cages = {"over_limit_when_new", "criterion_not_watched", "cage_weightless"}
+    of_lives_and_cages |= {"nothing_wears"}
     of_lives_and_cages |= {"film_worn"}  # tests/solvers/test_films.py
     of_lives_and_cages |= {"motion_unstable"}  # tests/solvers/test_stability.py
     assert known - tested == of_lives_and_cages

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bearingwear.kernels import status as code
 from bearingwear.measures import ENDS, plain
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
@@ -100,6 +101,13 @@ def _when_new(e: Evidence) -> Finding | None:
     return {"said": met.words, "new": new, "advice": met.measure.advice, "excess": excess}
 
 
+def _nothing_wears(e: Evidence) -> Finding | None:
+    """Why a life at rest does not end."""
+    op = e.scene.operation
+    at_rest = e.chosen.of_life and op.shaft_speed_rpm == op.outer_speed_rpm
+    return {} if at_rest and e.state.status == code.CRITERION_NOT_REACHED else None
+
+
 def _limit_passed(e: Evidence) -> Finding | None:
     """Criteria that a case violates, the one exceeded most first."""
     found = [] if e.case is None else criteria_passed(e.scene, e.case)
@@ -111,6 +119,12 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 EFFECTS = (
     Effect("over_limit_when_new", _when_new, "end-of-life criterion met {new}: {said}", "{advice}"),
+    Effect(
+        "nothing_wears",
+        _nothing_wears,
+        "nothing wears, because the races turn at the same speed: no criterion ends the life",
+        "set operation.shaft_speed_rpm",
+    ),
     Effect(
         "limit_passed",
         _limit_passed,

@@ -3,20 +3,22 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.contact.points import most_points
 from bearingwear.kernels.contact.profile import contact_approach, middle_height, profile
-from bearingwear.kernels.contact.summary import ANGLE, MAJOR
+from bearingwear.kernels.contact.summary import ANGLE, LOAD, MAJOR
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.kernels.worn.balance import Arc, WornRace, latitude
 from bearingwear.kernels.worn.cells import contact_buffers
 from bearingwear.kernels.worn.friction import FrictionWork, friction_work
-from bearingwear.kernels.worn.pressure import contact_cells
+from bearingwear.kernels.worn.pressure import FULL_WIDTH, contact_cells
 from bearingwear.kernels.worn.state import WornSeat, pitch, state_work, worn_state
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.check import WornCheck
@@ -38,8 +40,11 @@ BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
+ROWS = 2  # more cells across, likewise
+LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
+_GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
@@ -73,6 +78,7 @@ class WornBearing:
         self.D = problem.g.D0 - loss
         self.status, c = case.status, case.contacts  # of the cells, too
         self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
+        self.least_load = LOAD_GONE * float(c[:, LOAD].max())
         self.arc_step = ARC_STEP * self.major
         steps = round(ARC_END / ARC_STEP)
         self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
@@ -80,6 +86,7 @@ class WornBearing:
         count = round(BAND_END / self.band_step) if self.bands else 0
         self.latitude = self.band_step * np.arange(-count, count + 1)[: 2 * count + self.bands]
         self.ends = np.full(2, CELLS_END)
+        self.rows_added = [0, 0]  # to the cells on each side of the major axes
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
@@ -92,17 +99,17 @@ class WornBearing:
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
         n, m = self.cell_numbers
-        n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
+        n, rows = 2 * round(0.5 * n * self.ends[k] / CELLS_END), m + self.rows_added[k]
         hertz = race_contact(
             self.problem.g, SIDES[k], self.D, float(np.cos(self.angle[k])), float("nan")
         )
         end = float(self.ends[k])
-        status, cells = contact_cells(hertz.log_kappa, -end, end, n, m)
+        status, cells = contact_cells(hertz.log_kappa, -end, end, FULL_WIDTH * rows / m, n, rows)
         if status != code.OK:
             self.status = status
         return WornRace(
             cells=cells,
-            work=contact_buffers(n, m),
+            work=contact_buffers(n, rows),
             pressure=cells.fresh.copy(),
             wear=np.zeros(n),
             x=np.zeros(n),
@@ -122,24 +129,29 @@ class WornBearing:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
-        kept = self.seat, self.u
+        kept = self.seat, self.u, self.reference
         seat, u, races, work = self._settled(p, D, wear)
-        if seat.status == code.NOT_CONVERGED:
-            # The last state has none nearby: the motion goes over to another one.
-            even = p.solve(D - self.reference.sum())
-            if even.status == code.OK:
-                self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        for start in (
+            self._on_other_motion,
+            self._counted_anew,
+            *_MOST_WIDENINGS * [self._with_rows],
+            self._after_less_grip,
+        ):
+            if seat.status not in _FAR:
+                break
+            self.seat, self.u = kept[:2]
+            if start(seat.status, p, D, wear):
                 seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
         if status != code.OK:
-            self.seat, self.u = kept
-            for race in races:  # nothing to start from
-                np.copyto(race.pressure, race.cells.fresh)
-            self.state.slope.fill(0.0)
+            self.seat, self.u, self.reference = kept
+            self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
+        if max(seat.inner.Q, seat.outer.Q) < self.least_load:
+            return WornPoint(code.PRELOAD_GONE, wear, p)
         if not self._within(seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
@@ -167,6 +179,61 @@ class WornBearing:
             ),
             D=D,
         )
+
+    def _on_other_motion(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start from the even state, where the last state has none nearby."""
+        if status != code.NOT_CONVERGED:
+            return False
+        even = p.solve(D - self.reference.sum())
+        if even.status != code.OK:
+            return False
+        self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        return True
+
+    def _counted_anew(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Count depths so that the contacts of the start give way as under their loads.
+
+        They were counted from those of another state, maybe farther worn, and scale the cells.
+        """
+        forces = self.seat.inner, self.seat.outer
+        if not all(force.Q > 0.0 for force in forces):
+            return False
+        given = [contact_approach(force.hertz.K, force.Q) for force in forces]
+        self.reference = self._lengths(self.seat, p.g, D) - given
+        self._forget()
+        return True
+
+    def _with_rows(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Add cells across contacts that have grown to the edges of theirs."""
+        kept = list(self.races)
+        for k, race in enumerate(self.races):
+            if race.pressure[-2:].any():
+                self.rows_added[k] += ROWS
+                kept[k] = self._race(k)
+        is_wider = any(new is not old for new, old in zip(kept, self.races, strict=True))
+        self.races = tuple(kept)
+        if is_wider:
+            self._forget()
+        return is_wider
+
+    def _after_less_grip(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start where the state goes as friction grips ever faster, from hardly any.
+
+        Friction decides which of several states there are: past a fold the next one lies far off.
+        """
+        self._forget()
+        for level in range(_GRIPS, 0, -1):
+            less = replace(p, op=p.op._replace(v_r=p.op.v_r * _LESS_GRIP**level))
+            seat, u, _, _ = self._settled(less, D, wear)
+            if seat.status in (code.OK, code.NOT_CONVERGED):  # that is on its way
+                self.seat, self.u = seat, u
+        return True
+
+    def _forget(self) -> None:
+        """Keep nothing of a solve that failed."""
+        for race in self.races:
+            np.copyto(race.pressure, race.cells.fresh)
+        self.state.slope.fill(0.0)
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Let the next solve start where the way of two states leads, by a share of it."""
@@ -249,9 +316,10 @@ class WornBearing:
         return inner, outer, depth_spline(self.latitude, self.band_step, wear.band)
 
     def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
-        size = (max(race.x.size for race in races), most_points(p.rule), p.rule.across.size)
+        n, rows = (max(race.pressure.shape[k] for race in races) for k in (1, 0))
+        size = n, rows, most_points(p.rule), p.rule.across.size
         if self._work is None or size != self._work[0]:
-            self._work = size, friction_work(p.rule, size[0], self.cell_numbers[1])
+            self._work = size, friction_work(p.rule, n, rows)
         return self._work[1]
 
     @property
@@ -325,7 +393,11 @@ class WornBearing:
 
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
-        g, seat, R = point.problem.g, point.seat, 0.5 * point.D
+        return self._lengths(point.seat, point.problem.g, point.D)
+
+    @staticmethod
+    def _lengths(seat: WornSeat, g: Geometry, D: float) -> np.ndarray:
+        R = 0.5 * D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
         return np.array([inner, np.hypot(seat.X1, seat.X2) - (g.r_o - R)])

@@ -257,8 +257,7 @@ def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Of all that may be limited, the worst of some states."""
     found, at_rest = {}, launch_values(scene)
     if scene.drive is not None:
-        known = [state.values.get("losses", (state.loss,)) for state in states]
-        at_rest = {**at_rest, "torque_margin": least_margin(scene, [known[0], known[-1]])}
+        at_rest = {**at_rest, "torque_margin": least_margin(scene, states)}
     histories = [
         state.with_values({"lowest_frequency": _frequency(scene, state), **at_rest})
         for state in states
