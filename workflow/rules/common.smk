@@ -14,7 +14,7 @@ from snakemake.logging import logger
 
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
-from bearingwear.cli import NO_ROOM
+from bearingwear.cli import FULL_DISK
 from bearingwear.document.document import load_document
 from bearingwear.kernels.build.folder import is_compiled
 from bearingwear.scene.assumed import assumed_keys
@@ -91,7 +91,7 @@ client = shlex.join([sys.executable, "-I", "-S", fork_server.__file__])
 shell.prefix(f"""set -euo pipefail; exec 9>&2;
     bearingwear() ( {client} "$@" || silent $? );
     silent() (
-        if [ $1 = {NO_ROOM} ]; then
+        if [ $1 = {FULL_DISK} ]; then
             echo "a job cannot write its log: No space left on device" >&9
         elif [ -f /dev/stderr ] && [ ! -s /dev/stderr ]; then
             said="ended with status $1 without a message; above 128: by signal $(($1 - 128))"
