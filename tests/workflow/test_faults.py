@@ -354,8 +354,7 @@ DEATHS = {
     "raise RuntimeError('broken')": "RuntimeError: broken",
     "raise SystemExit('gone')": "gone",
     "import os; os._exit(5)": "ended with status 5 without a message",
-    "import os; os.kill(os.getpid(), 9)": "ended with status 137 without a message; above 128: by "
-    "signal 9",
+    "import os; os.kill(os.getpid(), 9)": " Killed ",
 }
 
 
@@ -370,7 +369,7 @@ def test_a_module_that_ends_its_process_as_it_is_imported(project, death):
     assert run.status == 1
     (failed,) = [line for line in run.text.splitlines() if line.startswith("failed: ")]
     log = project.root / failed.partition("; see ")[2]
-    assert log.read_text(encoding="utf-8").splitlines()[-1].endswith(DEATHS[death])
+    assert DEATHS[death] in log.read_text(encoding="utf-8").splitlines()[-1]
     assert DEATHS[death] in failed
 
 

@@ -94,7 +94,7 @@ shell.prefix(f"""set -euo pipefail; exec 9>&2;
         if [ $1 = {FULL_DISK} ]; then
             echo "a job cannot write its log: No space left on device" >&9
         elif [ -f /dev/stderr ] && [ ! -s /dev/stderr ]; then
-            said="ended with status $1 without a message; above 128: by signal $(($1 - 128))"
+            said="ended with status $1 without a message" # of a signal the shell says which
             echo "$said" >&2 || echo "a job $said" >&9
         fi
         exit $1
