@@ -26,7 +26,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.studies import NAMES
 
-_OK, NO_ROOM, INTERRUPTED = 0, 74, 130
+_OK, FULL_DISK, INTERRUPTED = 0, 74, 130
 NEED_LIVES = {"solve", "life", "uncertainty", "recommend", "study"}
 """Commands that need the kernels of a life, or after which a life is usual."""
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stderr.write(one_line(f"bearingwear: {error.strerror or error}"))
         except OSError:
             _drop(sys.stderr)
-            return NO_ROOM
+            return FULL_DISK
         return BAD_INPUT
 
 

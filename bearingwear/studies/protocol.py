@@ -340,8 +340,21 @@ class Study:
 
     def default_targets(self) -> list[str]:
         """Those of them that a plain `snakemake` makes."""
-        wanted = (job for job in self.jobs if job.default or self.default)
-        return [path for job in wanted if not job.on_request for path in job.made()]
+        wanted = [job for job in self.jobs if job.default or self.default]
+        made = [path for job in wanted if not job.on_request for path in job.made()]
+        return [*made, *self._read_by(wanted)]
+
+    def _read_by(self, jobs: Sequence[Step | Bundle]) -> list[str]:
+        """Files made on request that some jobs read.
+
+        They are looked for as well: Snakemake would not miss one whose figures are there.
+        """
+        requested = {path for job in self.jobs if job.on_request for path in job.made()}
+        if not requested:
+            return []
+        steps = [step for job in jobs if not job.on_request for step in job.steps]
+        read = (flat_files(step.files(job)) for step in steps for job in step.jobs())
+        return [*dict.fromkeys(path for paths in read for path in paths if path in requested)]
 
     def point_folders(self) -> set[str]:
         """Folders of the results that points name."""

@@ -75,6 +75,17 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     status, told = study("-j2", "--stiffness", "3")
     assert status == 0 and "Nothing to be done" in told
 
+    # a deleted and a cut result: of whatever the page or a table is made from
+    results = folder / "results/mine"
+    cases = sorted(results.glob("cases/*.nc"))
+    assert len(cases) >= 2
+    before = [case.read_bytes() for case in cases]
+    cases[0].unlink()
+    cases[1].write_bytes(before[1][:20_000])
+    status, told = study("-j2", "--stiffness", "3")
+    assert status == 0 and f"renamed to results/mine/cases/{cases[1].name}.damaged" in told, told
+    assert [case.read_bytes() for case in cases] == before
+
     # other limits: no case is solved again
     status, told = study("-j2", "--stiffness", "900")
     assert status == 0 and "of the grid" not in told and "fixed_position-mu" not in told

@@ -13,7 +13,7 @@ from snakemake.io import report as in_report
 from snakemake.logging import logger
 
 from bearingwear import studies
-from bearingwear.cli import NO_ROOM
+from bearingwear.cli import FULL_DISK
 from bearingwear.provenance import (
     contents_hash,
     other_copy,
@@ -109,10 +109,10 @@ client = shlex.join([sys.executable, "-I", "-S", fork_server.__file__])
 shell.prefix(f"""set -euo pipefail; exec 9>&2;
     bearingwear() ( {client} "$@" || silent $? );
     silent() (
-        if [ $1 = {NO_ROOM} ]; then
+        if [ $1 = {FULL_DISK} ]; then
             echo "a job cannot write its log: No space left on device" >&9
         elif [ -f /dev/stderr ] && [ ! -s /dev/stderr ]; then
-            said="ended with status $1 without a message; above 128: by signal $(($1 - 128))"
+            said="ended with status $1 without a message" # of a signal the shell says which
             echo "$said" >&2 || echo "a job $said" >&9
         fi
         exit $1
