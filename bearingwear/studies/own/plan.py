@@ -35,8 +35,8 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     """
     limits.check(scene, source)
     frictions = _frictions(scene, source)
+    axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     losses = _losses(scene)
-    axes = axes_around(scene, frictions, source)
     config: dict[str, Any] = {
         "studies": [
             {
