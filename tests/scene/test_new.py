@@ -271,20 +271,25 @@ def test_small_bearings_have_uncertain_grooves(argv, is_small, tmp_path, capsys)
 
 
 @pytest.mark.parametrize(
-    ("size", "ends"), [("7000C", "-2 to +6"), ("7008C", "-3.5 to +9.5"), ("7020C", "-5 to +13")]
+    ("size", "ends", "gap"),
+    [("7000C", "-2 to +6", 5.5), ("7008C", "-3.5 to +9.5", 7.5), ("7020C", "-5 to +13", 10.5)],
 )
-def test_fits_are_written_with_the_range_of_their_class(size, ends):
-    """ISO 286 and ISO 492, entered once more: js4 and P4 of bores of 10, 40 and 100 mm."""
+def test_fits_are_written_with_the_range_of_their_class(size, ends, gap):
+    """ISO 286 and ISO 492, entered once more: 10 x 26, 40 x 68 and 100 x 150 mm."""
     text, _ = scene_text("mine", None, None, {}, designation=size)
     (line,) = re.findall("^fits: .*", text, re.MULTILINE)
     assert f"assumed: no interference; a shaft js4 in a bore of class P4 gives {ends} um" in line
     scene = scene_from_dict(data_of(text, "mine"), "mine")
     assert scene.fits.shaft_interference_um == 0.0
+    assert scene.fits.housing_interference_um == -gap
 
 
-def test_written_fits_change_no_number():
+@pytest.mark.parametrize("rings", [{}, {"inner_ring_C": 30.0, "outer_ring_C": 25.0}])
+def test_written_fits_change_no_number(rings):
+    """Until the outer ring is so warm that it fills its housing: 9 K here."""
     text, _ = scene_text("mine", None, None, {}, None, "fixed_position", designation="7008C")
     scene = scene_from_dict(data_of(text, "mine"), "mine")
+    scene = scene.with_({f"temperature.{part}": degC for part, degC in rings.items()})
     fitted, free = solve(scene).values, solve(scene.with_({"fits": None})).values
     for name, value in free.items():
         assert (fitted[name] == value).all() if hasattr(value, "all") else fitted[name] == value

@@ -38,11 +38,14 @@ SEAT_CLASS = "js4"
 """Tolerance of the shaft that makers recommend for spindle bearings: GMN, catalogue 4000 0813 EN,
 p. 71, prints +-2 to +-5 um, which is js4 rounded down; above 1.5 million mm r/min it wants more."""
 
-# Bore up to [mm]: width of the shaft's tolerance IT4 (ISO 286), and how far a bore of class P4 may
-# lie below its nominal size (ISO 492), both [um].
+HOUSING_CLASS = "H4"
+"""That of the housing: SNFA, general catalogue, assembly tolerances, for ABEC 7 and 9."""
+
+# Diameter up to [mm]: width of the tolerance IT4 (ISO 286), and how far a bore and an outside
+# diameter of class P4 may lie below their nominal size (ISO 492), all [um].
 _SEATS = (
-    (3, 3, 4), (10, 4, 4), (18, 5, 4), (30, 6, 5), (50, 7, 6), (80, 8, 7), (120, 10, 8),
-    (180, 12, 10), (250, 14, 12),
+    (3, 3, 4, 4), (10, 4, 4, 4), (18, 5, 4, 4), (30, 6, 5, 5), (50, 7, 6, 6), (80, 8, 7, 7),
+    (120, 10, 8, 8), (150, 12, 10, 9), (180, 12, 10, 10), (250, 14, 12, 11),
 )  # fmt: skip
 
 SPEED_FACTOR = 1.0e6
@@ -310,8 +313,18 @@ def _free_angle(
 
 def seat_interference(bore: float) -> tuple[float, float] | None:
     """Least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
-    seat = next((seat for seat in _SEATS if bore <= seat[0]), None)
+    seat = _seat(bore)
     return None if seat is None else (-0.5 * seat[1], 0.5 * seat[1] + seat[2])
+
+
+def housing_clearance(outside: float) -> float | None:
+    """Mean clearance [um] of an outside diameter [mm] of class P4 in `HOUSING_CLASS`."""
+    seat = _seat(outside)
+    return None if seat is None else 0.5 * (seat[1] + seat[3])
+
+
+def _seat(diameter: float) -> tuple[int, ...] | None:
+    return next((seat for seat in _SEATS if diameter <= seat[0]), None)
 
 
 def refused_option(option: str, value: float | str, what: str) -> SceneError:

@@ -20,11 +20,13 @@ from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.coefficients import Rubbing, rubbing
 from bearingwear.scene.new.assumed import (
+    HOUSING_CLASS,
     SEAT_CLASS,
     SMALL_GROOVES,
     Designation,
     Origin,
     grooves_vary,
+    housing_clearance,
     numbers_of,
     race_conductance,
     refused_option,
@@ -267,6 +269,7 @@ def _filled(
         method_given=preload_method is not None,
         pair_kind=PAIRS[method],
         seat_range=_seat_range(size.bore),
+        housing=_housing_line(size.outside) if size.outside > dm + D else "0.0",
         materials=dict.fromkeys(
             (
                 ball_material or size.letters.ball_material or "bearing_steel",
@@ -291,6 +294,14 @@ def _seat_range(bore: float) -> str:
         f"; a shaft {SEAT_CLASS} in a bore of class P4 gives {low:+g} to {high:+g} um, "
         f"{0.5 * (low + high):g} in the mean (ISO 286, ISO 492), and fast spindles need more"
     )
+
+
+def _housing_line(outside: float) -> str:
+    """Clearance in the housing, which closes where the outer ring is warmer, and its source."""
+    gap = housing_clearance(outside)
+    if gap is None:
+        return "0.0"
+    return f"{-gap:.1f}  # assumed: a housing {HOUSING_CLASS} round class P4, in the mean"
 
 
 def _ball_note(ball_material: str | None, size: Designation) -> str:
