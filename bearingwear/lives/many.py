@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.follow import Life
-from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.groove_life import grooves_followed, met_when_new
 from bearingwear.lives.grooves import (
     FEWER_CELLS,
     LONGER_STEP,
@@ -54,7 +54,9 @@ def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Lif
     if alone is None:
         return None
     cells, step = (FEWER_CELLS, LONGER_STEP) if quick else (WORN_CELLS, STEP)
-    return follow_grooves(Grooves(alone, cells, step, only_times=only_times, rough=quick))
+    life = follow_grooves(Grooves(alone, cells, step, only_times=only_times, rough=quick))
+    is_solved = life.nodes[0].status == code.OK
+    return life if is_solved else met_when_new(alone) or life
 
 
 def worse_states(life: Life, scene: Scene) -> list[State]:

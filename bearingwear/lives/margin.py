@@ -41,7 +41,7 @@ class Corner:
     why: str = ""  # it was not computed
 
 
-class Wear(NamedTuple):
+class WearState(NamedTuple):
     """A state of wear of a case, or why it is not known."""
 
     words: str
@@ -136,7 +136,7 @@ def losses_without_film(losses: Sequence[Losses], films: Sequence[float]) -> Los
     return tuple(low + share * (high - low) for low, high in ends)
 
 
-def wear_of(scene: Scene, life: Life | None) -> list[Wear]:
+def wear_of(scene: Scene, life: Life | None) -> list[WearState]:
     """States of wear of a case: new, worn at the end of its life, and when its film is gone.
 
     A film that outlasts the life is taken away at its end, and at the start of a scene without a
@@ -144,21 +144,21 @@ def wear_of(scene: Scene, life: Life | None) -> list[Wear]:
     """
     start = tuple(one.loss for one in solver_of(scene).bearings.start)
     has_film = any(Films.of(side).wear_through for side in scene.sides)
-    found = [Wear(_NEW, start)]
+    found = [WearState(_NEW, start)]
     if life is None:
-        return [*found, Wear(_BARE, start, True)] if has_film else found
+        return [*found, WearState(_BARE, start, True)] if has_film else found
     why = "" if life.status == code.OK else f"wear life: {sentence_of(life.status)}"
     solved = [node.states for node in life.nodes if node.status == code.OK]
     losses = [losses_of(states) for states in solved]
     end = () if why else losses[-1]
-    found.append(Wear(_WORN, end, why=why))
+    found.append(WearState(_WORN, end, why=why))
     if has_film:
         gone = losses_without_film(losses, [least_film(scene, states) for states in solved])
-        found.append(Wear(_BARE, gone or end, True, "" if gone else why))
+        found.append(WearState(_BARE, gone or end, True, "" if gone else why))
     return found
 
 
-def corners_of_case(scene: Scene, case: str, wear: Iterable[Wear]) -> list[Corner]:
+def corners_of_case(scene: Scene, case: str, wear: Iterable[WearState]) -> list[Corner]:
     """Corners of one case of a scene with a drive, in some states of wear."""
     drive = scene.drive
     assert drive is not None
@@ -202,9 +202,9 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
     if scene.drive is None:
         return math.nan
     losses = [state.values.get("losses", (state.loss,)) for state in states]
-    wear = [Wear(_NEW, losses[0]), Wear(_WORN, losses[-1])]
+    wear = [WearState(_NEW, losses[0]), WearState(_WORN, losses[-1])]
     if len(states) > 1 and any(Films.of(side).wear_through for side in scene.sides):
         gone = losses_without_film(losses, [least_film(scene, [state]) for state in states])
-        wear.append(Wear(_BARE, gone or losses[-1], True))
+        wear.append(WearState(_BARE, gone or losses[-1], True))
     margins = [corner.margin for corner in corners_of_case(scene, "", wear)]
     return min(margins) if all(map(math.isfinite, margins)) else math.nan
