@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import io
 import re
 import shlex
 import sys
@@ -452,6 +453,8 @@ def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
     from bearingwear.document.data import as_csv, as_json
     from bearingwear.document.text import as_text
 
+    if args.csv and isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")  # whatever the locale, as files are
     render = as_json if args.json else as_csv if args.csv else as_text
     _print(render(sheet))
 
