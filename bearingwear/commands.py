@@ -214,13 +214,14 @@ def recommend(args: argparse.Namespace) -> int:
 
 def launch(args: argparse.Namespace) -> int:
     from bearingwear.document.launch import launch_document
-    from bearingwear.solvers.bearing.launch import check_launch, launched
+    from bearingwear.lives.margin import launched_by_wear
+    from bearingwear.solvers.bearing.launch import check_launch
 
     given = {"axial": args.axial, "radial": args.radial}
     args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
     scene = _scene(args)
     check_launch(scene, args.scene)
-    _print_sheet(launch_document(scene, launched(scene)), args)
+    _print_sheet(launch_document(scene, launched_by_wear(scene)), args)
     return OK
 
 

@@ -255,10 +255,12 @@ def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
 
 def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Of all that may be limited, the worst of some states."""
-    found, at_rest = {}, launch_values(scene)
+    # each bearing's wear when new and at the end
+    wear = [state.values.get("losses", (state.loss,)) for state in states]
+    wear = [wear[0], wear[-1]][: len(wear)]
+    found, at_rest = {}, launch_values(scene, wear)
     if scene.drive is not None:
-        known = [state.values.get("losses", (state.loss,)) for state in states]
-        at_rest = {**at_rest, "torque_margin": least_margin(scene, [known[0], known[-1]])}
+        at_rest = {**at_rest, "torque_margin": least_margin(scene, wear)}
     histories = [
         state.with_values({"lowest_frequency": _frequency(scene, state), **at_rest})
         for state in states
