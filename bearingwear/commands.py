@@ -303,7 +303,7 @@ def study(args: argparse.Namespace) -> int:
     )
     from bearingwear.studies.sampling import usable_cores
 
-    check_arguments(args.more, [one.option for one in LIMITED.values()] + ["--output", "--jobs"])
+    check_arguments(args.more, [*(one.option for one in LIMITED.values()), "--at-speed-only", "--output", "--jobs"])
     jobs = args.jobs or usable_cores()
 
     if args.name.endswith(SCENE_SUFFIXES):
@@ -388,6 +388,7 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}
+    given |= {"at_speed_only": args.at_speed_only}
     return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 

@@ -180,10 +180,9 @@ class RotorAtRest:
         """
         worn = (None, None) if losses is None else (tuple(losses) * 2)[:2]
         a = scene.arrangement or Arrangement()
-        still = [
-            one.with_({"operation.shaft_speed_rpm": 0.0, "operation.outer_speed_rpm": 0.0})
-            for one in scene.sides
-        ]
+        speeds = ("shaft_speed_rpm", "lowest_speed_rpm", "outer_speed_rpm")
+        at_rest = {f"operation.{name}": 0.0 for name in speeds}
+        still = [one.with_(at_rest) for one in scene.sides]
         outwards = -1.0 if a.orientation == "back_to_back" else 1.0
         seats = []
         for k, (one, n, loss) in enumerate(zip((still * 2)[:2], a.tandem, worn, strict=True)):

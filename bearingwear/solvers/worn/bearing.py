@@ -68,6 +68,7 @@ class WornBearing:
         films: WornFilms | None = None,
     ):
         self.films, self.on_the_way = films, False
+        self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.bands, self.wander = bands, wander
         self.D = problem.g.D0 - loss
@@ -140,7 +141,7 @@ class WornBearing:
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
-        if not self._within(seat, D):
+        if self.wears and not self._within(seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)

@@ -23,8 +23,9 @@ from bearingwear.lives.life import life
 from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
-from bearingwear.results.warnings import gathered_warnings
+from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import (
@@ -44,7 +45,14 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.design.machine import MACHINE, machine_answers
+from bearingwear.studies.design.conditions import (
+    AT_SPEED_ONLY,
+    CONDITIONS,
+    DECIDING,
+    conditions_of,
+)
 from bearingwear.studies.design.map import (
+    CASE_POINTS,
     MAP_AXES,
     NO_LIFE,
     POINT,
@@ -173,7 +181,6 @@ def mapped(
     quick: whether the lives of the map are but a guide to the best preload within limits. They are
         solved where these need them, and none is in the map.
     """
-    slip_limit = limits.gyroscopic_slip_share
     scenes = scenes_of_map(scene, axes.values)
     unlike = len(scene.one_of_alike.sides) == 2
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
@@ -183,14 +190,14 @@ def mapped(
     with processes(workers, "recommend", some_here=True) as each:
         lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
         if not quick:
-            lives = each(_followed, [(one, slip_limit, False) for one in scenes])
+            lives = each(_followed, [(one, limits, False) for one in scenes])
         if not quick and tell is not None:
             line, timed = "{} of {} lives in the map", waiting is not None
             lives = told_in_lines(
                 lives, len(scenes), line, tell=tell, kind=_MAP, left=left, timed=timed
             )
-        design = map_of(scene, axes.values, slip_limit, list(lives))
-        design = with_choices(design.assign_attrs(limits=json.dumps(limits.given)))
+        design = map_of(scene, axes.values, limits, list(lives))
+        design = with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
         if waiting is not None:
             waiting.left = left
         return design, recommendation(scene, design, each, tell, left)
@@ -231,6 +238,9 @@ def recommendation(
         found.attrs[MACHINE] = json.dumps([row.get(MACHINE, {}) for row in rows])
     if scene.cases:
         found.attrs[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
+    found.attrs[DECIDING] = json.dumps([row.get(DECIDING, {}) for row in rows])
+    found.attrs[CONDITIONS] = json.dumps(conditions_of(scene, search.limits.at_speed_only))
+    found.attrs[AT_SPEED_ONLY] = int(search.limits.at_speed_only)
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
 
@@ -263,7 +273,10 @@ class Search:
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):
             if one is None:
-                none[line.method] = why_none(self._of_map(line), self.limits, self.basis)
+                of_map = self._of_map(line)
+                points = [line.tried[preload].values for preload in line.ahead]
+                cases = bool(self.scene.cases)
+                none[line.method] = why_none(of_map, self.limits, self.basis, points, cases)
             else:
                 rows[k] = _row(line, one, self.limits)
         if self.limits.given:
@@ -318,8 +331,7 @@ class Search:
         points = [line.tried[preload].values for preload in line.ahead]
         operation = self.scene.operation
         place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], line.ahead
-        slip_limit = self.limits.gyroscopic_slip_share
-        made = map_of(self.scene, ([line.method], *place), slip_limit, points)
+        made = map_of(self.scene, ([line.method], *place), self.limits, points)
         return made.isel(preload_method=0, friction=0, shaft_speed=0)
 
     def _new(self, method: str, low: float, high: float) -> dict[str, np.ndarray] | None:
@@ -331,10 +343,10 @@ class Search:
         points: dict[float, dict[str, Any]] = {}
         more = np.geomspace(low, high, 1 + math.ceil(math.log(high / low) / NEW_APART)).tolist()
         while more:
-            points |= {preload: new_point(self._at(method, preload)) for preload in more}
+            points |= {p: new_point(self._at(method, p), self.limits) for p in more}
             preloads = sorted(points)
             names = {name for point in points.values() for name in point}
-            names |= {name for limit in self.limits.given for name in LIMITED[limit].extremes}
+            names |= {name for limit in self.limits.held for name in LIMITED[limit].extremes}
             found = {
                 name: np.array([points[p].get(name, math.nan) for p in preloads]) for name in names
             }
@@ -342,9 +354,8 @@ class Search:
         return found | {"preload": np.array(preloads)}
 
     def _solve(self, kind: str, requests: Sequence[Request]) -> list[dict[str, Any]]:
-        slip_limit = self.limits.gyroscopic_slip_share
         jobs = [
-            (self._at(line.method, preload), slip_limit, not exact)
+            (self._at(line.method, preload), self.limits, not exact)
             for line, preload, exact in requests
         ]
         solved = []
@@ -408,7 +419,7 @@ class Search:
         ]
 
 
-def _followed(job: tuple[Scene, float | None, bool]) -> dict[str, Any]:
+def _followed(job: tuple[Scene, DesignLimits, bool]) -> dict[str, Any]:
     return followed_point(*job)
 
 
@@ -427,13 +438,13 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     Of several cases the largest error, the warnings of all, and which is the worst.
     """
     if scene.cases:
-        each = scene.in_cases
-        points = {name: followed_point(one, None) for name, one in each.items()}
-        parts = [_as_printed(one, points[name]) for name, one in each.items()]
+        points = point[CASE_POINTS]
+        parts = {name: _as_printed(one, points[name]) for name, one in scene.in_cases.items()}
+        errors = [parts[name]["life_error_estimate"] for name in cases_that_wear(scene)]
         return {
-            "life_error_estimate": np.max([part["life_error_estimate"] for part in parts], axis=0),
-            "warnings": gathered_warnings(parts),
-            WORST_CASES: worst_cases(points),
+            "life_error_estimate": np.max(errors, axis=0),
+            "warnings": _with_cases(gathered_warnings(parts.values()), parts),
+            WORST_CASES: worst_cases(point),
         }
     grooves, _ = grooves_followed(scene, "steady")
     if grooves is not None and WARNED in point:
@@ -443,6 +454,18 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     answer = life(scene)
     error = answer.values.get("life_error_estimate", NO_ERRORS)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
+
+
+def _with_cases(gathered: str, parts: Mapping[str, Mapping[str, Any]]) -> str:
+    """Warnings of all cases, each with the names of those in which it stands."""
+    found = json.loads(gathered)
+    for one in found:
+        one["in_cases"] = [
+            name
+            for name, part in parts.items()
+            if any(one["id"] == other["id"] for other in warnings_in(part))
+        ]
+    return json.dumps(found)
 
 
 def _row(line: PreloadLine, found: Found, limits: DesignLimits) -> dict[str, Any]:
@@ -466,7 +489,7 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
     known, best = line.in_order, found.best
     k = known.index(best)
     neighbours = [known[n] for n in (k - 1, k + 1) if 0 <= n < len(known)]
-    names = [*limits.given, ACTIVE[NOT_PRACTICAL]]
+    names = [*limits.held, ACTIVE[NOT_PRACTICAL]]
     margins = best.margins(limits)
     passed = [t.margins(limits) for t in neighbours if t.solved and t.life > best.life]
     passed = [m for m in passed if m.min() < 0.0]

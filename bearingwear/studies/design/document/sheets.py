@@ -141,8 +141,9 @@ def recommended_sheet(
     design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
     # a map with requirements has few lives: those that the search needed
     made = preload_document(found, None if limits.given else design)
-    reasons = {NO_LIFE_SOLVED, *json.loads(found.attrs.get(NONE_BECAUSE, "{}")).values()}
-    return made, len(reasons) > 1 or bool((found["status"] == OK).any())
+    reasons = json.loads(found.attrs.get(NONE_BECAUSE, "{}")).values()
+    others = any(not reason.startswith(NO_LIFE_SOLVED) for reason in reasons)
+    return made, others or bool((found["status"] == OK).any())
 
 
 def preload_document(
@@ -289,7 +290,7 @@ def _in_cases(found: xr.Dataset, held: list[str]) -> tuple[str, ...]:
     for text, (_, one), cases in zip(held, methods(found), of_methods, strict=True):
         limit = LIMITED.get(ACTIVE[int(one["active_limit"])])
         extremes = {name: float(one[name]) for name in limit.extremes} if limit else {}
-        name = limit.critical(extremes.__getitem__)[1] if limit else ""
+        name = limit.critical_extreme(extremes.__getitem__)[1] if limit else ""
         words.append(f"{text} ({cases[name]})" if name in cases else text)
     return tuple(words)
 
