@@ -303,7 +303,10 @@ def study(args: argparse.Namespace) -> int:
     )
     from bearingwear.studies.sampling import usable_cores
 
-    check_arguments(args.more, [*(one.option for one in LIMITED.values()), "--at-speed-only", "--output", "--jobs"])
+    check_arguments(
+        args.more,
+        [*(one.option for one in LIMITED.values()), "--at-speed-only", "--output", "--jobs"],
+    )
     jobs = args.jobs or usable_cores()
 
     if args.name.endswith(SCENE_SUFFIXES):

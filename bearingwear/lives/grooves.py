@@ -94,7 +94,7 @@ class Grooves:
     def elsewhere(self, scene: Scene, worn: Wears) -> States:
         """The bearings with some wear at another speed or temperature, with their stiffnesses.
 
-        They start from their last state; nothing can be followed further afterwards.
+        Nothing can be followed further afterwards.
         """
         other = copy.copy(self)
         other.scene, other.bearings = scene, worn_elsewhere(self.bearings, scene)

@@ -129,9 +129,7 @@ def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
     return _arranged(scene, bearings, sides)
 
 
-def _arranged(
-    scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]
-) -> Alone | OnRotor:
+def _arranged(scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]) -> Alone | OnRotor:
     """Sides in the arrangement of others."""
     if isinstance(bearings, Alone):
         return Alone(scene, tuple(sides))

@@ -3,6 +3,8 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bearingwear.kernels import status as code
@@ -43,6 +45,12 @@ _MOST_WIDENINGS = 6
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
+_ACROSS = np.linspace(-0.95, 0.95, 20)
+_SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
+"""Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
+_FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY = 0.25, 1.0 / 64.0
+"""Steps from an even groove to one as it is worn, over what they differ by."""
+_ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
 SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
@@ -84,6 +92,7 @@ class WornBearing:
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
+        self.solved_by = problem.op
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
         self.state = state_work()
@@ -123,15 +132,21 @@ class WornBearing:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
-        kept = self.seat, self.u
+        kept, even = (self.seat, self.u), None
+        if not self.wears:  # the last state may be at another speed, far away
+            even = self._start_where_worn(p, wear)
         seat, u, races, work = self._settled(p, D, wear)
-        if seat.status == code.NOT_CONVERGED:
+        if even is None and seat.status == code.NOT_CONVERGED:
             # The last state has none nearby: the motion goes over to another one.
-            even = p.solve(D - self.reference.sum())
-            if even.status == code.OK:
-                self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+            if self._start_evenly(p, D).status == code.OK:
                 seat, u, races, work = self._settled(p, D, wear)
+        elif even is not None and seat.status in _FAR:
+            seat, u, races, work = self._from_other_speed(p, D, wear, *kept)
+            if seat.status in _FAR:
+                seat, u, races, work = self._led_to(p, D, wear)
         status = seat.status
+        if status in _FAR and even not in (None, code.OK, code.NOT_CONVERGED):
+            status = even  # nothing holds the balls, however they are worn
         if status != code.OK:
             self.seat, self.u = kept
             for race in races:  # nothing to start from
@@ -139,6 +154,7 @@ class WornBearing:
             self.state.slope.fill(0.0)
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
+        self.solved_by = p.op
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
         if self.wears and not self._within(seat, D):
@@ -168,6 +184,145 @@ class WornBearing:
             ),
             D=D,
         )
+
+    def _from_other_speed(
+        self, p: ThrustProblem, D: float, wear: WornDepths, seat: WornSeat, u: np.ndarray
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+        """`_settled` from a state at another speed, with its motion as much faster."""
+        then = self.solved_by.omega_i - self.solved_by.omega_o
+        faster = (p.op.omega_i - p.op.omega_o) / then if then else 1.0
+        self.seat, self.u, self.reference = seat, faster * u, self.worn_reference
+        for race in self.races:
+            np.copyto(race.pressure, race.cells.fresh)
+        return self._settled(p, D, wear)
+
+    def _led_to(
+        self, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+        """`_settled`, led to by grooves that differ from even ones by more and more."""
+        self._start_where_worn(p, wear)
+        for race in self.races:
+            np.copyto(race.pressure, race.cells.fresh)
+        mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
+        while True:
+            to = min(share + step, 1.0)
+            pressures = [race.pressure.copy() for race in self.races]
+            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
+            if found[0].status not in _FAR:
+                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
+                if share == 1.0:
+                    return found
+                continue
+            step *= 0.5
+            if step < _LEAST_ON_THE_WAY:
+                return found
+            for race, pressure in zip(self.races, pressures, strict=True):
+                if race.pressure.shape == pressure.shape:
+                    np.copyto(race.pressure, pressure)
+
+    def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
+        """State of balls that have lost as much evenly, from which the next solve starts."""
+        even = p.solve(D - self.reference.sum())
+        if even.status == code.OK:
+            self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        return even
+
+    def _start_where_worn(self, p: ThrustProblem, wear: WornDepths) -> int:
+        """Let the next solve start from grooves that are everywhere as deep as they are in the mean
+        where the contacts run, with the load of Hertz; a status.
+
+        Where nothing holds the balls of such a bearing, it starts from grooves half as deep.
+        """
+        D, arcs, depths = p.g.D0 - self.loss - wear.ball, self._arcs(wear), np.zeros(2)
+        self.reference, status = depths, code.OK
+        for k in range(_ROUNDS):
+            even = self._start_evenly(p, D)
+            if even.status != code.OK:
+                if k == 0:
+                    return even.status
+                status, self.reference = even.status, 0.5 * (self.reference + depths)
+                continue
+            if status != code.OK:
+                break
+            depths = self.reference
+            self.reference = np.array([self._mean_depth(p, arcs, even, k) for k in range(2)])
+        self._start_evenly(p, D)
+        return status
+
+    def _mean_depth(
+        self, p: ThrustProblem, arcs: tuple[Arc, Arc, Arc], even: ThrustCase, k: int
+    ) -> float:
+        """Depth of groove k in a contact, by the load of Hertz [m]."""
+        major, angle = even.contacts[k, [MAJOR, ANGLE]].tolist()
+        places = major * _ACROSS + self.shift(k, angle, p.g)
+        return float(_SHAPE @ arc_values(arcs[k], places))
+
+    def _from_other_speed(
+        self, p: ThrustProblem, D: float, wear: WornDepths, seat: WornSeat, u: np.ndarray
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+        """`_settled` from a state at another speed, with its motion as much faster."""
+        then = self.solved_by.omega_i - self.solved_by.omega_o
+        faster = (p.op.omega_i - p.op.omega_o) / then if then else 1.0
+        self.seat, self.u, self.reference = seat, faster * u, self.worn_reference
+        for race in self.races:
+            np.copyto(race.pressure, race.cells.fresh)
+        return self._settled(p, D, wear)
+
+    def _led_to(
+        self, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+        """`_settled`, led to by grooves that differ from even ones by more and more."""
+        self._start_where_worn(p, wear)
+        for race in self.races:
+            np.copyto(race.pressure, race.cells.fresh)
+        mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
+        while True:
+            to = min(share + step, 1.0)
+            pressures = [race.pressure.copy() for race in self.races]
+            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
+            if found[0].status not in _FAR:
+                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
+                if share == 1.0:
+                    return found
+                continue
+            step *= 0.5
+            if step < _LEAST_ON_THE_WAY:
+                return found
+            for race, pressure in zip(self.races, pressures, strict=True):
+                if race.pressure.shape == pressure.shape:
+                    np.copyto(race.pressure, pressure)
+
+    def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
+        """State of balls that have lost as much evenly, from which the next solve starts."""
+        even = p.solve(D - self.reference.sum())
+        if even.status == code.OK:
+            self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        return even
+
+    def evenly_worn(self, p: ThrustProblem, wear: WornDepths) -> ThrustCase:
+        """State of grooves that are everywhere as deep as they are in the mean where the contacts
+        run, with the load of Hertz; the next solve starts from there.
+        """
+        D, arcs = p.g.D0 - self.loss - wear.ball, self._arcs(wear)
+        for _ in range(_ROUNDS):
+            even = self._start_evenly(p, D)
+            if even.status != code.OK:
+                break
+            contacts = even.contacts
+            self.reference = np.array(
+                [
+                    float(
+                        _SHAPE
+                        @ arc_values(
+                            arcs[k],
+                            contacts[k, MAJOR] * _ACROSS
+                            + self.shift(k, float(contacts[k, ANGLE]), p.g),
+                        )
+                    )
+                    for k in range(2)
+                ]
+            )
+        return even
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Let the next solve start where the way of two states leads, by a share of it."""

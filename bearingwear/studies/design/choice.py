@@ -170,9 +170,7 @@ def why_none(
         return NO_LIMIT
     margin = np.array([one.values for one in limit_margins(line, limits)])
     nearest = usable[margin[:, usable].argmax(axis=1)]
-    failed = {
-        name: nearest[k] for k, name in enumerate(limits.held) if margin[k, nearest[k]] < 0.0
-    }
+    failed = {name: nearest[k] for k, name in enumerate(limits.held) if margin[k, nearest[k]] < 0.0}
     before, but = "", "at best "
     if not failed:
         before = "each requirement can be satisfied individually, but not all of them together: "

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.scene import Scene
 
-SHARES = (0.75, 0.5, 0.25, 0.125, 0.0625, 0.0)
+SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
 """Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
 
 SLOW = 0.125
@@ -99,7 +99,7 @@ def is_warm(scene: Scene) -> bool:
 
 
 def shares_beside(scene: Scene) -> list[float]:
-    """Shares of its speed at which a scene is looked at beside the full one, the highest first."""
+    """Shares of its speed at which a scene is looked at beside the full one, the lowest first."""
     lowest = lowest_share(scene)
     if not scene.operation.fastest_rpm or lowest >= 1.0:
         return []
@@ -110,7 +110,7 @@ def cold_places(scene: Scene) -> list[Place]:
     """Rest and slow speeds with all parts at mounting temperature, of a scene that is warmer."""
     if not is_warm(scene):
         return []
-    shares = [share for share in shares_beside(scene) if share <= SLOW][-_MOST_COLD:]
+    shares = [share for share in shares_beside(scene) if share <= SLOW][:_MOST_COLD]
     if not scene.operation.fastest_rpm:
         shares = [1.0]  # at rest
     return [Place(as_mounted(at_share(scene, share)), MOUNTING) for share in shares]

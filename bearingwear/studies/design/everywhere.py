@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,6 +43,10 @@ NEAR = 0.3
 """Margin of a limit up to which the worst value over speed is looked for between the speeds."""
 
 _MOST_BETWEEN = 6  # speeds, of a quantity
+_MOVE, _AS_SLOW = 0.07, 0.01
+"""By how much a speed is moved where there is no state at it, over it, and how slow is as good as
+at rest, over the full speed."""
+
 _NARROW = 1e-3  # of the full speed: speeds so close are one
 
 MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
@@ -154,37 +159,24 @@ class Everywhere(NamedTuple):
 
     def beside(self, own: Extremes, solve: Solve, wear: str) -> Beside:
         """Extremes of the bearings in one state of wear, from those at the scene's own speed."""
-        speeds: dict[float, Extremes] = {1.0: own}
-        solves = 0
-
-        def at(place: Place) -> Extremes:
-            nonlocal solves
-            solves += 1
-            return self._at(place, solve, wear)
-
+        found = _Speeds(self, solve, wear, {1.0: own})
         try:
             for share in shares_beside(self.scene):
-                speeds[share] = at(Place(at_share(self.scene, share)))
+                if found.is_lost:
+                    break
+                found.add(share)
             for _ in range(_MOST_BETWEEN):
-                between = self._between(speeds)
-                if not between:
+                between = self._between(found.known)
+                if found.is_lost or not between:
                     break
                 for share in between:
-                    speeds[share] = at(Place(at_share(self.scene, share)))
-            cold = [at(place) for place in cold_places(self.scene)]
+                    found.add(share)
+            for place in cold_places(self.scene):
+                if not found.is_lost:
+                    found.others.append(found.at(place))
         except _Unsolved as lost:
-            return Beside({}, solves, lost.status, lost.where)
-        return Beside(merged([*speeds.values(), *cold]), solves)
-
-    def _at(self, place: Place, solve: Solve, wear: str) -> Extremes:
-        where = place.where(wear=wear)
-        states = solve(place.scene)
-        status = next((state.status for state in states if state.status != code.OK), code.OK)
-        if status in GONE:
-            return {KEPT: {**where, "value": 0.0, "status": code.STATUS_NAMES[status]}}
-        if status != code.OK:
-            raise _Unsolved(status, where | {"status": code.STATUS_NAMES[status]})
-        return state_extremes(place.scene, states, where)
+            return Beside({}, found.solves, lost.status, lost.where)
+        return Beside(merged([*found.known.values(), *found.others]), found.solves)
 
     def _between(self, speeds: Mapping[float, Extremes]) -> list[float]:
         """Speeds at which a limited quantity may be worse than at those known."""
@@ -203,7 +195,47 @@ class Everywhere(NamedTuple):
                 share = _turn(one, known, math.inf if self.exactly else NEAR, limit)
                 if share is not None:
                     found.add(max(share, lowest_share(self.scene)))
-        return sorted(found - set(speeds), reverse=True)
+        return sorted(found - set(speeds))
+
+
+@dataclass
+class _Speeds:
+    """Extremes of the bearings in one state of wear at speeds and elsewhere, one after another."""
+
+    of: Everywhere
+    solve: Solve
+    wear: str
+    known: dict[float, Extremes]  # by shares of the full speed
+    others: list[Extremes] = field(default_factory=list)
+    solves: int = 0
+    is_lost: bool = False  # whether some bearing carries nothing somewhere, which is enough to know
+
+    def add(self, share: float) -> None:
+        """Solve at a share of the full speed, or next to it where there is no state at that.
+
+        The speeds are as good as those beside them; at some the motion goes over to another one.
+        """
+        lost: _Unsolved | None = None
+        for near in (share, *(max(share * (1.0 + move), _AS_SLOW) for move in (-_MOVE, _MOVE))):
+            try:
+                self.known[near] = self.at(Place(at_share(self.of.scene, near)))
+                return
+            except _Unsolved as failed:
+                lost = lost or failed
+        assert lost is not None
+        raise lost
+
+    def at(self, place: Place) -> Extremes:
+        where = place.where(wear=self.wear)
+        self.solves += 1
+        states = self.solve(place.scene)
+        status = next((state.status for state in states if state.status != code.OK), code.OK)
+        if status in GONE:
+            self.is_lost = True
+            return {KEPT: {**where, "value": 0.0, "status": code.STATUS_NAMES[status]}}
+        if status != code.OK:
+            raise _Unsolved(status, where | {"status": code.STATUS_NAMES[status]})
+        return state_extremes(place.scene, states, where)
 
 
 def _turn(

@@ -398,9 +398,7 @@ def _warnings_along(scene: Scene, life: Life) -> list[dict[str, Any]]:
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
     """The scene at a point of the map."""
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
-    made = held_by(
-        scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest
-    )
+    made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
     return replace(made, friction=replace(scene.friction, ball_race=mu))
 
 
@@ -445,7 +443,9 @@ def map_of(
         title=f"Design map: {base.name}",
         kind="design map",
         scene=base,
-        limits=json.dumps(replace(limits, **dict.fromkeys(set(limits.given) - {SLIP_SHARE})).stored),
+        limits=json.dumps(
+            replace(limits, **dict.fromkeys(set(limits.given) - {SLIP_SHARE})).stored
+        ),
     )
 
 

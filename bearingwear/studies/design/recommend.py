@@ -43,14 +43,14 @@ from bearingwear.studies.design.choice import (
     why_none,
     with_choices,
 )
-from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
-from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.conditions import (
     AT_SPEED_ONLY,
     CONDITIONS,
     DECIDING,
     conditions_of,
 )
+from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
+from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     CASE_POINTS,
     MAP_AXES,
