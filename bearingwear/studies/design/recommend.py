@@ -77,7 +77,14 @@ from bearingwear.studies.design.room import (
     longer,
     verdict_on,
 )
-from bearingwear.studies.design.search import Asking, Found, Request, answered, search
+from bearingwear.studies.design.search import (
+    Asking,
+    Found,
+    Request,
+    answered,
+    search,
+    settable,
+)
 from bearingwear.studies.pool import (
     Tell,
     TimeLeft,
@@ -111,6 +118,12 @@ BEYOND_RANGE = table(
         "preload far outside the range in which the recommended preload lies"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
     Variable("beyond_running_preload", (), "N", "running preload at beyond_preload, when new"),
+)  # fmt: skip
+SETTABLE = table(
+    Variable("least_preload", (), "N", "least preload that may be set in place of the recommended "
+        "one: requirements hold, and the life is at least 90 % as long"),
+    Variable("most_preload", (), "N", "most preload that may be set in place of the recommended "
+        "one: requirements hold, and the life is at least 90 % as long"),
 )  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
@@ -279,10 +292,22 @@ class Search:
                 none[line.method] = why_none(of_map, self.limits, self.basis, points, cases)
             else:
                 rows[k] = _row(line, one, self.limits)
+        self._set_ranges(known, rows)
         if self.limits.given:
             self.tell("robustness of the choice")
         held_so, beside = self._held(known, rows)
         return [row | more for row, more in zip(rows, beside, strict=True)], none, held_so
+
+    def _set_ranges(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> None:
+        """Add to the row of the best method the range in which its preload may be set."""
+        lives = [float(row["life"][self.basis]) if "life" in row else 0.0 for row in rows]
+        if not max(lives) > 0.0:
+            return
+        k = int(np.argmax(lives))
+        best = lines[k].tried[rows[k]["preload"]]
+        asking = [settable(lines[k], best, self.limits)]
+        ((low, high),) = answered(asking, partial(self._solve, _SEARCH))
+        rows[k] |= {"least_preload": low, "most_preload": high}
 
     def _searched(self, line: PreloadLine) -> Asking:
         """`search`, beyond an end of the map while that makes the longest life longer."""
@@ -494,7 +519,10 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
     passed = [t.margins(limits) for t in neighbours if t.solved and t.life > best.life]
     passed = [m for m in passed if m.min() < 0.0]
     if passed:
-        return ACTIVE.index(names[int(np.argmin(min(passed, key=lambda m: m.min())))])
+        by_most = int(np.argmin(min(passed, key=lambda m: m.min())))
+        # of several that a neighbour passes, one that is met here
+        is_met = margins.min() < AT_LIMIT <= margins[by_most]
+        return ACTIVE.index(names[int(np.argmin(margins)) if is_met else by_most])
     near = [*neighbours, *([found.cliff] if found.cliff else [])]
     if any(not t.solved for t in near):
         return NEXT_NOT_SOLVED
@@ -515,6 +543,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
         LIFE_ERROR,
         *CLIFF.values(),
         *BEYOND_RANGE.values(),
+        *SETTABLE.values(),
     )
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
