@@ -303,10 +303,8 @@ def study(args: argparse.Namespace) -> int:
     )
     from bearingwear.studies.sampling import usable_cores
 
-    check_arguments(
-        args.more,
-        [*(one.option for one in LIMITED.values()), "--at-speed-only", "--output", "--jobs"],
-    )
+    limits = [one.option for one in LIMITED.values()]
+    check_arguments(args.more, [*limits, "--at-speed-only", "--output", "--jobs"])
     jobs = args.jobs or usable_cores()
 
     if args.name.endswith(SCENE_SUFFIXES):

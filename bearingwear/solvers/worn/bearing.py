@@ -48,8 +48,8 @@ _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race;
 _ACROSS = np.linspace(-0.95, 0.95, 20)
 _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
 """Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
-_FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY = 0.25, 1.0 / 64.0
-"""Steps from an even groove to one as it is worn, over what they differ by."""
+_FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
+"""Steps from an even groove to one as it is worn, over what they differ by, and how many."""
 _ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
@@ -190,8 +190,9 @@ class WornBearing:
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
         """`_settled` from a state at another speed, with its motion as much faster."""
         then = self.solved_by.omega_i - self.solved_by.omega_o
-        faster = (p.op.omega_i - p.op.omega_o) / then if then else 1.0
-        self.seat, self.u, self.reference = seat, faster * u, self.worn_reference
+        if then:  # else the motion is that of even grooves
+            self.u = (p.op.omega_i - p.op.omega_o) / then * u
+        self.seat, self.reference = seat, self.worn_reference
         for race in self.races:
             np.copyto(race.pressure, race.cells.fresh)
         return self._settled(p, D, wear)
@@ -204,7 +205,7 @@ class WornBearing:
         for race in self.races:
             np.copyto(race.pressure, race.cells.fresh)
         mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
-        while True:
+        for _ in range(_MOST_ON_THE_WAY):
             to = min(share + step, 1.0)
             pressures = [race.pressure.copy() for race in self.races]
             found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
@@ -215,10 +216,11 @@ class WornBearing:
                 continue
             step *= 0.5
             if step < _LEAST_ON_THE_WAY:
-                return found
+                break
             for race, pressure in zip(self.races, pressures, strict=True):
                 if race.pressure.shape == pressure.shape:
                     np.copyto(race.pressure, pressure)
+        return found
 
     def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
         """State of balls that have lost as much evenly, from which the next solve starts."""
@@ -256,73 +258,6 @@ class WornBearing:
         major, angle = even.contacts[k, [MAJOR, ANGLE]].tolist()
         places = major * _ACROSS + self.shift(k, angle, p.g)
         return float(_SHAPE @ arc_values(arcs[k], places))
-
-    def _from_other_speed(
-        self, p: ThrustProblem, D: float, wear: WornDepths, seat: WornSeat, u: np.ndarray
-    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
-        """`_settled` from a state at another speed, with its motion as much faster."""
-        then = self.solved_by.omega_i - self.solved_by.omega_o
-        faster = (p.op.omega_i - p.op.omega_o) / then if then else 1.0
-        self.seat, self.u, self.reference = seat, faster * u, self.worn_reference
-        for race in self.races:
-            np.copyto(race.pressure, race.cells.fresh)
-        return self._settled(p, D, wear)
-
-    def _led_to(
-        self, p: ThrustProblem, D: float, wear: WornDepths
-    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
-        """`_settled`, led to by grooves that differ from even ones by more and more."""
-        self._start_where_worn(p, wear)
-        for race in self.races:
-            np.copyto(race.pressure, race.cells.fresh)
-        mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
-        while True:
-            to = min(share + step, 1.0)
-            pressures = [race.pressure.copy() for race in self.races]
-            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
-            if found[0].status not in _FAR:
-                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
-                if share == 1.0:
-                    return found
-                continue
-            step *= 0.5
-            if step < _LEAST_ON_THE_WAY:
-                return found
-            for race, pressure in zip(self.races, pressures, strict=True):
-                if race.pressure.shape == pressure.shape:
-                    np.copyto(race.pressure, pressure)
-
-    def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
-        """State of balls that have lost as much evenly, from which the next solve starts."""
-        even = p.solve(D - self.reference.sum())
-        if even.status == code.OK:
-            self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
-        return even
-
-    def evenly_worn(self, p: ThrustProblem, wear: WornDepths) -> ThrustCase:
-        """State of grooves that are everywhere as deep as they are in the mean where the contacts
-        run, with the load of Hertz; the next solve starts from there.
-        """
-        D, arcs = p.g.D0 - self.loss - wear.ball, self._arcs(wear)
-        for _ in range(_ROUNDS):
-            even = self._start_evenly(p, D)
-            if even.status != code.OK:
-                break
-            contacts = even.contacts
-            self.reference = np.array(
-                [
-                    float(
-                        _SHAPE
-                        @ arc_values(
-                            arcs[k],
-                            contacts[k, MAJOR] * _ACROSS
-                            + self.shift(k, float(contacts[k, ANGLE]), p.g),
-                        )
-                    )
-                    for k in range(2)
-                ]
-            )
-        return even
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Let the next solve start where the way of two states leads, by a share of it."""

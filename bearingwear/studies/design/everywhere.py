@@ -52,7 +52,7 @@ _NARROW = 1e-3  # of the full speed: speeds so close are one
 MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
 """Limited measures by the names of their extremes."""
 
-KEPT = "preload_kept"
+KEPT, QUASISTATIC = "preload_kept", "quasi-static"
 
 Extremes = dict[str, dict[str, Any]]
 """Of quantities by the names of extremes: `value` [SI], and where it is (`Place.where`)."""
@@ -74,8 +74,15 @@ def frequency(scene: Scene, state: State) -> float:
     return lowest_frequency(scene, (state, state))
 
 
-def state_extremes(scene: Scene, states: States, where: Mapping[str, Any]) -> Extremes:
-    """Limited quantities of bearings in one state, but those at rest by themselves."""
+def state_extremes(
+    scene: Scene, states: States, where: Mapping[str, Any], own: bool = True
+) -> Extremes:
+    """Limited quantities of bearings in one state, but those at rest by themselves.
+
+    own: whether that is at the scene's own speed. Elsewhere no quasi-static stiffness counts: it
+        falls far where the spin of the balls goes over from one race to the other, within some 2 %
+        of a speed, which a machine passes.
+    """
     worse = worse_state(states, scene)
     worse = worse.with_values({"lowest_frequency": frequency(scene, worse)})
     sides = whole_sides(states, scene) if len(states) == 2 else states
@@ -83,7 +90,9 @@ def state_extremes(scene: Scene, states: States, where: Mapping[str, Any]) -> Ex
     for one in LIMITED.values():
         if one.resting:
             continue
-        for name, variable in zip(one.extremes, one.variables, strict=True):
+        for name, variable, kind in zip(one.extremes, one.variables, one.kinds, strict=True):
+            if kind == QUASISTATIC and not own:
+                continue
             whole = scene.operation.preload_N if one.over_preload else 1.0
             value = one.extreme(worse[variable]) / whole
             each = [one.extreme(side[variable]) / whole for side in sides]
@@ -235,7 +244,7 @@ class _Speeds:
             return {KEPT: {**where, "value": 0.0, "status": code.STATUS_NAMES[status]}}
         if status != code.OK:
             raise _Unsolved(status, where | {"status": code.STATUS_NAMES[status]})
-        return state_extremes(place.scene, states, where)
+        return state_extremes(place.scene, states, where, own=False)
 
 
 def _turn(

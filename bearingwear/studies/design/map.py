@@ -434,8 +434,9 @@ def map_of(
     limits: DesignLimits,
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """A map, whose slip share is timed, from what `followed_point` gives for its scenes."""
+    """A map from what `followed_point` gives for its scenes; of its limits the slip share is kept."""
     methods, *numbers = axes
+    others = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
     return filled_points(
         {**dict(zip(MAP_AXES.values(), values, strict=True)), LOSS_BASIS: None},
@@ -443,9 +444,7 @@ def map_of(
         title=f"Design map: {base.name}",
         kind="design map",
         scene=base,
-        limits=json.dumps(
-            replace(limits, **dict.fromkeys(set(limits.given) - {SLIP_SHARE})).stored
-        ),
+        limits=json.dumps(replace(limits, **others).stored),
     )
 
 
