@@ -17,6 +17,9 @@ _CONTACTS = {
 }
 
 
+_TEMPERATURE_LEFT_OUT = "temperature_left_out"
+"""Warning of a scene without temperatures."""
+
 _NOT_GIVEN = "temperatures neglected"
 
 
@@ -65,6 +68,13 @@ def _changed(scene: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
         block, _, rest = key.partition(".")
         made[block] = _changed(made.get(block) or {}, {rest: value}) if rest else value
     return made
+
+
+def settled_by_a_case(warning: Mapping[str, Any], scene: Mapping[str, Any]) -> bool:
+    """Whether a case of a scene answers a warning: temperatures are neglected, but it has some."""
+    cases = list(scenes_by_case(scene).values())[1:]
+    warm = any(one.get("temperature") or one.get("thermal") for one in cases)
+    return warm and warning["id"] == _TEMPERATURE_LEFT_OUT
 
 
 def cases_words(cases: Iterable[str]) -> str:

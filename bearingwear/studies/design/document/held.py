@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.bearing_line import cases_words, scenes_by_case
+from bearingwear.document.bearing_line import cases_words, scenes_by_case, settled_by_a_case
 from bearingwear.measures import LIMITED
 from bearingwear.results.units import in_print
 from bearingwear.results.warnings import warnings_in
@@ -26,9 +26,6 @@ from bearingwear.studies.design.conditions import (
 
 JUST_MET = 0.01
 """Margin of a requirement, over it, that is as good as none."""
-
-_TEMPERATURE = "temperature_left_out"
-"""Warning of a scene without temperatures."""
 
 
 def range_words(dataset: xr.Dataset) -> str:
@@ -124,6 +121,14 @@ def life_words(found: xr.Dataset, one: xr.Dataset) -> str:
     return f"{words} (case {where['case']}, the shortest of {cases})" if cases > 1 else words
 
 
+def lives_words(dataset: xr.Dataset) -> str:
+    """Whose lives a map or a recommendation has."""
+    scene = scene_of(dataset)
+    if scene.get("cases"):
+        return "of the case with the shortest life"
+    return f"at {scene['operation']['shaft_speed_rpm']:g} r/min"
+
+
 def limit_met_words(found: xr.Dataset, one: xr.Dataset) -> str:
     """What holds a recommended preload, and where: `20 N/µm is just met at 3000 r/min, new`."""
     name = ACTIVE[int(one["active_limit"])]
@@ -147,10 +152,9 @@ def stated_warnings(found: xr.Dataset) -> list[dict[str, Any]]:
     Where a case gives temperatures, none says that they are neglected.
     """
     cases = scenes_by_case(scene_of(found))
-    warm = any(one.get("temperature") or one.get("thermal") for one in cases.values())
     stated = []
     for one in warnings_in(found.attrs):
-        if warm and one["id"] == _TEMPERATURE:
+        if settled_by_a_case(one, scene_of(found)):
             continue
         names = one.get("in_cases", [])
         if 0 < len(names) < len(cases):

@@ -51,6 +51,7 @@ from bearingwear.studies.design.document.held import (
     deciding_of,
     extreme_words,
     life_words,
+    lives_words,
     stated_warnings,
     worst_words,
 )
@@ -182,6 +183,7 @@ def preload_document(
         "verdict": VERDICTS[int(np.nan_to_num(found["verdict"]))],
         "conditions": conditions_words(found),
         "worst": worst_words(found),
+        "life_at": lives_words(found),
         DECIDING: deciding_of(found),
         "warnings": [warning_line(one).removeprefix(WARNING) for one in stated_warnings(found)],
     }
