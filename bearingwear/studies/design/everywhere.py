@@ -104,12 +104,17 @@ def state_extremes(
 
 
 def along(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extremes:
-    """Limited quantities from the first node of a life to the last one."""
+    """Limited quantities from the first node of a life to the last one; what is not known of a node
+    between them is between what is known of others.
+    """
     last = len(nodes) - 1
     each = []
     for k, node in enumerate(nodes):
         wear = NEW if k == 0 else WORN if k == last else BETWEEN
-        each.append(state_extremes(scene, node.states, {**where, "wear": wear}))
+        found = state_extremes(scene, node.states, {**where, "wear": wear})
+        if wear == BETWEEN:
+            found = {name: one for name, one in found.items() if not math.isnan(one["value"])}
+        each.append(found)
     return merged(each)
 
 

@@ -371,7 +371,11 @@ def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     ]
     for one in LIMITED.values():
         for name, variable in zip(one.extremes, one.variables, strict=True):
-            extreme = one.extreme([state[variable] for state in histories])
+            ends = histories[0][variable], histories[-1][variable]
+            between = [state[variable] for state in histories[1:-1]]
+            # what is not known between is between what is known
+            known = [value for value in between if not np.isnan(value).any()]
+            extreme = one.extreme([*ends, *known])
             found[name] = extreme / scene.operation.preload_N if one.over_preload else extreme
     return found
 
@@ -434,7 +438,7 @@ def map_of(
     limits: DesignLimits,
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """A map from what `followed_point` gives for its scenes; of its limits the slip share is kept."""
+    """A map from what `followed_point` gives for its scenes; of limits the slip share is kept."""
     methods, *numbers = axes
     others = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers

@@ -178,7 +178,7 @@ def _margins(tried: Sequence[Tried], limits: DesignLimits) -> np.ndarray:
     practical = [-1.0 if t.values.get("impractical") else 1.0 for t in tried]
     found = np.array([*_room(values, limits), practical])
     found[:, [not t.solved for t in tried]] = -1.0
-    return found
+    return np.nan_to_num(found, nan=-1.0)  # what is not known is not within a limit
 
 
 def round_number(target: float, low: float, high: float) -> float:
