@@ -38,6 +38,7 @@ from bearingwear.studies.design.choice import (
     NOT_PRACTICAL,
     OTHER_END,
     UNLIMITED,
+    least_violations,
     limit_margins,
     limits_of,
     why_none,
@@ -64,7 +65,13 @@ from bearingwear.studies.design.map import (
     scenes_of_map,
     worst_cases,
 )
-from bearingwear.studies.design.plan import DesignLimits, MapAxes, most_preload
+from bearingwear.studies.design.plan import (
+    COARSE,
+    DesignLimits,
+    MapAxes,
+    most_preload,
+    round_factor,
+)
 from bearingwear.studies.design.preload_line import PreloadLine, denser
 from bearingwear.studies.design.room import (
     Assumption,
@@ -286,10 +293,7 @@ class Search:
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):
             if one is None:
-                of_map = self._of_map(line)
-                points = [line.tried[preload].values for preload in line.ahead]
-                cases = bool(self.scene.cases)
-                none[line.method] = why_none(of_map, self.limits, self.basis, points, cases)
+                none[line.method] = self._why_none(line)
             else:
                 rows[k] = _row(line, one, self.limits)
         self._set_ranges(known, rows)
@@ -348,14 +352,39 @@ class Search:
             line.add(preload, values, exact=True)
         return line
 
-    def _of_map(self, line: PreloadLine) -> xr.Dataset:
-        """Lives at the preloads of the map, over these alone; those not tried are solved."""
-        missing = [(line, preload, False) for preload in line.ahead if preload not in line.tried]
-        for (_, preload, exact), values in zip(missing, self._solve(_SEARCH, missing), strict=True):
+    def _why_none(self, line: PreloadLine) -> str:
+        """Why no preload of a line is allowed, and how near one comes, whatever map it is from.
+
+        At the coarse preloads that every map around the scene has, by exact lives where it counts.
+        """
+        preloads = list(line.ahead)
+        if (own := self.scene.operation.preload_N) > 0.0:
+            coarse = [p for f in COARSE if (p := round_factor(f, own)) in preloads]
+            preloads = coarse if len(coarse) == len(COARSE) else preloads
+        for _ in preloads:
+            of_line = self._at_preloads(line, preloads)
+            failed, _ = least_violations(of_line, self.limits, self.basis)
+            named = {preloads[k] for k in failed.values()}
+            rough = [p for p in sorted(named) if DECIDING not in line.tried[p].values]
+            rough = rough or [p for p in sorted(named) if not line.is_exact(p)]
+            if not rough:
+                break
+            self._add(line, rough, exact=True)
+        points = [line.tried[preload].values for preload in preloads]
+        cases = bool(self.scene.cases)
+        return why_none(of_line, self.limits, self.basis, points, cases)
+
+    def _add(self, line: PreloadLine, preloads: Sequence[float], exact: bool) -> None:
+        requests = [(line, preload, exact) for preload in preloads]
+        for preload, values in zip(preloads, self._solve(_SEARCH, requests), strict=True):
             line.add(preload, values, exact)
-        points = [line.tried[preload].values for preload in line.ahead]
+
+    def _at_preloads(self, line: PreloadLine, preloads: Sequence[float]) -> xr.Dataset:
+        """Lives at some preloads, over these alone; those not tried are solved."""
+        self._add(line, [p for p in preloads if p not in line.tried], exact=False)
+        points = [line.tried[preload].values for preload in preloads]
         operation = self.scene.operation
-        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], line.ahead
+        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], preloads
         made = map_of(self.scene, ([line.method], *place), self.limits, points)
         return made.isel(preload_method=0, friction=0, shaft_speed=0)
 
