@@ -131,10 +131,15 @@ def conditions_of(scene: Scene, at_speed_only: bool = False) -> list[dict[str, A
     return found
 
 
+def speed_words(speed: float) -> str:
+    """A speed [r/min] in as many digits as name it, without a power of ten."""
+    return f"{speed:.0f} r/min" if speed >= 100.0 else f"{speed:.3g} r/min"
+
+
 def condition_words(where: Mapping[str, Any], cases: bool = False) -> str:
     """A condition in words, `at 3000 r/min, new`; its case too, if that is asked for."""
     speed = where["speed_rpm"]
-    words = f"at {speed:.4g} r/min" if speed else "at rest"
+    words = f"at {speed_words(speed)}" if speed else "at rest"
     if where["temperature"] == MOUNTING:
         words += " and mounting temperature"
     wear = {NEW: "new", WORN: "at the end of life", BETWEEN: "during the life"}

@@ -22,6 +22,7 @@ from bearingwear.studies.design.conditions import (
     NEW,
     WORN,
     condition_words,
+    speed_words,
 )
 
 JUST_MET = 0.01
@@ -102,7 +103,7 @@ def _brief_words(where: Mapping[str, Any], has_cases: bool) -> str:
             None,
             (
                 where["case"] if has_cases else "",
-                f"{where['speed_rpm']:.5g} r/min" if where["speed_rpm"] else "at rest",
+                speed_words(where["speed_rpm"]) if where["speed_rpm"] else "at rest",
                 "mounting temperature" if where["temperature"] == MOUNTING else "",
                 wear.get(where.get("wear", ""), ""),
                 f"bearing {where['bearing']}" if where.get("bearing") else "",
