@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import io
 import re
 import shlex
 import sys
@@ -213,13 +214,14 @@ def recommend(args: argparse.Namespace) -> int:
 
 def launch(args: argparse.Namespace) -> int:
     from bearingwear.document.launch import launch_document
-    from bearingwear.solvers.bearing.launch import check_launch, launched
+    from bearingwear.lives.margin import launched_by_wear
+    from bearingwear.solvers.bearing.launch import check_launch
 
     given = {"axial": args.axial, "radial": args.radial}
     args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
     scene = _scene(args)
     check_launch(scene, args.scene)
-    _print_sheet(launch_document(scene, launched(scene)), args)
+    _print_sheet(launch_document(scene, launched_by_wear(scene)), args)
     return OK
 
 
@@ -454,6 +456,8 @@ def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
     from bearingwear.document.data import as_csv, as_json
     from bearingwear.document.text import as_text
 
+    if args.csv and isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")  # whatever the locale, as files are
     render = as_json if args.json else as_csv if args.csv else as_text
     _print(render(sheet))
 

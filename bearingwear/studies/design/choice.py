@@ -22,7 +22,7 @@ from bearingwear.results.words import in_words, scene_of
 from bearingwear.studies.dataset import counted, pareto
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
-from bearingwear.studies.design.map import SLIP_SHARE, UNSOLVED
+from bearingwear.studies.design.map import NOT_SOLVED_AT, SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
 
 ACTIVE = (
@@ -168,15 +168,11 @@ def why_none(
         return "the design is impractical at every preload"
     if not limits.given:
         return NO_LIMIT
-    margin = np.array([one.values for one in limit_margins(line, limits)])
-    nearest = usable[margin[:, usable].argmax(axis=1)]
-    failed = {name: nearest[k] for k, name in enumerate(limits.held) if margin[k, nearest[k]] < 0.0}
+    failed, is_together = least_violations(line, limits, basis)
     before, but = "", "at best "
-    if not failed:
+    if is_together:
         before = "each requirement can be satisfied individually, but not all of them together: "
         but = "but "
-        best = usable[margin[:, usable].min(axis=0).argmax()]
-        failed = {name: best for k, name in enumerate(limits.held) if margin[k, best] < 0.0}
     return before + "; ".join(
         f"{_held_text(name, limits)}, {but}"
         f"{digits(float(LIMITED[name].shown(LIMITED[name].worst(line)[k])))} "
@@ -187,6 +183,29 @@ def why_none(
 
 def _point(points: Sequence[Mapping[str, Any]], k: int) -> Mapping[str, Any]:
     return points[k] if points else {}
+
+
+def least_violations(
+    line: xr.Dataset, limits: DesignLimits, basis: int
+) -> tuple[dict[str, int], bool]:
+    """Limits that no preload of a line keeps to, each with the preload that comes nearest.
+
+    Where each is kept somewhere, those that are violated where all together are violated the least.
+    Returns the limits, each with the index of its preload, and whether they are such.
+    """
+    alive = (line["status"] == OK).values & (line["life"].isel(loss_basis=basis).values > 0.0)
+    usable = np.flatnonzero(alive & (line["impractical"].values == 0))
+    if not usable.size or not limits.held:
+        return {}, False
+    margin = np.array([one.values for one in limit_margins(line, limits)])
+    nearest = usable[margin[:, usable].argmax(axis=1)]
+    failed = {
+        name: int(nearest[k]) for k, name in enumerate(limits.held) if margin[k, nearest[k]] < 0.0
+    }
+    if failed:
+        return failed, False
+    best = int(usable[margin[:, usable].min(axis=0).argmax()])
+    return {name: best for k, name in enumerate(limits.held) if margin[k, best] < 0.0}, True
 
 
 def _held_text(name: str, limits: DesignLimits) -> str:
@@ -211,7 +230,7 @@ def _unsolved_words(points: Sequence[Mapping[str, Any]], cases: bool) -> str:
     told = [
         f"{condition_words(one, cases)}: {in_words(one['status'])}"
         for point in points
-        if (one := point.get(UNSOLVED))
+        if (one := point.get(NOT_SOLVED_AT))
     ]
     return f" ({max(told, key=told.count)})" if told else ""
 

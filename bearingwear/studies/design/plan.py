@@ -112,6 +112,11 @@ def most_preload() -> float:
     return preload.key.ends[1]
 
 
+def round_factor(factor: float, own: float) -> float:
+    """A preload of a map around a scene's own, by the factor over that [N]."""
+    return own if factor == 1.0 else float(f"{factor * own:.3g}")
+
+
 def axes_around(
     scene: Scene,
     frictions: Sequence[float],
@@ -126,7 +131,7 @@ def axes_around(
     if own <= 0.0:
         problem = f"got {own:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
-    around = {float(f"{factor * own:.3g}") for factor in factors if factor != 1.0}
+    around = {round_factor(factor, own) for factor in factors}
     return MapAxes(
         preload_method=PRELOAD_METHODS,
         friction=RisingAxis(frictions),

@@ -38,6 +38,7 @@ from bearingwear.studies.design.choice import (
     NOT_PRACTICAL,
     OTHER_END,
     UNLIMITED,
+    least_violations,
     limit_margins,
     limits_of,
     why_none,
@@ -64,7 +65,13 @@ from bearingwear.studies.design.map import (
     scenes_of_map,
     worst_cases,
 )
-from bearingwear.studies.design.plan import DesignLimits, MapAxes, most_preload
+from bearingwear.studies.design.plan import (
+    COARSE,
+    DesignLimits,
+    MapAxes,
+    most_preload,
+    round_factor,
+)
 from bearingwear.studies.design.preload_line import PreloadLine, denser
 from bearingwear.studies.design.room import (
     Assumption,
@@ -77,7 +84,14 @@ from bearingwear.studies.design.room import (
     longer,
     verdict_on,
 )
-from bearingwear.studies.design.search import Asking, Found, Request, answered, search
+from bearingwear.studies.design.search import (
+    Asking,
+    Found,
+    Request,
+    answered,
+    search,
+    settable,
+)
 from bearingwear.studies.pool import (
     Tell,
     TimeLeft,
@@ -111,6 +125,12 @@ BEYOND_RANGE = table(
         "preload far outside the range in which the recommended preload lies"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
     Variable("beyond_running_preload", (), "N", "running preload at beyond_preload, when new"),
+)  # fmt: skip
+SETTABLE = table(
+    Variable("least_preload", (), "N", "least preload that may be set in place of the recommended "
+        "one: requirements hold, and the life is at least 90 % as long"),
+    Variable("most_preload", (), "N", "most preload that may be set in place of the recommended "
+        "one: requirements hold, and the life is at least 90 % as long"),
 )  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
@@ -273,16 +293,25 @@ class Search:
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):
             if one is None:
-                of_map = self._of_map(line)
-                points = [line.tried[preload].values for preload in line.ahead]
-                cases = bool(self.scene.cases)
-                none[line.method] = why_none(of_map, self.limits, self.basis, points, cases)
+                none[line.method] = self._why_none(line)
             else:
                 rows[k] = _row(line, one, self.limits)
+        self._set_ranges(known, rows)
         if self.limits.given:
             self.tell("robustness of the choice")
         held_so, beside = self._held(known, rows)
         return [row | more for row, more in zip(rows, beside, strict=True)], none, held_so
+
+    def _set_ranges(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> None:
+        """Add to the row of the best method the range in which its preload may be set."""
+        lives = [float(row["life"][self.basis]) if "life" in row else 0.0 for row in rows]
+        if not max(lives) > 0.0:
+            return
+        k = int(np.argmax(lives))
+        best = lines[k].tried[rows[k]["preload"]]
+        asking = [settable(lines[k], best, self.limits)]
+        ((low, high),) = answered(asking, partial(self._solve, _SEARCH))
+        rows[k] |= {"least_preload": low, "most_preload": high}
 
     def _searched(self, line: PreloadLine) -> Asking:
         """`search`, beyond an end of the map while that makes the longest life longer."""
@@ -323,14 +352,39 @@ class Search:
             line.add(preload, values, exact=True)
         return line
 
-    def _of_map(self, line: PreloadLine) -> xr.Dataset:
-        """Lives at the preloads of the map, over these alone; those not tried are solved."""
-        missing = [(line, preload, False) for preload in line.ahead if preload not in line.tried]
-        for (_, preload, exact), values in zip(missing, self._solve(_SEARCH, missing), strict=True):
+    def _why_none(self, line: PreloadLine) -> str:
+        """Why no preload of a line is allowed, and how near one comes, whatever map it is from.
+
+        At the coarse preloads that every map around the scene has, by exact lives where it counts.
+        """
+        preloads = list(line.ahead)
+        if (own := self.scene.operation.preload_N) > 0.0:
+            coarse = [p for f in COARSE if (p := round_factor(f, own)) in preloads]
+            preloads = coarse if len(coarse) == len(COARSE) else preloads
+        for _ in preloads:
+            of_line = self._at_preloads(line, preloads)
+            failed, _ = least_violations(of_line, self.limits, self.basis)
+            named = {preloads[k] for k in failed.values()}
+            rough = [p for p in sorted(named) if DECIDING not in line.tried[p].values]
+            rough = rough or [p for p in sorted(named) if not line.is_exact(p)]
+            if not rough:
+                break
+            self._add(line, rough, exact=True)
+        points = [line.tried[preload].values for preload in preloads]
+        cases = bool(self.scene.cases)
+        return why_none(of_line, self.limits, self.basis, points, cases)
+
+    def _add(self, line: PreloadLine, preloads: Sequence[float], exact: bool) -> None:
+        requests = [(line, preload, exact) for preload in preloads]
+        for preload, values in zip(preloads, self._solve(_SEARCH, requests), strict=True):
             line.add(preload, values, exact)
-        points = [line.tried[preload].values for preload in line.ahead]
+
+    def _at_preloads(self, line: PreloadLine, preloads: Sequence[float]) -> xr.Dataset:
+        """Lives at some preloads, over these alone; those not tried are solved."""
+        self._add(line, [p for p in preloads if p not in line.tried], exact=False)
+        points = [line.tried[preload].values for preload in preloads]
         operation = self.scene.operation
-        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], line.ahead
+        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], preloads
         made = map_of(self.scene, ([line.method], *place), self.limits, points)
         return made.isel(preload_method=0, friction=0, shaft_speed=0)
 
@@ -494,7 +548,10 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
     passed = [t.margins(limits) for t in neighbours if t.solved and t.life > best.life]
     passed = [m for m in passed if m.min() < 0.0]
     if passed:
-        return ACTIVE.index(names[int(np.argmin(min(passed, key=lambda m: m.min())))])
+        by_most = int(np.argmin(min(passed, key=lambda m: m.min())))
+        # of several that a neighbour passes, one that is met here
+        is_met = margins.min() < AT_LIMIT <= margins[by_most]
+        return ACTIVE.index(names[int(np.argmin(margins)) if is_met else by_most])
     near = [*neighbours, *([found.cliff] if found.cliff else [])]
     if any(not t.solved for t in near):
         return NEXT_NOT_SOLVED
@@ -515,6 +572,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
         LIFE_ERROR,
         *CLIFF.values(),
         *BEYOND_RANGE.values(),
+        *SETTABLE.values(),
     )
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]

@@ -36,7 +36,12 @@ def scene():
     }
     return plain.with_(
         {f"arrangement.{key}": value for key, value in arrangement.items()}
-        | {"launch.axial_g": 30.0, "launch.radial_g": 30.0, "drive.torque_Nm": 0.03}
+        | {
+            "launch.axial_g": 30.0,
+            "launch.radial_g": 30.0,
+            "drive.torque_Nm": 0.03,
+            "launch.after_wear_um": 0.05,
+        }
         | {"cases": cases, "model.contact": "hertz", "friction.ball_race": 0.1}
         | {"uncertainty": {"wear_scatter": {"distribution": "lognormal", "factor": 1.3}}}
     )

@@ -26,6 +26,7 @@ from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
+from bearingwear.studies.design.document.held import lives_words, worst_words
 from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
@@ -57,8 +58,9 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
         from_zero(panel)
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "
-        f"stiffness of one bearing and slip against preload; wear of {COUNTED_WORDS[basis]}",
+        f"{scene['name']}, friction {float(design['friction'][0]):g}: life {lives_words(design)}, "
+        f"and the worst values {worst_words(design)}, against preload; wear of "
+        f"{COUNTED_WORDS[basis]}",
         [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(failed)],
         columns=3,
     )
