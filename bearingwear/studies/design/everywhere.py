@@ -48,6 +48,8 @@ _MOVE, _AS_SLOW = 0.07, 0.01
 at rest, over the full speed."""
 
 _NARROW = 1e-3  # of the full speed: speeds so close are one
+_WIDE, _CLOSE = 0.2, 0.02
+"""Of the full speed: a span of three speeds round the worst that is halved, and what is no half."""
 
 MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
 """Limited measures by the names of their extremes."""
@@ -256,7 +258,8 @@ def _turn(
     one: Measure, known: Sequence[tuple[float, float]], near: float, limit: float
 ) -> float | None:
     """The share of the speed at which a parabola through three neighbours is worst, if it says
-    that a quantity is worse there than anywhere known, by more than `SPEED_FOUND_TO`.
+    that a quantity is worse there than anywhere known, by more than `SPEED_FOUND_TO`, or if they
+    are far from each other; None where the worst is found.
     """
     if len(known) < 3:
         return None
@@ -266,18 +269,29 @@ def _turn(
     least = y.min()
     if abs(one.margin(sign * least, limit)) > near:
         return None
-    best: tuple[float, float] | None = None
-    for k in range(1, len(x) - 1):
-        (a, b, c), (f, g, h) = x[k - 1 : k + 2], y[k - 1 : k + 2]
-        first, second = (g - f) / (b - a), (h - g) / (c - b)
-        bend = (second - first) / (c - a)
-        if not bend > 0.0:
-            continue
-        place = 0.5 * (a + b - first / bend)
-        if not a < place < c:
-            continue
-        value = f + first * (place - a) + bend * (place - a) * (place - b)
-        far = np.abs(place - x).min() > _NARROW
-        if far and value < (best[0] if best else least - SPEED_FOUND_TO * abs(least)):
-            best = float(value), float(place)
-    return None if best is None else best[1]
+    turns = [_vertex(x[k - 1 : k + 2], y[k - 1 : k + 2]) for k in range(1, len(x) - 1)]
+    new = [turn for turn in turns if turn and np.abs(turn[0] - x).min() > _NARROW]
+    place, value = min(new, key=lambda turn: turn[1], default=(math.nan, math.inf))
+    if value < least - SPEED_FOUND_TO * abs(least):
+        return place
+    k = int(np.argmin(y))
+    if 0 < k < len(x) - 1 and x[k + 1] - x[k - 1] > _WIDE:
+        # neighbours so far away say little of what is between them
+        turn = turns[k - 1]
+        if turn and abs(turn[0] - x[k]) > _CLOSE:
+            return turn[0]
+        left, right = x[k] - x[k - 1], x[k + 1] - x[k]
+        return float(x[k] - 0.5 * left if left > right else x[k] + 0.5 * right)
+    return None
+
+
+def _vertex(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
+    """Place and value of the lowest point of a parabola through three, if that is between them."""
+    (a, b, c), (f, g, h) = x.tolist(), y.tolist()
+    first, second = (g - f) / (b - a), (h - g) / (c - b)
+    bend = (second - first) / (c - a)
+    if not bend > 0.0:
+        return None
+    place = 0.5 * (a + b - first / bend)
+    value = f + first * (place - a) + bend * (place - a) * (place - b)
+    return (place, value) if a < place < c else None

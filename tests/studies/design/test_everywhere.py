@@ -73,11 +73,16 @@ def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
         preload = float(found["preload"][k])
         each = [stiffness_by_solve(spindle, method, preload, speed) for speed in SPEEDS]
         assert min(each) >= 20.0 * (1.0 - SPEED_FOUND_TO), (method, each)
-    alone = recommended(spindle, DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True))
-    # the preload that was recommended for one speed alone is soft below it
-    preload = float(alone["preload"][1])
-    assert stiffness_by_solve(spindle, "fixed_position", preload, 3000.0) < 18.0
-    assert preload < 0.5 * float(found["preload"][1])
+
+
+def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
+    held = held_by(spindle, "fixed_position", 17.5)
+    alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
+    assert min(limit_margins(new_point(held, alone), alone)) > 0.1
+    assert min(limit_margins(new_point(held, STIFF), STIFF)) < -0.1
+    assert stiffness_by_solve(spindle, "fixed_position", 17.5, 3000.0) == pytest.approx(
+        16.3, abs=0.1
+    )
 
 
 def test_what_decides_is_where_it_is_the_worst(spindle):
