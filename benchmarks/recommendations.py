@@ -220,7 +220,7 @@ def allowed_life(
     scene: Scene, method: str, limits: DesignLimits, preload: float
 ) -> tuple[float, np.ndarray]:
     """Life [h] and how far the limits are."""
-    values = followed_point(held_by(scene, method, preload), limits.gyroscopic_slip_share)
+    values = followed_point(held_by(scene, method, preload), limits)
     if values["status"] != OK:
         return 0.0, np.array([-math.inf])
     practical = -1.0 if values["impractical"] else 1.0

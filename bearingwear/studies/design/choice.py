@@ -22,7 +22,7 @@ from bearingwear.results.words import in_words, scene_of
 from bearingwear.studies.dataset import counted, pareto
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
-from bearingwear.studies.design.map import SLIP_SHARE, UNSOLVED
+from bearingwear.studies.design.map import NOT_SOLVED_AT, SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
 
 ACTIVE = (
@@ -147,12 +147,12 @@ def why_none(
     line: xr.Dataset,
     limits: DesignLimits,
     basis: int,
-    points: Sequence[Mapping[str, Any]],
+    points: Sequence[Mapping[str, Any]] = (),
     cases: bool = False,
 ) -> str:
     """Which limits no preload of a line keeps to, how near one comes, and where.
 
-    points: what the line is made of, by its preloads.
+    points: what the line is made of, by its preloads; none where that is not known.
     cases: whether the scene has several, which are then named.
     """
     solved = (line["status"] == OK).values
@@ -161,7 +161,7 @@ def why_none(
         at_once = "an end-of-life criterion is met when the bearing is new"
         if not solved.any():
             return f"{NO_LIFE_SOLVED}{_unsolved_words(points, cases)}"
-        first = points[int(np.argmax(solved))].get(DECIDING, {}).get("life")
+        first = _point(points, int(np.argmax(solved))).get(DECIDING, {}).get("life")
         return f"{at_once} (case {first['case']})" if first and cases else at_once
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
@@ -176,9 +176,13 @@ def why_none(
     return before + "; ".join(
         f"{_held_text(name, limits)}, {but}"
         f"{digits(float(LIMITED[name].shown(LIMITED[name].worst(line)[k])))} "
-        f"at {digits(float(line['preload'][k]))} N{_where_words(points[k], name, cases)}"
+        f"at {digits(float(line['preload'][k]))} N{_where_words(_point(points, k), name, cases)}"
         for name, k in failed.items()
     )
+
+
+def _point(points: Sequence[Mapping[str, Any]], k: int) -> Mapping[str, Any]:
+    return points[k] if points else {}
 
 
 def least_violations(
@@ -226,7 +230,7 @@ def _unsolved_words(points: Sequence[Mapping[str, Any]], cases: bool) -> str:
     told = [
         f"{condition_words(one, cases)}: {in_words(one['status'])}"
         for point in points
-        if (one := point.get(UNSOLVED))
+        if (one := point.get(NOT_SOLVED_AT))
     ]
     return f" ({max(told, key=told.count)})" if told else ""
 

@@ -12,15 +12,15 @@ from typing import Any, NamedTuple
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.scene import Scene
 
-SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
+SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
 """Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
 
-SLOW = 0.125
+SLOW_SHARE = 0.125
 """Speeds up to this share of the full one are looked at with all parts as cold as mounted, too."""
 
 _MOST_COLD = 2  # speeds
-RUNNING, MOUNTING = "running", "mounting"
-NEW, BETWEEN, WORN = "new", "between", "worn"
+AS_RUNNING, MOUNTING = "running", "mounting"
+NEW, BETWEEN, AT_END_OF_LIFE = "new", "between", "worn"
 
 DECIDING = "deciding"
 """Attribute of a recommendation: of each method and quantity where it is the worst; of a point,
@@ -35,11 +35,11 @@ AT_SPEED_ONLY = "at_speed_only"
 _WARMTH = ("temperature", "thermal")
 
 
-class Place(NamedTuple):
+class OperatingCondition(NamedTuple):
     """A scene at a speed and at temperatures at which it may have to work."""
 
     scene: Scene
-    temperature: str = RUNNING
+    temperature: str = AS_RUNNING
 
     def where(self, **more: Any) -> dict[str, Any]:
         """The place as plain data."""
@@ -103,26 +103,26 @@ def shares_beside(scene: Scene) -> list[float]:
     lowest = lowest_share(scene)
     if not scene.operation.fastest_rpm or lowest >= 1.0:
         return []
-    return [lowest + share * (1.0 - lowest) for share in SHARES]
+    return [lowest + share * (1.0 - lowest) for share in SPEED_SHARES]
 
 
-def cold_places(scene: Scene) -> list[Place]:
+def cold_places(scene: Scene) -> list[OperatingCondition]:
     """Rest and slow speeds with all parts at mounting temperature, of a scene that is warmer."""
     if not is_warm(scene):
         return []
-    shares = [share for share in shares_beside(scene) if share <= SLOW][:_MOST_COLD]
+    shares = [share for share in shares_beside(scene) if share <= SLOW_SHARE][:_MOST_COLD]
     if not scene.operation.fastest_rpm:
         shares = [1.0]  # at rest
-    return [Place(as_mounted(at_share(scene, share)), MOUNTING) for share in shares]
+    return [OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING) for share in shares]
 
 
 def conditions_of(scene: Scene, at_speed_only: bool = False) -> list[dict[str, Any]]:
     """All conditions of a scene and its cases, as plain data."""
     found = []
     for name, one in scene.in_cases.items():
-        places = [Place(one)]
+        places = [OperatingCondition(one)]
         if not at_speed_only:
-            places += [Place(at_share(one, share)) for share in shares_beside(one)]
+            places += [OperatingCondition(at_share(one, share)) for share in shares_beside(one)]
             places += cold_places(one)
         found += [
             {"case": name, "speed_rpm": speed_of(p.scene), "temperature": p.temperature}
@@ -142,7 +142,7 @@ def condition_words(where: Mapping[str, Any], cases: bool = False) -> str:
     words = f"at {speed_words(speed)}" if speed else "at rest"
     if where["temperature"] == MOUNTING:
         words += " and mounting temperature"
-    wear = {NEW: "new", WORN: "at the end of life", BETWEEN: "during the life"}
+    wear = {NEW: "new", AT_END_OF_LIFE: "at the end of life", BETWEEN: "during the life"}
     if where.get("wear"):
         words += f", {wear[where['wear']]}"
     if where.get("bearing"):

@@ -23,23 +23,23 @@ from bearingwear.solvers.compose import WELL_BALANCED, solver_of
 from bearingwear.solvers.condition import States
 from bearingwear.solvers.state import State
 from bearingwear.studies.design.conditions import (
+    AT_END_OF_LIFE,
     BETWEEN,
     NEW,
-    WORN,
-    Place,
+    OperatingCondition,
     at_share,
     cold_places,
     lowest_share,
     shares_beside,
 )
 
-GONE = (code.CONTACT_LOST, code.PRELOAD_GONE, code.LIFTED_OFF, code.RACE_UNSEATED)
+UNLOADED = (code.CONTACT_LOST, code.PRELOAD_GONE, code.LIFTED_OFF, code.RACE_UNSEATED)
 """Statuses of bearings of which one carries nothing."""
 
-FOUND_TO = 2e-3
+SPEED_FOUND_TO = 2e-3
 """Relative: how well the worst value over speed is found of what is limited."""
 
-NEAR = 0.3
+NEAR_LIMIT = 0.3
 """Margin of a limit up to which the worst value over speed is looked for between the speeds."""
 
 _MOST_BETWEEN = 6  # speeds, of a quantity
@@ -55,10 +55,10 @@ MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
 KEPT, QUASISTATIC = "preload_kept", "quasi-static"
 
 Extremes = dict[str, dict[str, Any]]
-"""Of quantities by the names of extremes: `value` [SI], and where it is (`Place.where`)."""
+"""Of quantities by the names of extremes: `value` [SI], and the condition in which that is."""
 
 
-class Beside(NamedTuple):
+class OtherSpeeds(NamedTuple):
     """Extremes at other speeds and temperatures, or where and how they were not solved."""
 
     extremes: Extremes
@@ -110,7 +110,7 @@ def along(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extr
     last = len(nodes) - 1
     each = []
     for k, node in enumerate(nodes):
-        wear = NEW if k == 0 else WORN if k == last else BETWEEN
+        wear = NEW if k == 0 else AT_END_OF_LIFE if k == last else BETWEEN
         found = state_extremes(scene, node.states, {**where, "wear": wear})
         if wear == BETWEEN:
             found = {name: one for name, one in found.items() if not math.isnan(one["value"])}
@@ -171,7 +171,7 @@ class Everywhere(NamedTuple):
     limits: Mapping[str, float]
     exactly: bool  # whether the worst speed is looked for however far a limit is
 
-    def beside(self, own: Extremes, solve: Solve, wear: str) -> Beside:
+    def beside(self, own: Extremes, solve: Solve, wear: str) -> OtherSpeeds:
         """Extremes of the bearings in one state of wear, from those at the scene's own speed."""
         found = _Speeds(self, solve, wear, {1.0: own})
         try:
@@ -189,8 +189,8 @@ class Everywhere(NamedTuple):
                 if not found.is_lost:
                     found.others.append(found.at(place))
         except _Unsolved as lost:
-            return Beside({}, found.solves, lost.status, lost.where)
-        return Beside(merged([*found.known.values(), *found.others]), found.solves)
+            return OtherSpeeds({}, found.solves, lost.status, lost.where)
+        return OtherSpeeds(merged([*found.known.values(), *found.others]), found.solves)
 
     def _between(self, speeds: Mapping[float, Extremes]) -> list[float]:
         """Speeds at which a limited quantity may be worse than at those known."""
@@ -206,7 +206,7 @@ class Everywhere(NamedTuple):
                     for share in shares
                     if name in speeds[share] and math.isfinite(speeds[share][name]["value"])
                 ]
-                share = _turn(one, known, math.inf if self.exactly else NEAR, limit)
+                share = _turn(one, known, math.inf if self.exactly else NEAR_LIMIT, limit)
                 if share is not None:
                     found.add(max(share, lowest_share(self.scene)))
         return sorted(found - set(speeds))
@@ -232,19 +232,19 @@ class _Speeds:
         lost: _Unsolved | None = None
         for near in (share, *(max(share * (1.0 + move), _AS_SLOW) for move in (-_MOVE, _MOVE))):
             try:
-                self.known[near] = self.at(Place(at_share(self.of.scene, near)))
+                self.known[near] = self.at(OperatingCondition(at_share(self.of.scene, near)))
                 return
             except _Unsolved as failed:
                 lost = lost or failed
         assert lost is not None
         raise lost
 
-    def at(self, place: Place) -> Extremes:
+    def at(self, place: OperatingCondition) -> Extremes:
         where = place.where(wear=self.wear)
         self.solves += 1
         states = self.solve(place.scene)
         status = next((state.status for state in states if state.status != code.OK), code.OK)
-        if status in GONE:
+        if status in UNLOADED:
             self.is_lost = True
             return {KEPT: {**where, "value": 0.0, "status": code.STATUS_NAMES[status]}}
         if status != code.OK:
@@ -256,7 +256,7 @@ def _turn(
     one: Measure, known: Sequence[tuple[float, float]], near: float, limit: float
 ) -> float | None:
     """The share of the speed at which a parabola through three neighbours is worst, if it says
-    that a quantity is worse there than anywhere known, by more than `FOUND_TO`.
+    that a quantity is worse there than anywhere known, by more than `SPEED_FOUND_TO`.
     """
     if len(known) < 3:
         return None
@@ -278,6 +278,6 @@ def _turn(
             continue
         value = f + first * (place - a) + bend * (place - a) * (place - b)
         far = np.abs(place - x).min() > _NARROW
-        if far and value < (best[0] if best else least - FOUND_TO * abs(least)):
+        if far and value < (best[0] if best else least - SPEED_FOUND_TO * abs(least)):
             best = float(value), float(place)
     return None if best is None else best[1]

@@ -37,13 +37,14 @@ from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import LOSS_BASIS, filled
-from bearingwear.studies.design.conditions import DECIDING, NEW, WORN, Place
+from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
     Everywhere,
     along,
     frequency,
     merged,
     new_states,
+    state_extremes,
     worn_states,
 )
 from bearingwear.studies.design.plan import DesignLimits
@@ -136,7 +137,7 @@ WARNED = "warnings"
 CASE_POINTS = "points"
 """What a point of several cases has that is no variable: the point of each of them."""
 
-UNSOLVED = "unsolved"
+NOT_SOLVED_AT = "unsolved"
 """What a point has that is no variable: where, and with which status, something was not solved."""
 
 
@@ -180,7 +181,7 @@ def new_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
     limited = with_end(scene, MET_WHEN_NEW)
     one = HertzianLives(limited)(limited)
     if one.status != OK:
-        return {"status": one.status, UNSOLVED: _unsolved_at(scene, one.status, NEW)}
+        return {"status": one.status, NOT_SOLVED_AT: _unsolved_at(scene, one.status, NEW)}
     values = {"status": one.status} | _extremes_of(scene, worse_states(one, scene))
     return _everywhere(scene, values, one, limits, exactly=False)
 
@@ -207,7 +208,7 @@ def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, An
         return _still_point(scene, limits)
     found, life = _followed_life(scene, limits.gyroscopic_slip_share, quick)
     if life.status != OK:
-        return found | {UNSOLVED: _unsolved_at(scene, life.status, WORN)}
+        return found | {NOT_SOLVED_AT: _unsolved_at(scene, life.status, AT_END_OF_LIFE)}
     return _everywhere(scene, found, life, limits, exactly=not quick)
 
 
@@ -249,7 +250,7 @@ def _still_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
     status = next((state.status for state in states if state.status != OK), OK)
     found: dict[str, Any] = NO_LIFE | {"status": status, "solves": 1}
     if status != OK:
-        return found | {UNSOLVED: _unsolved_at(scene, status, NEW)}
+        return found | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
     met = np.flatnonzero(Criteria(scene).margins(states) <= 0.0)
     life = np.full(2, 0.0 if met.size else np.inf)
     found |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
@@ -265,9 +266,10 @@ def _everywhere(
     scene: Scene, values: dict[str, Any], life: Life, limits: DesignLimits, exactly: bool
 ) -> dict[str, Any]:
     """Values of a life at the scene's own speed with the extremes wherever limits look."""
-    own = along(scene, life.nodes, Place(scene).where())
+    here = OperatingCondition(scene)
+    own = along(scene, life.nodes, here.where())
     at_rest = {
-        name: {**Place(scene).where(wear=NEW), "value": values[name]}
+        name: here.where(wear=NEW, value=values[name])
         for one in LIMITED.values()
         if one.resting
         for name in one.extremes
@@ -276,25 +278,27 @@ def _everywhere(
     each = [own]
     if not limits.at_speed_only and (worn or "life" not in values or values["life"].any()):
         looked = Everywhere(scene, limits.held, exactly)
-        sides = [(new_states, NEW, life.nodes[:1])]
-        sides += [(worn_states(life), WORN, life.nodes[-1:])] if worn else []
-        for solve, wear, nodes in sides:
-            beside = looked.beside(along(scene, nodes, Place(scene).where()), solve, wear)
+        sides = [(new_states, NEW, life.nodes[0])]
+        sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
+        for solve, wear, node in sides:
+            at_speed = state_extremes(scene, node.states, here.where(wear=wear))
+            beside = looked.beside(at_speed, solve, wear)
             if "solves" in values:
                 values["solves"] += beside.solves
             if beside.status != OK:
-                return values | {"status": beside.status, UNSOLVED: beside.unsolved}
+                return values | {"status": beside.status, NOT_SOLVED_AT: beside.unsolved}
             each.append(beside.extremes)
     deciding = merged(each)
     values |= {name: one["value"] for name, one in deciding.items()}
     if "life" in values:
-        deciding["life"] = Place(scene).where(wear=WORN, value=float(np.min(values["life"])))
+        shortest = float(np.min(values["life"]))
+        deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=shortest)
     return values | {DECIDING: deciding | at_rest}
 
 
 def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
     """Where a life was not solved: at the scene's own speed."""
-    return Place(scene).where(wear=wear, status=STATUS_NAMES[status])
+    return OperatingCondition(scene).where(wear=wear, status=STATUS_NAMES[status])
 
 
 def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -310,7 +314,7 @@ def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     }
     for name, point in points.items():
         if point["status"] != OK:
-            return {**point, **counts, UNSOLVED: {**point[UNSOLVED], "case": name}}
+            return {**point, **counts, NOT_SOLVED_AT: {**point[NOT_SOLVED_AT], "case": name}}
     lives = [float(min(point.get("life", (math.inf,)))) for point in each]
     shortest = int(np.argmin(lives))
     found = {**each[shortest], **counts}
@@ -452,7 +456,7 @@ def map_of(
     )
 
 
-NO_VARIABLES = (WARNED, DECIDING, UNSOLVED, CASE_POINTS)
+NO_VARIABLES = (WARNED, DECIDING, NOT_SOLVED_AT, CASE_POINTS)
 """What points have that is no variable of a file."""
 
 

@@ -16,11 +16,11 @@ from bearingwear.results.warnings import warnings_in
 from bearingwear.results.words import scene_of
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.conditions import (
+    AT_END_OF_LIFE,
     BETWEEN,
     DECIDING,
     MOUNTING,
     NEW,
-    WORN,
     condition_words,
     speed_words,
 )
@@ -97,7 +97,7 @@ def extreme_words(found: xr.Dataset, one: xr.Dataset, which: str, brief: bool = 
 
 
 def _brief_words(where: Mapping[str, Any], has_cases: bool) -> str:
-    wear = {NEW: "new", WORN: "worn", BETWEEN: "during the life"}
+    wear = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
     return ", ".join(
         filter(
             None,
