@@ -102,7 +102,9 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
 
 
 def check(args: argparse.Namespace) -> int:
+    from bearingwear.document.bearing_line import settled_by_a_case
     from bearingwear.results.warnings import warning_line
+    from bearingwear.scene.cases import NOMINAL
     from bearingwear.solvers.effects.choice import accuracy_sentence, choice, effort
     from bearingwear.solvers.effects.warnings import warnings_of
 
@@ -113,8 +115,13 @@ def check(args: argparse.Namespace) -> int:
         print(f"  {reason}")
     print(f"  {accuracy_sentence(scene, chosen)}")
     print(f"  {effort(scene, chosen)}")
+    if scene.cases:
+        names = ", ".join(scene.in_cases)
+        print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
+    data = scene.to_dict()
     for warning in warnings_of(scene, chosen):
-        print(f"  {warning_line(warning)}")
+        if not settled_by_a_case(warning, data):
+            print(f"  {warning_line(warning)}")
     return OK
 
 

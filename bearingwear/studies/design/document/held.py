@@ -25,7 +25,7 @@ from bearingwear.studies.design.conditions import (
     speed_words,
 )
 
-JUST_MET = 0.01
+_JUST_MET = 0.01
 """Margin of a requirement, over it, that is as good as none."""
 
 
@@ -142,7 +142,7 @@ def limit_met_words(found: xr.Dataset, one: xr.Dataset) -> str:
         return f"below that, a bearing lifts off{where}"
     measure, limit = LIMITED[name], limits.given[name]
     shown = f"{measure.shown_limit(limit):g} {in_print(measure.unit)}"
-    if float(measure.margins(one, limit)) < JUST_MET:
+    if float(measure.margins(one, limit)) < _JUST_MET:
         return f"{shown} is just met{where}"
     return f"limited by {shown}{where}"
 

@@ -50,7 +50,6 @@ from bearingwear.studies.design.document.held import (
     decides_words,
     deciding_of,
     extreme_words,
-    life_words,
     lives_words,
     stated_warnings,
     worst_words,
@@ -349,9 +348,8 @@ def _new_and_worn(found: xr.Dataset) -> Block:
         )
         for one in SHORT_TABLE
     ]
-    known = [life_words(found, one) for _, one in methods(found) if one["status"] == OK]
-    where = " / ".join(dict.fromkeys(filter(None, known)))
-    return Block(f"new and worn{where and f', {where}'}", tuple(columns), tuple(rows))
+    where = "each case at its own speed" if scene_of(found).get("cases") else lives_words(found)
+    return Block(f"new and worn, {where}", tuple(columns), tuple(rows))
 
 
 def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
