@@ -14,6 +14,7 @@ import difflib
 import functools
 import gc
 import importlib
+import io
 import os
 import re
 import sys
@@ -35,6 +36,8 @@ _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status."""
     _look_for_garbage_rarely()
+    if sys.stdout.errors == "strict" and isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a locale without `°` or `–`
     try:
         status = _status(sys.argv[1:] if argv is None else argv)
         # buffered text that cannot be printed is noticed here, not when Python shuts down

@@ -1,6 +1,7 @@
-"""Torque margin: the torque of the bearings in each corner of cases, wear and friction.
+"""What a machine asks of new and worn bearings: torque margin and launch in each case.
 
-Theory: docs/theory.md, section 26.
+A corner of the torque is a case, a state of wear and a friction. Theory: docs/theory.md, sections
+25 and 26.
 """
 
 import math
@@ -13,12 +14,15 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
 from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
+from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
-from bearingwear.solvers.bearing.mounted import RPM
+from bearingwear.solvers.bearing.launch import Launched, launched, wear_at_launch
+from bearingwear.solvers.bearing.mounted import RPM, UM
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 
@@ -208,3 +212,28 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
         wear.append(WearState(_BARE, gone or losses[-1], True))
     margins = [corner.margin for corner in corners_of_case(scene, "", wear)]
     return min(margins) if all(map(math.isfinite, margins)) else math.nan
+
+
+def launched_by_wear(scene: Scene) -> dict[str, Launched]:
+    """Launch loads and gaps by the state of wear, and by the case where there are several.
+
+    Only those of new bearings where their wear is not known: without an end of life, or where the
+    life was not computed.
+    """
+    found = {}
+    for case, one in scene.in_cases.items():
+        where = "" if case == NOMINAL and len(scene.in_cases) == 1 else f" ({case})"
+        found[f"{_NEW}{where}"] = launched(one)
+        new = tuple(UM * float(np.max(side.wear.ball_diameter_loss_um)) for side in one.sides)
+        try:
+            life = life_of(one)
+        except NotAvailable:
+            life = None
+        end = None
+        if life is not None and life.status == code.OK:
+            end = losses_of(life.nodes[-1].states)
+        if (losses := wear_at_launch(one, new, end)) is not None:
+            limit = (one.launch or Launch()).after_wear_um
+            worn = _WORN if limit is None else f"after {limit:g} um of wear"
+            found[f"{worn}{where}"] = launched(one, losses)
+    return found

@@ -24,7 +24,9 @@ PAIRS = {method: kind for kind, method in METHODS.items()}
 
 MOST_IN_TANDEM = 8
 
-SHARED_KEYS = frozenset({"shaft_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"})
+SHARED_KEYS = frozenset(
+    {"shaft_speed_rpm", "lowest_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"}
+)
 """Keys of `operation` that both bearings of a pair share."""
 
 OWN_BLOCKS = (

@@ -48,6 +48,12 @@ _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start wi
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
+_ACROSS = np.linspace(-0.95, 0.95, 20)
+_SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
+"""Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
+_FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
+"""Steps from an even groove to one as it is worn, over what they differ by, and how many."""
+_ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
 SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
@@ -73,6 +79,7 @@ class WornBearing:
         films: WornFilms | None = None,
     ):
         self.films, self.on_the_way = films, False
+        self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.bands, self.wander = bands, wander
         self.D = problem.g.D0 - loss
@@ -90,6 +97,7 @@ class WornBearing:
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
+        self.solved_by = problem.op
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
         self.state = state_work()
@@ -130,29 +138,33 @@ class WornBearing:
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
         kept = self.seat, self.u, self.reference
+        even, wider = code.OK, _MOST_WIDENINGS * [self._with_rows]
+        if self.wears:
+            starts = self._on_other_motion, self._counted_anew, *wider, self._after_less_grip
+        else:  # the last state may be at another speed, far away
+            even = self._start_where_worn(p, wear)
+            starts = self._as_much_faster, self._led_to, *wider
         seat, u, races, work = self._settled(p, D, wear)
-        for start in (
-            self._on_other_motion,
-            self._counted_anew,
-            *_MOST_WIDENINGS * [self._with_rows],
-            self._after_less_grip,
-        ):
+        for start in starts:
             if seat.status not in _FAR:
                 break
             self.seat, self.u = kept[:2]
             if start(seat.status, p, D, wear):
                 seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
+        if status in _FAR and even not in (code.OK, code.NOT_CONVERGED):
+            status = even  # nothing holds the balls, however they are worn
         if status != code.OK:
             self.seat, self.u, self.reference = kept
             self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
+        self.solved_by = p.op
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
-        if max(seat.inner.Q, seat.outer.Q) < self.least_load:
+        if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
             return WornPoint(code.PRELOAD_GONE, wear, p)
-        if not self._within(seat, D):
+        if self.wears and not self._within(seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
@@ -184,11 +196,7 @@ class WornBearing:
         """Start from the even state, where the last state has none nearby."""
         if status != code.NOT_CONVERGED:
             return False
-        even = p.solve(D - self.reference.sum())
-        if even.status != code.OK:
-            return False
-        self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
-        return True
+        return self._start_evenly(p, D).status == code.OK
 
     def _counted_anew(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
         """Count depths so that the contacts of the start give way as under their loads.
@@ -234,6 +242,78 @@ class WornBearing:
         for race in self.races:
             np.copyto(race.pressure, race.cells.fresh)
         self.state.slope.fill(0.0)
+
+    def _as_much_faster(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start from the last state, at another speed, with its motion as much faster."""
+        then = self.solved_by.omega_i - self.solved_by.omega_o
+        if then:
+            self.u = (p.op.omega_i - p.op.omega_o) / then * self.u
+        else:  # of the last one nothing moves
+            seat = self.seat
+            self._start_where_worn(p, wear)
+            self.seat = seat
+        self.reference = self.worn_reference
+        self._forget()
+        return True
+
+    def _led_to(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start where grooves lead that differ from even ones by more and more."""
+        self._start_where_worn(p, wear)
+        self._forget()
+        mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
+        for _ in range(_MOST_ON_THE_WAY):
+            to = min(share + step, 1.0)
+            pressures = [race.pressure.copy() for race in self.races]
+            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
+            if found[0].status not in _FAR:
+                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
+                if share == 1.0:
+                    break
+                continue
+            step *= 0.5
+            if step < _LEAST_ON_THE_WAY:
+                break
+            for race, pressure in zip(self.races, pressures, strict=True):
+                if race.pressure.shape == pressure.shape:
+                    np.copyto(race.pressure, pressure)
+        return True
+
+    def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
+        """State of balls that have lost as much evenly, from which the next solve starts."""
+        even = p.solve(D - self.reference.sum())
+        if even.status == code.OK:
+            self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        return even
+
+    def _start_where_worn(self, p: ThrustProblem, wear: WornDepths) -> int:
+        """Let the next solve start from grooves that are everywhere as deep as they are in the mean
+        where the contacts run, with the load of Hertz; a status.
+
+        Where nothing holds the balls of such a bearing, it starts from grooves half as deep.
+        """
+        D, arcs, depths = p.g.D0 - self.loss - wear.ball, self._arcs(wear), np.zeros(2)
+        self.reference, status = depths, code.OK
+        for k in range(_ROUNDS):
+            even = self._start_evenly(p, D)
+            if even.status != code.OK:
+                if k == 0:
+                    return even.status
+                status, self.reference = even.status, 0.5 * (self.reference + depths)
+                continue
+            if status != code.OK:
+                break
+            depths = self.reference
+            self.reference = np.array([self._mean_depth(p, arcs, even, k) for k in range(2)])
+        self._start_evenly(p, D)
+        return status
+
+    def _mean_depth(
+        self, p: ThrustProblem, arcs: tuple[Arc, Arc, Arc], even: ThrustCase, k: int
+    ) -> float:
+        """Depth of groove k in a contact, by the load of Hertz [m]."""
+        major, angle = even.contacts[k, [MAJOR, ANGLE]].tolist()
+        places = major * _ACROSS + self.shift(k, angle, p.g)
+        return float(_SHAPE @ arc_values(arcs[k], places))
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Let the next solve start where the way of two states leads, by a share of it."""

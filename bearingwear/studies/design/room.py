@@ -20,6 +20,7 @@ from bearingwear.lives.many import HertzianLives, lives_by_end, worn_life
 from bearingwear.measures import ENDS
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
+from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
 from bearingwear.solvers.roots import brent_root
@@ -375,7 +376,7 @@ def _most_friction(scene: Scene) -> float:
 def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
     """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
     if scene.cases:
-        each = [printed_life(one, basis, quick) for one in scene.in_cases.values()]
+        each = [printed_life(one, basis, quick) for one in cases_that_wear(scene).values()]
         return float(np.min(each))
     life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
     return float(life.last.time[basis]) if life.status == OK else math.nan

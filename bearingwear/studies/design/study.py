@@ -101,7 +101,7 @@ def _chosen(plan: DesignPlan) -> list[Step]:
             settings=plan.part_settings, work=1.0),
         step("gather", "design.nc", "choice.design_map", [*plan.maps],
             parts="map/{method}-mu{mu}.nc",
-            settings=lambda scene: {"limits": plan.scenes[scene].limits.given}),
+            settings=lambda scene: {"limits": plan.scenes[scene].limits.stored}),
         step("recommend", "recommendation.nc", "recommend.recommendation_of", design="design.nc",
             scene=SCENE),
     ]  # fmt: skip
@@ -125,7 +125,7 @@ def _small(
             "recommend.small_map", scenes, scene=SCENE,
             settings=lambda scene: {
                 "axes": asdict(plan.small_maps[scene]),
-                "limits": plan.scenes[scene].limits.given,
+                "limits": plan.scenes[scene].limits.stored,
             },
             label="{scene}: small map and recommended preload", default=True,
             # most of the work of a study of one scene; else the start of the longest chain

@@ -129,17 +129,19 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         points.append(("Other bearings", _elsewhere(others)))
     preload = f"{scene['operation']['preload_N']:g} N"
     given = f"the given preload of {preload}"
+    nominal = " in the nominal case" if scene.get("cases") else ""
     return Document(
-        (f"{name}: with {given} for both methods, {_headline(here, contests)}",),
+        (f"{name}: with {given} for both methods{nominal}, {_headline(here, contests)}",),
         {
             "scene": name,
-            "bearing": bearing_line(scene),
+            # of the scene as it stands: no case of it was solved
+            "bearing": f"{bearing_line({**scene, 'cases': None})}{nominal and f';{nominal}'}",
             # the heading after a recommendation, which may prefer the other method
-            "beside": f"For comparison: both methods with the input preload of {preload}",
+            "beside": f"For comparison: both methods with the input preload of {preload}{nominal}",
         },
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            lives_block(f"{name}: lives at {given}", here, scene),
+            lives_block(f"{name}: lives at {given}{nominal}", here, scene),
         ),
         ("wear_life",),
         subject=f"Input preload: {preload}",

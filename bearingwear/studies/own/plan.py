@@ -57,7 +57,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     if scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
-    of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
+    of_scene = {"small_map": small_map, "limits": limits.stored, "beside": _beside(scene)}
     design = {"scenes": {name: of_scene}}
     plans = {"config/config.yaml": config, "config/design.yaml": design}
     asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
