@@ -40,6 +40,7 @@ from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
     Everywhere,
+    Solve,
     along,
     frequency,
     merged,
@@ -278,7 +279,7 @@ def _everywhere(
     each = [own]
     if not limits.at_speed_only and (worn or "life" not in values or values["life"].any()):
         looked = Everywhere(scene, limits.held, exactly)
-        sides = [(new_states, NEW, life.nodes[0])]
+        sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
         sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
         for solve, wear, node in sides:
             at_speed = state_extremes(scene, node.states, here.where(wear=wear))
@@ -333,8 +334,8 @@ def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         for name, point in points.items()
     ]
     lived = {"life": named[shortest]["life"]} if "life" in named[shortest] else {}
-    for one in named:
-        one.pop("life", None)
+    for of_case in named:
+        of_case.pop("life", None)
     return found | {DECIDING: merged(named) | lived, CASE_POINTS: dict(points)}
 
 
@@ -444,7 +445,7 @@ def map_of(
 ) -> xr.Dataset:
     """A map from what `followed_point` gives for its scenes; of limits the slip share is kept."""
     methods, *numbers = axes
-    others = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
+    others: dict[str, Any] = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
     return filled_points(
         {**dict(zip(MAP_AXES.values(), values, strict=True)), LOSS_BASIS: None},

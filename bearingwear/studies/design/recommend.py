@@ -172,7 +172,7 @@ def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
 
 
 def small_map(
-    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, float], workers: int = 1
+    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, Any], workers: int = 1
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Step: a map and the preload to take of it.
 

@@ -10,6 +10,7 @@ from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -185,7 +186,8 @@ def limit_end(
     factors = (FARTHEST if up else 1.0 / FARTHEST) ** np.linspace(0.0, 1.0, _LIMITS + 1)[1:]
 
     def moved(factor: float) -> DesignLimits:
-        return replace(limits, **{name: factor * now})
+        changed: Any = {name: factor * now}
+        return replace(limits, **changed)
 
     def ahead(factor: float) -> float:
         return advantage([line.interpolated_best(moved(factor))[0] for line in lines], first)
