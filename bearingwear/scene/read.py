@@ -184,6 +184,15 @@ def _check_spread(data: Mapping[str, Any]) -> None:
                 )
 
 
+def written_data(scene: Scene) -> dict[str, Any]:
+    """Data of a scene as it is written to a file: a regularisation that follows the slip is left
+    out, or it would not follow another speed."""
+    plain = scene.to_dict()
+    if not regularisation_is_given(scene):
+        del plain["friction"]["slip_regularisation_m_s"]
+    return plain
+
+
 def _undecided(scene: Scene) -> dict[str, Any]:
     """Data of a scene without what its accuracy has decided, so that another one may."""
     plain = scene.to_dict()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import bearingwear
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.new.scene_file import checked_scene, scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict, variant
@@ -101,3 +102,10 @@ def test_a_given_one_stays(spindle, tmp_path):
         file.write_text(SPINDLE.replace("\nfriction:", "\n" + given_there, 1), encoding="utf-8")
         loaded = load_scene(file, [f"{SPEED}=60"])
         assert loaded.friction.slip_regularisation_m_s == v_r
+
+
+def test_a_written_scene_keeps_following(spindle, tmp_path):
+    for scene in (spindle, spindle.with_({KEY: STANDARD})):
+        bearingwear.save(scene, tmp_path / "a.yaml")
+        found = load_scene(tmp_path / "a.yaml").with_({SPEED: 60.0}).friction
+        assert found == scene.with_({SPEED: 60.0}).friction

@@ -38,7 +38,7 @@ from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import value_at
-from bearingwear.scene.read import for_life
+from bearingwear.scene.read import for_life, written_data
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
@@ -91,7 +91,7 @@ class Calibration:
     def write(self, path: Path) -> None:
         """Write the scene, and the data beside it."""
         write_dataset(coded(self.data), files_of(path))
-        write_text(path, yaml_of(self.scene.to_dict()))
+        write_text(path, yaml_of(written_data(self.scene)))
 
 
 def files_of(path: Path) -> Path:
