@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.scene import Scene
+from bearingwear.scene.slip import regularisation_is_given, regularised
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
 """Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
@@ -76,7 +77,7 @@ def at_share(scene: Scene, share: float) -> Scene:
         lowest_speed_rpm=min(o.lowest_speed_rpm, shaft),
         outer_speed_rpm=share * o.outer_speed_rpm,
     )
-    return replace(scene, operation=changed)
+    return regularised(replace(scene, operation=changed), regularisation_is_given(scene))
 
 
 def as_mounted(scene: Scene) -> Scene:
