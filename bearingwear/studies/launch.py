@@ -108,6 +108,50 @@ def takes_value(option: str) -> bool:
     return action is not None and action.nargs != 0
 
 
+class _Relay:
+    """Passes on what Snakemake says; a full disk is no traceback of it, but noted."""
+
+    def __init__(self, process: subprocess.Popen[bytes], lines: ProgressLines) -> None:
+        self._process, self._lines = process, lines
+        self.unread, self.full_disk = threading.Event(), threading.Event()
+
+    def pass_on(self, source: IO[bytes], target: TextIO) -> None:
+        """Read an output to its end; a traceback is shown then, if it is not of a full disk."""
+        before: list[str] = []  # what may lead to a line about a full disk
+        held: list[str] = []  # from a traceback on
+        for line in source:
+            text = line.decode("utf-8", "replace")
+            if any(number in line for number in _NO_ROOM):
+                self.full_disk.set()
+                before.clear()
+            elif held or line.startswith(_TRACEBACK):
+                held += [*before, text]
+                before.clear()
+            elif line.startswith(b"WorkflowError:") or not line.strip():
+                before.append(text)
+            elif line.startswith(COMPILING):
+                tell_of_compiling()  # once, whichever jobs do
+            elif text.startswith(RUNNING_JOBS):
+                running = text.removeprefix(RUNNING_JOBS).strip()
+                self._lines.running = running or "ending the workflow"
+            elif not line.startswith(_PROFILE):
+                self._show([*before, text], target)
+                before.clear()
+        if held:
+            self.unread.wait(0.2)  # it may be of the interrupt that ends this command
+        if not self.full_disk.is_set():
+            self._show([*held, *before], target)
+
+    def _show(self, texts: Sequence[str], target: TextIO) -> None:
+        for text in texts if not self.unread.is_set() else ():
+            try:
+                self._lines.line(text, target)
+            except (BrokenPipeError, ValueError):
+                self.unread.set()
+                self._process.send_signal(signal.SIGINT)
+                break
+
+
 def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     """Run Snakemake and pass on its output, until it is interrupted or nobody reads it."""
     # the program's own handler would leave Snakemake behind
@@ -122,46 +166,12 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
         stderr=subprocess.PIPE,
     )
     pipe.started()
-    unread, full_disk, lines = threading.Event(), threading.Event(), ProgressLines()
+    lines = ProgressLines()
     lines.running = "starting the workflow"
-
-    def relay(source: IO[bytes], target: TextIO) -> None:
-        before: list[str] = []  # what may lead to a line about a full disk
-        held: list[str] = []  # from a traceback on
-        for line in source:
-            text = line.decode("utf-8", "replace")
-            if any(number in line for number in _NO_ROOM):
-                full_disk.set()
-                before.clear()
-            elif held or line.startswith(_TRACEBACK):
-                held += [*before, text]
-                before.clear()
-            elif line.startswith(b"WorkflowError:") or not line.strip():
-                before.append(text)
-            elif line.startswith(COMPILING):
-                tell_of_compiling()  # once, whichever jobs do
-            elif text.startswith(RUNNING_JOBS):
-                lines.running = text.removeprefix(RUNNING_JOBS).strip() or "ending the workflow"
-            elif not line.startswith(_PROFILE):
-                show([*before, text], target)
-                before.clear()
-        if held:
-            unread.wait(0.2)  # it may be of the interrupt that ends this command
-        if not full_disk.is_set():
-            show([*held, *before], target)
-
-    def show(texts: Sequence[str], target: TextIO) -> None:
-        for text in texts if not unread.is_set() else ():
-            try:
-                lines.line(text, target)
-            except (BrokenPipeError, ValueError):
-                unread.set()
-                process.send_signal(signal.SIGINT)
-                break
-
+    relay = _Relay(process, lines)
     assert process.stdout and process.stderr
     streams = ((process.stdout, sys.stdout), (process.stderr, sys.stderr))
-    readers = [threading.Thread(target=relay, args=pair, daemon=True) for pair in streams]
+    readers = [threading.Thread(target=relay.pass_on, args=pair, daemon=True) for pair in streams]
     for reader in readers:
         reader.start()
     try:
@@ -169,7 +179,7 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
             for reader in readers:
                 reader.join()
     except KeyboardInterrupt:
-        unread.set()  # what it says of being interrupted
+        relay.unread.set()  # what it says of being interrupted
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         _interrupt(process)
         pipe.tell_of_interrupt()
@@ -177,9 +187,9 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     finally:
         pipe.close()
     status = process.wait()
-    if full_disk.is_set():
+    if relay.full_disk.is_set():
         sys.stderr.write(one_line(f"{folder}: cannot be written ({os.strerror(errno.ENOSPC)})"))
-    if unread.is_set():
+    if relay.unread.is_set():
         raise BrokenPipeError
     return status
 
