@@ -91,7 +91,8 @@ def launch_verdict(found: Mapping[str, Launched]) -> list[str]:
         gap, k, name = max(opened)
         said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}{state}")
     elif found[worst].loads and not said:
-        states = " and ".join(found) if len(found) <= _SHOWN else "new and worn, in every case"
+        states = " and ".join(dict.fromkeys(words.partition(" (")[0] for words in found))
+        states += ", in every case" if len(found) > _SHOWN else ""
         said.append(f"no gap: every bearing remains loaded, {states}")
     worst = _worst(found, _pressure_share)
     one, state = found[worst], f", {worst}" if len(found) > 1 else ""

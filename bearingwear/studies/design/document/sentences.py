@@ -215,7 +215,8 @@ def what_limits_it(found: xr.Dataset, design: xr.Dataset | None = None) -> list[
         if violated == name:
             required = "the same requirement"
         violated = name
-        decided = f" Its worst value is {where}." if where else ""
+        place = f"in {where}" if where.startswith("case ") else where
+        decided = f" Its worst value is {place}." if where else ""
         longer, shorter = _longer_and_shorter(found, method, design)
         if said:  # of the other method
             other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
