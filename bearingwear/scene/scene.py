@@ -398,7 +398,7 @@ def _check_rings(scene: Scene) -> None:
 
 def _check_speeds(scene: Scene) -> None:
     lowest, speed = scene.operation.lowest_speed_rpm, scene.operation.shaft_speed_rpm
-    if lowest > speed:
+    if lowest > max(speed, 0.0):  # a speed below zero is refused for itself
         raise SceneError(
             "operation.lowest_speed_rpm",
             f"got {lowest:g}, expected a number <= {speed:g}, the speed of the shaft",

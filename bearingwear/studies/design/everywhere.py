@@ -43,7 +43,7 @@ NEAR_LIMIT = 0.3
 """Margin of a limit up to which the worst value over speed is looked for between the speeds."""
 
 _MOST_BETWEEN = 6  # speeds, of a quantity
-_MOVE, _AS_SLOW = 0.07, 0.01
+_MOVES, _AS_SLOW = (-0.07, 0.07, -0.15, 0.15), 0.01
 """By how much a speed is moved where there is no state at it, over it, and how slow is as good as
 at rest, over the full speed."""
 
@@ -232,7 +232,7 @@ class _Speeds:
         The speeds are as good as those beside them; at some the motion goes over to another one.
         """
         lost: _Unsolved | None = None
-        for near in (share, *(max(share * (1.0 + move), _AS_SLOW) for move in (-_MOVE, _MOVE))):
+        for near in (share, *(max(share * (1.0 + move), _AS_SLOW) for move in _MOVES)):
             try:
                 self.known[near] = self.at(OperatingCondition(at_share(self.of.scene, near)))
                 return
