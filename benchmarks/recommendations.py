@@ -40,7 +40,7 @@ from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.choice import limit_margins
-from bearingwear.studies.design.conditions import at_share
+from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
 from bearingwear.studies.design.everywhere import new_states, state_extremes, worn_states
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import COARSE, DesignLimits, MapAxes, axes_around
@@ -250,10 +250,15 @@ def least_elsewhere(scene: Scene, limits: DesignLimits) -> float:
     life = worn_life(scene, quick=False) or HertzianLives(scene)(scene)
     least = math.inf
     for solve in (new_states, worn_states(life)):
-        for share in np.linspace(0.0, 1.0, SPEEDS)[:-1].tolist():
-            one = at_share(scene, share)
+        shares = np.linspace(0.0, 1.0, SPEEDS)[:-1].tolist()
+        cold = [1.0 / SPEEDS, 0.0] if is_warm(scene) else []
+        for share, warm in [
+            *((share, True) for share in shares),
+            *((share, False) for share in cold),
+        ]:
+            one = at_share(scene, share) if warm else as_mounted(at_share(scene, share))
             states = solve(one)
-            if any(state.status != OK for state in states):
+            if warm and any(state.status != OK for state in states):
                 near = at_share(scene, share + 0.5 / SPEEDS)
                 states = solve(near)  # the motion may go over to another one just there
             if any(state.status != OK for state in states):
