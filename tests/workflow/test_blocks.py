@@ -35,6 +35,7 @@ SHOWN = {
     r"pip install -c constraints.txt \.$": "tests/test_installed.py::installed",
     r"pip install .*\[slurm\]": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"python3 -m venv": "tests/test_installed.py::installed",
+    r"make venv": "tests/test_set_up.py::test_make_alone_sets_up",
     r"make study|snakemake -j2( --rerun-incomplete)?$|bearingwear study$": (
         "tests/workflow/test_study.py::test_a_run_makes_everything_and_then_nothing"
     ),
