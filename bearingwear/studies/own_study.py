@@ -1,17 +1,31 @@
-"""What the study of one scene calculates: its configuration, made from the scene and limits."""
+"""The study of one scene: `bearingwear study mine.yaml` writes its configuration into a folder.
+
+The first line of each file says so and holds a hash of the rest, so that what somebody edited
+there is never replaced.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import math
+import os
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import yaml
+
+from bearingwear.atomic import reason, write_text
+from bearingwear.console import UsageError
 from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.cage.plan import FEWEST
 from bearingwear.studies.design.plan import DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
+from bearingwear.studies.solve import life_scene
 
 if TYPE_CHECKING:
     from bearingwear.solvers.compose import Remembered
@@ -132,3 +146,71 @@ def _status_at(solver: Remembered, loss: float) -> int:
     """Of the bearings, all at a loss of ball diameter [m]."""
     worn = (one._replace(loss=loss) for one in solver.bearings.start)
     return next((state.status for state in solver((*worn,)) if state.status != OK), OK)
+
+
+def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
+    """Write the configuration of a study of a scene, and the scene, into a folder.
+
+    folder: new, empty, or of an earlier call for this scene.
+    """
+    from bearingwear.scene.checking.strict_yaml import text_of
+    from bearingwear.scene.read import scene_files
+
+    name = file.stem
+    if not re.match(NAME, name):
+        raise UsageError(f"{file}: got the name {name}, expected {NAME_RULE}")
+    plans = plan_of(life_scene(file), name, limits, os.fspath(file))
+    bodies = {
+        path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
+        for path, plan in plans.items()
+    }
+    for path in map(Path, scene_files(file)):
+        bodies[f"config/scenes/{path.name}"] = text_of(path)
+    head = f"# Written by `bearingwear study {file.name}`"
+    _check_folder(folder, head)
+    texts = {
+        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that command again, or "
+        f"edit this file and run `bearingwear study` here.\n{body}"
+        for path, body in bodies.items()
+    }
+    for path in texts:
+        _check_unedited(path, head, folder)
+    for path, text in texts.items():
+        if _text(path) != text:
+            write_text(path, text)
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def _check_folder(folder: Path, head: str) -> None:
+    """Refuse a folder that holds anything else."""
+    try:
+        if folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir()):
+            config = folder / "config" / "config.yaml"
+            if not (_text(config) or "").startswith(head):
+                what = head.removeprefix("# Written by ")
+                raise UsageError(
+                    f"{folder}: got a folder with other files, expected a new folder, or one "
+                    f"written by {what}"
+                )
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
+
+
+def _check_unedited(path: Path, head: str, folder: Path) -> None:
+    """Refuse to replace what somebody edited."""
+    text = _text(path)
+    if text is not None:
+        first, _, rest = text.partition("\n")
+        if not first.startswith(head) or _hash(rest) not in first:
+            raise UsageError(
+                f"{path}: got an edited file, expected an unchanged file, or none (to run the "
+                f"edited study, use `bearingwear study` in {folder})"
+            )
+
+
+def _text(path: Path) -> str | None:
+    """What a file holds, if it is there."""
+    return path.read_bytes().decode("utf-8", "replace") if path.is_file() else None
