@@ -79,11 +79,6 @@ def command_parser() -> argparse.ArgumentParser:
     )
     for sub in (check, solve, life, launch):
         sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
-    solve.add_argument(
-        "--each",
-        metavar="KEY=VALUE,VALUE...",
-        help="solve a case for each value of a key in the scene; -o then names a file for each",
-    )
     _add_result(solve, several=True)
     _add_result(life)
     for sub in (solve, life):
@@ -112,14 +107,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
     _add_gather(command("gather", "gather case files of one scene into one file over their grid"))
     _add_page(command("page", "write the report page of a study"))
-    warmup = command("warmup", "compile the solver, which the first solve otherwise does")
-    warmup.add_argument(
-        "models",
-        nargs="*",
-        metavar="MODEL",
-        choices=[[], *MODELS],
-        help=f"{', '.join(MODELS)} (default: all)",
-    )
+    _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -182,6 +170,11 @@ def _add_page(page: argparse.ArgumentParser) -> None:
         help="the file to write; its links assume that it lies two folders below the study")
 
 
+def _add_warmup(warmup: argparse.ArgumentParser) -> None:
+    warmup.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
+        help=f"{', '.join(MODELS)} (default: all)")
+
+
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
         help="the scene file to write (default: named after the designation); an existing file is "
@@ -241,6 +234,9 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
+    if several:
+        sub.add_argument("--each", metavar="KEY=VALUE,VALUE...",
+            help="solve a case for each value of a key in the scene; -o then names a file for each")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
         nargs="+" if several else None,
         help="the file to write; its folder is created if missing")

@@ -335,12 +335,12 @@ def show(args: argparse.Namespace) -> int:
 
 def plot(args: argparse.Namespace) -> int:
     from bearingwear.plotting.plot import plot as draw
-    from bearingwear.studies import PLOTS
+    from bearingwear.studies import STUDY_PLOTS
 
     for path in args.output:
         check_folder(path)
         _tell_of_new_folder(path)
-    draw(args.file, args.output, PLOTS, args.bearing)
+    draw(args.file, args.output, STUDY_PLOTS, args.bearing)
     for path in args.output:
         print(f"{path}: written")
     return OK
@@ -499,9 +499,9 @@ def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
 def _print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
     """The sheet of a result file of any kind."""
     from bearingwear.document.show import sheet
-    from bearingwear.studies import SHEETS
+    from bearingwear.studies import STUDY_SHEETS
 
-    _print_sheet(sheet(path, SHEETS, every), args)
+    _print_sheet(sheet(path, STUDY_SHEETS, every), args)
 
 
 def _warn(attributes: Mapping[str, Any]) -> None:

@@ -16,12 +16,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+from bearingwear.studies.grid.plan import Plan
 
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.grid.plan import Plan
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import Batches

@@ -3,7 +3,6 @@
 import ast
 import functools
 import importlib.util
-import json
 import re
 import sys
 import types
@@ -111,12 +110,20 @@ def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -
     settings : dict, optional
     **inputs : path, or list of paths
     """
-    given = [
-        f"{name}={paths}" if isinstance(paths, str | Path) else f"{name}+={path}"
-        for name, paths in inputs.items()
-        for path in ([paths] if isinstance(paths, str | Path) else paths)
-    ]
-    return ["step", run, *given, "--settings", json.dumps(settings or {}), "-o", *map(str, outputs)]
+    words = []
+    for name, paths in inputs.items():
+        listed = [paths] if isinstance(paths, str | Path) else paths
+        words += [f"{name}=", *map(str, listed)]
+    for name, value in (settings or {}).items():
+        words.append(f"{name}={value if isinstance(value, str) else repr(value)}")
+    return ["step", dotted(run), *words, "-o", *map(str, outputs)]
+
+
+def dotted(run: str) -> str:
+    """Dotted name of a function of a study: `studies.grid.gather.study` in the package."""
+    study = run.split(".")[1]
+    there = (ROOT / "workflow" / "studies" / study).is_dir()
+    return f"{'workflow' if there else 'bearingwear'}.{run}"
 
 
 def step(run: str, *outputs, settings: dict | None = None, **inputs) -> int:

@@ -24,7 +24,6 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
-from bearingwear.studies.launch import check_arguments
 
 SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
@@ -268,23 +267,12 @@ def test_wrong_arguments(argv, capsys):
     assert err.startswith("bearingwear") and "--help" in err
 
 
-@pytest.mark.parametrize(
-    ("typed", "advised"),
-    [
-        ("-f results/a.nc", "results/a.nc -f"),
-        ("-n -p -f -j 2 all", "all -f"),
-        ("--forcerun results/a.nc", "all --forcerun results/a.nc"),
-        ("-p --configfile a.yaml", "all --configfile a.yaml"),
-        ("--config=a=1 design", "design --config=a=1"),
-    ],
-)
-def test_an_option_before_the_study_is_advised_of(typed, advised, capsys):
-    assert main(["study", *typed.split()]) == 2
-    assert f"`bearingwear study {advised}`" in only_line(capsys)
-    name, *more = advised.split()
-    args = _parsed(["study", name, *more])
-    assert (args.name, args.more) == (name, more)
-    check_arguments(more, [])
+@pytest.mark.parametrize("option", ["-f", "--forcerun", "--configfile"])
+def test_the_name_of_a_study_comes_first(option, capsys):
+    assert main(["study", option, "results/a.nc"]) == 2
+    assert f"got results/a.nc after {option}" in only_line(capsys)
+    args = _parsed(["study", "all", option, "results/a.nc"])
+    assert (args.name, args.more) == ("all", [option, "results/a.nc"])
 
 
 # steps
@@ -319,9 +307,12 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
     [
         (
             "studies.grid.gather.nothing",
-            "step: got studies.grid.gather.nothing, which does not exist",
+            "step: got bearingwear.studies.grid.gather.nothing, which does not exist",
         ),
-        ("studies.nothing.gather.study", "step: got studies.nothing.gather.study, which does not"),
+        (
+            "studies.nothing.gather.study",
+            "step: got bearingwear.studies.nothing.gather.study, which does",
+        ),
         ("os.system", "step: got os.system, expected studies.STUDY.MODULE.FUNCTION"),
         ("model.solve.solve", "step: got model.solve.solve, expected"),
     ],
@@ -340,11 +331,21 @@ def test_a_step_that_cannot_solve_says_so_and_goes_on(tmp_path, capsys):
     assert int(load(tmp_path / "a.nc")["status"]) == code.UNDETERMINED
 
 
+def test_only_our_functions_are_steps(tmp_path, capsys):
+    assert main(["step", "os.system", "command=ls", "-o", str(tmp_path / "a.nc")]) == 2
+    assert only_line(capsys).startswith("step: got os.system, expected bearingwear.MODULE.FUNCTION")
+
+
 @pytest.mark.parametrize(
-    "given", [["scene"], ["scene=a", "--settings", "{"], ["--settings", "[1]"], ["=a"]]
+    "given", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
 )
 def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
-    assert main(["step", "studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]) == 2
+    assert (
+        main(
+            ["step", "bearingwear.studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]
+        )
+        == 2
+    )
     only_line(capsys)
     assert os.listdir(tmp_path) == []
 

@@ -21,7 +21,7 @@ HEAVY = 150_000  # bytes of a small SVG beyond which its PNG is taken, if there 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
 HREF = f"{{{XLINK}}}href"
-DESCRIPTION, SOURCE = (
+DESCRIPTION, _SOURCE = (
     f"{{http://purl.org/dc/elements/1.1/}}{name}" for name in ("description", "source")
 )
 AS_CSV = {"study.nc": "cases", "wear_life.nc": "cases", "dynamic.nc": "dynamic", "design.nc": "map"}
@@ -61,7 +61,7 @@ def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
 
 def _data_behind(root: ET.Element) -> list[Path]:
     """The files that a figure says it was drawn from, and tables of the same numbers."""
-    text = next((node.text or "" for node in root.iter(SOURCE)), "").strip()
+    text = next((node.text or "" for node in root.iter(_SOURCE)), "").strip()
     files = [Path(path) for path in text.split(DATA_SEPARATOR) if path]
     known = [(file, AS_CSV[file.name]) for file in files if file.name in AS_CSV]
     tables = [file.parent / "tables" / f"{name}.csv" for file, name in known]

@@ -13,14 +13,14 @@ _ROOT = Path(__file__).resolve().parents[2]
 _HERE = "bearingwear.studies"
 _THERE = "workflow.studies"
 
-SHEETS = {
+STUDY_SHEETS = {
     "recommendation": f"{_HERE}.design.document.sheets:recommendation_sheet",
     "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_sheet",
     "cage ensemble": f"{_HERE}.cage.show:ensemble_sheet",
 }
 """What `bearingwear show` says of a file, by its kind: a function of the open file."""
 
-PLOTS = {
+STUDY_PLOTS = {
     "case": f"{_HERE}.grid.figures.plots:case_plot",
     "life": f"{_HERE}.grid.figures.plots:life_plot",
     "study": f"{_HERE}.grid.figures.plots:study_plot",
@@ -36,7 +36,7 @@ PLOTS = {
 
 if (_ROOT / "workflow" / "studies").is_dir():  # in a clone
     sys.path.append(str(_ROOT))
-    PLOTS |= {
+    STUDY_PLOTS |= {
         "accuracy against time": f"{_THERE}.accuracy.figures:accuracy_plot",
         "maps": f"{_THERE}.robustness.figures:figure_of_map",
         "branches": f"{_THERE}.robustness.figures:figure_of_branches",

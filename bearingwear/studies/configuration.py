@@ -20,20 +20,27 @@ from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
+from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
 from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.grid.grid import AXES, Grid
+from bearingwear.studies.grid.grid import GRID_AXES, Grid
 from bearingwear.studies.solve import life_scene
 from bearingwear.studies.uncertainty.plan import uncertain_scene
-
-SPREAD_BLOCKS = ("uncertainty", "cage_uncertainty")
-"""Blocks of a scene that only sampled lives read."""
 
 
 def read(path: str) -> dict[str, Any]:
     """A configuration as plain data; empty where there is no such file."""
     return dict(data_of(text_of(path), path, anchors=True)) if Path(path).is_file() else {}
+
+
+def fault(error: Exception) -> str:
+    """The key that a schema refuses and why, on one line, of what Snakemake's `validate` raises."""
+    found: Any = error.__context__
+    place = "".join(
+        f"[{key}]" if isinstance(key, int) else f".{key}" for key in found.absolute_path
+    )
+    return f"{place.lstrip('.') or 'the file'}: {found.message}"
 
 
 def scene_file(scene: str) -> str:
@@ -74,7 +81,7 @@ def scene_values(
     file: path of the scene with wildcards, or a function of these.
     replaced: keys that the job sets itself.
     cage: whether the job reads more of the cage than its material.
-    uncertainty: whether the job reads the uncertain values.
+    uncertainty: whether the job samples the uncertain values, or its file quotes them.
     """
     keys = tuple(replaced)
 
@@ -91,18 +98,10 @@ def scene_hash(path: str, replaced: tuple[str, ...], cage: bool, uncertainty: bo
     data = dict(as_data(path)[0])
     # a warning reads in the description that the speed is assumed
     assumed = "Speed assumed:" in str(data.pop("description", ""))
-    if not uncertainty:
-        data = {key: value for key, value in data.items() if key not in SPREAD_BLOCKS}
-    if not (cage or reads_cage(data)):
-        data["cage"] = (data.get("cage") or {}).get("material")
-    values = {key: value for key, value in leaves(data).items() if key not in replaced}
+    more = ["friction", "cage", "cage_uncertainty"] * cage + ["uncertainty"] * uncertainty
+    read = decisive_data(data) | {key: data.get(key) for key in more}
+    values = {key: value for key, value in leaves(read).items() if key not in replaced}
     return text_hash(json.dumps([values, assumed], sort_keys=True))
-
-
-def reads_cage(data: Mapping[str, Any]) -> bool:
-    """Whether a scene asks for the motion or the wear of its cage."""
-    model = data.get("model") or {}
-    return bool(model.get("cage_results")) or model.get("fidelity") == "dynamic"
 
 
 def page_notes(scenes: Iterable[str]) -> str:
@@ -137,7 +136,7 @@ def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
     for number, block in enumerate(config[key]):
         place = f"config: {key}[{number}]"
         with place_of_errors(place):
-            grid = Grid.from_lists(*(block[axis] for axis in AXES))
+            grid = Grid.from_lists(*(block[axis] for axis in GRID_AXES))
         for scene in block["scenes"]:
             if scene in found:
                 raise ValueError(f"{place}.scenes: got {scene} twice, expected it once")
@@ -229,7 +228,7 @@ def check_design(design: Mapping[str, Any]) -> None:
                 for_life(variant(path, assumption["set"]), path)
 
 
-def check_uncertainty(uncertainty: Mapping[str, Any]) -> None:
+def check_sampled(uncertainty: Mapping[str, Any]) -> None:
     """Refuse scenes of uncertainty.yaml whose lives cannot be sampled. Raises ValueError."""
     for name in uncertainty["scenes"]:
         uncertain_scene(scene_file(name))

@@ -16,7 +16,7 @@ GRACE = 10.0
 """Time in which an interrupted command has ended [s]."""
 
 
-def main() -> int:
+def guarded() -> int:
     signal.signal(signal.SIGINT, lambda *_: None)  # which is for the children
     process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
     threading.Thread(target=_interrupt_later, daemon=True).start()
@@ -32,4 +32,4 @@ def _interrupt_later() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded())

@@ -43,8 +43,10 @@ def run_step(name: str, words: Sequence[str], outputs: Sequence[Path]) -> None:
     except (TypeError, ValueError) as error:
         raise StepError(f"step: got wrong arguments for {name}; {error}") from None
     made = function(*called.args, **called.kwargs)
-    several = isinstance(made, (tuple, Iterator))
-    write_outputs(made if several else [made], outputs)
+    if _is_a(made, "Figure"):
+        _save(made, outputs)
+    else:
+        write_outputs(made if isinstance(made, (tuple, Iterator)) else [made], outputs)
 
 
 def _function(name: str) -> Any:
@@ -74,8 +76,8 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
     for name, values in texts.items():
         kind = str(getattr(signature.parameters.get(name), "annotation", ""))
         each = [Path(one) if "Path" in kind else _value(one, kind) for one in values]
-        if "Sequence" in kind:
-            found[name] = each
+        if "Sequence" in kind or "Iterable" in kind:
+            found[name] = each[0] if len(each) == 1 and isinstance(each[0], list) else each
         elif len(each) > 1:
             raise ValueError(f"got {len(each)} values of {name}, expected one")
         elif each:
@@ -104,13 +106,17 @@ def write_outputs(made: Iterator[Any] | Sequence[Any], outputs: Sequence[Path]) 
             formats = [first]
             while left and left[0].with_suffix("") == first.with_suffix(""):
                 formats.append(left.pop(0))
-            from bearingwear.plotting.drawing import save
-
-            save(one, formats)
+            _save(one, formats)
         else:
             write_output(one, first)
     if left:
         raise StepError(f"step: got no result for {left[0]}")
+
+
+def _save(figure: Any, paths: Sequence[Path]) -> None:
+    from bearingwear.plotting.drawing import save
+
+    save(figure, paths)
 
 
 def _is_a(made: Any, name: str) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.launch import snakefile
 
-WORN = ("model.contact=auto", "model.normal_balance=frictionless")
+_FOLLOWED = ("model.contact=auto", "model.normal_balance=frictionless")
 """Changes of the example with which a life follows its worn grooves."""
 
 
@@ -19,7 +19,7 @@ def compile_model(model: str) -> None:
     example = Path(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
     if model == "worn":
         life(load_scene(example))
-        life(load_scene(example, WORN))
+        life(load_scene(example, _FOLLOWED))
     elif model == "dynamic":
         turns = ["model.simulated_turns=0.1"]
         solve(load_scene(example, turns), "dynamic")

@@ -4,23 +4,13 @@ from support import ROOT, with_value
 
 from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.cage.plan import CagePlan
-from bearingwear.studies.design.plan import DesignPlan
-from bearingwear.studies.uncertainty.plan import UncertaintyPlan
 from workflow.studies.identify.plan import IdentifyPlan
 
-MAP = "scenes.gyro_s1.map"
 PLANS = {
     "cage": (
         CagePlan,
         ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected increasing"),
         ("ensemble.least_turns", 200, "most_turns: got 150, expected at least 200"),
-    ),
-    "design": (
-        DesignPlan,
-        (f"{MAP}.friction.step", 0.07, "got 0.02 to 0.17 in steps of 0.07"),
-        (f"{MAP}.preload_N", [2.0, 1.0], "expected increasing numbers > 0"),
-        (f"{MAP}.friction", [1 / 3], "expected at most 9 decimal places"),
-        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: got an unknown key"),
     ),
     "identify": (
         IdentifyPlan,
@@ -28,14 +18,6 @@ PLANS = {
         ("statements.qv_least_um", [0.5, 0.3], "qv_least_um: got 0.5, 0.3, expected increasing"),
         ("ball_count", [7, 7], "ball_count: got 7, 7, expected increasing numbers"),
         ("pitch_diameter_mm.step", 0, "pitch_diameter_mm: step: got 0, expected a number > 0"),
-    ),
-    "uncertainty": (
-        UncertaintyPlan,
-        (
-            "sampling.chunks",
-            2048,
-            "sampling.chunks: got 2048, expected at most the number of samples",
-        ),
     ),
 }
 

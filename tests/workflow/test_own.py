@@ -9,12 +9,12 @@ import subprocess
 import sys
 
 import pytest
+from bearingwear.studies.own import plan as own_plan
 from support import ROOT, scene_file
 
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
 from bearingwear.studies.design import plan as design_plan
-from bearingwear.studies.own import plan as own_plan
 
 
 @pytest.fixture

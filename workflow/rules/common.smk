@@ -18,14 +18,20 @@ DESIGN, UNCERTAINTY, LIVES = (
     configuration.read(f"config/{name}.yaml")
     for name in ("design", "uncertainty", "lives")
 )
-validate(config, "../schemas/config.schema.yaml")
-validate(DESIGN, "../schemas/design.schema.yaml")
-validate(UNCERTAINTY, "../schemas/uncertainty.schema.yaml")
-validate(LIVES, "../schemas/lives.schema.yaml")
+for name, data in (
+    ("config", config),
+    ("design", DESIGN),
+    ("uncertainty", UNCERTAINTY),
+    ("lives", LIVES),
+):
+    try:
+        validate(data, f"../schemas/{name}.schema.yaml")
+    except WorkflowError as error:
+        raise WorkflowError(f"config/{name}.yaml: {configuration.fault(error)}") from None
 try:
     configuration.check_config(config)
     configuration.check_design(DESIGN)
-    configuration.check_uncertainty(UNCERTAINTY)
+    configuration.check_sampled(UNCERTAINTY)
     configuration.check_lives(LIVES)
 except ValueError as error:
     raise WorkflowError(str(error)) from None

@@ -15,7 +15,7 @@ rule wear_life:
         "logs/wear_life/{scene}.tsv"
     params:
         code=sources("bearingwear.studies.grid.life"),
-        scene=scene_values(),
+        scene=scene_values(uncertainty=True),
     group:
         "wear_life"
     resources:

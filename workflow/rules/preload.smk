@@ -32,7 +32,7 @@ rule small_map:
         "logs/small_map/{scene}.tsv"
     params:
         code=sources("bearingwear.studies.design.recommend"),
-        scene=scene_values(),
+        scene=scene_values(uncertainty=True),
         axes=lambda wildcards: map_of(wildcards.scene, "small_map"),
         limits=limits_of,
     threads: workflow.cores
@@ -54,7 +54,7 @@ rule lives_beside:
         "logs/lives_beside/{scene}.log",
     params:
         code=sources("bearingwear.studies.design.beside"),
-        scene=scene_values(),
+        scene=scene_values(uncertainty=True),
         cases=lambda wildcards: DESIGN["scenes"][wildcards.scene]["beside"],
     localrule: True
     shell:
@@ -241,7 +241,7 @@ rule recommend:
         "logs/recommend/{scene}.log",
     params:
         code=sources("bearingwear.studies.design.recommend"),
-        scene=scene_values(),
+        scene=scene_values(uncertainty=True),
     localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.recommend.recommendation_of scene={input.scene}"

@@ -13,7 +13,7 @@ from typing import Any
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS, MOST_DECIMALS, in_name
 
-AXES = ("preload_method", "friction", "ball_diameter_loss_um")
+GRID_AXES = ("preload_method", "friction", "ball_diameter_loss_um")
 """Keys of a grid in a configuration."""
 
 

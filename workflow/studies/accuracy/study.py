@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.protocol import Step, Study, figure_step, step, table_step
+
+from bearingwear.scene.checking.check import read_record
 from workflow.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
 
 PLOTS = {"accuracy against time": "workflow.studies.accuracy.figures:accuracy_plot"}

@@ -9,8 +9,9 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.protocol import SCENE, Study, figure_step, step, table_step
+
+from bearingwear.scene.checking.check import read_record
 from workflow.studies.identify.plan import IdentifyPlan
 
 PLOTS = {"candidates": "workflow.studies.identify.figures:ridge_and_lives"}

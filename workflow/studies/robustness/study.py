@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.protocol import Step, Study, figure_step, step, table_step
+
+from bearingwear.scene.checking.check import read_record
 from workflow.studies.robustness.plan import ROBUSTNESS_FILE, RobustnessPlan
 
 PLOTS = {

@@ -12,10 +12,8 @@ from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.cage.plan import CagePlan
-from bearingwear.studies.cage.study import study_of_cages
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.own.folder import write_study
-from bearingwear.studies.own.plan import plan_of
+from bearingwear.studies.own_study import plan_of, write_study
 
 LIMITS = DesignLimits(axial_stiffness_N_um=3.0)
 
@@ -93,17 +91,12 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
     assert config["studies"][0]["friction"] == frictions
 
 
-def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, monkeypatch, tmp_path):
+def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene):
     assert "config/cage.yaml" not in plan_of(scene, "mine", LIMITS, "mine.yaml")
     asked = scene.with_({"cage_uncertainty": {}})
     given = plan_of(asked, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
     plan = record(CagePlan, yaml.safe_load(yaml.safe_dump(given)))
     assert plan.guide_clearance_mm == (0.1, 0.2) and plan.cage_friction == (0.025, 0.05, 0.075)
-    monkeypatch.chdir(tmp_path)
-    study = study_of_cages(plan)
-    figures = [f"results/cage/figures/cage.{kind}" for kind in ("svg", "png")]
-    assert {*study.page_answers()} == {"results/cage/answer.json", *figures}
-    assert study.default_targets() == study.targets()
 
 
 def test_without_friction_there_is_no_study(scene):
