@@ -12,6 +12,7 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/inputs.smk"
 include: "workflow/rules/solve.smk"
 include: "workflow/rules/lives.smk"
 include: "workflow/rules/preload.smk"

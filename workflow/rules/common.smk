@@ -27,7 +27,9 @@ for name, data in (
     try:
         validate(data, f"../schemas/{name}.schema.yaml")
     except WorkflowError as error:
-        raise WorkflowError(f"config/{name}.yaml: {configuration.fault(error)}") from None
+        raise WorkflowError(
+            f"config/{name}.yaml: {configuration.fault(error)}"
+        ) from None
 try:
     configuration.check_config(config)
     configuration.check_design(DESIGN)
@@ -41,8 +43,9 @@ GRIDS = configuration.grids(config)
 DYNAMIC = configuration.grids(config, "dynamic")
 SCENES = [*dict.fromkeys([*GRIDS, *DYNAMIC, *DESIGN["scenes"]])]
 # Losses of all grids, as in file names. A solve takes milliseconds, so each line of a grid is solved at all of them.
-LOSSES = sorted({loss for grid in GRIDS.values() for loss in grid.loss_names}, key=float)
-EACH_LOSS = ",".join(LOSSES)
+LOSSES = sorted(
+    {loss for grid in GRIDS.values() for loss in grid.loss_names}, key=float
+)
 
 
 wildcard_constraints:

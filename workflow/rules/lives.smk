@@ -13,13 +13,13 @@ rule wear_life:
         "logs/wear_life/{scene}.log",
     benchmark:
         "logs/wear_life/{scene}.tsv"
-    params:
-        code=sources("bearingwear.studies.grid.life"),
-        scene=scene_values(uncertainty=True),
     group:
         "wear_life"
     resources:
         runtime=1,
+    params:
+        code=sources("bearingwear.studies.grid.life"),
+        scene=scene_values(uncertainty=True),
     shell:
         "bearingwear step bearingwear.studies.grid.life.study_life scene={input.scene} study={input.study}"
         " -o {output} &> {log}"
@@ -36,30 +36,20 @@ rule spread:
         "logs/spread/{scene}/mu{mu}.log",
     benchmark:
         "logs/spread/{scene}/mu{mu}.tsv"
+    group:
+        "spread"
+    resources:
+        runtime=5,
     params:
         code=sources("bearingwear.studies.uncertainty.quantiles"),
         scene=scene_values(uncertainty=True),
         methods=lambda wildcards: GRIDS[wildcards.scene].preload_method,
         samples=config["uncertain_lives"]["samples"],
         seed=config["uncertain_lives"]["seed"],
-    group:
-        "spread"
-    resources:
-        runtime=5,
     shell:
         "bearingwear uncertainty {input.scene} --friction {wildcards.mu} --method {params.methods}"
         " --samples {params.samples} --seed {params.seed} --jobs {threads} --record-failures --quiet"
         " -o {output} &> {log}"
-
-
-def spreads(wildcards):
-    """Files of the spread in life, of one scene or of all."""
-    return [
-        f"results/{scene}/spread/mu{mu}.nc"
-        for scene in config["uncertain_lives"]["scenes"]
-        if scene in GRIDS and scene == getattr(wildcards, "scene", scene)
-        for mu in GRIDS[scene].friction_names
-    ]
 
 
 rule answer:
@@ -71,17 +61,12 @@ rule answer:
         "results/answer.json",
     log:
         "logs/answer.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.answer"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.answer.lives_answer lives={input.lives} uncertainty={input.spreads}"
         " -o {output} &> {log}"
-
-
-def scene_of_life(wildcards):
-    """The scene file of a life in config/lives.yaml."""
-    return f"config/scenes/{LIVES['lives'][wildcards.life]['scene']}.yaml"
 
 
 rule dynamic_life:
@@ -95,12 +80,12 @@ rule dynamic_life:
         "logs/dynamic_life/{life}.log",
     benchmark:
         "logs/dynamic_life/{life}.tsv"
+    resources:
+        runtime=40,
     params:
         code=sources("bearingwear.lives.life"),
         scene=scene_values(scene_of_life, cage=True),
         changes=lambda wildcards: settings(LIVES["lives"][wildcards.life]["set"]),
-    resources:
-        runtime=40,
     shell:
         "bearingwear life {input.scene} --fidelity dynamic {params.changes} --record-failures --quiet"
         " -o {output} &> {log}"
@@ -120,9 +105,9 @@ rule dynamic_life_figure:
         "results/lives/figures/{life}.png",
     log:
         "logs/dynamic_life_figure/{life}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.lives.figures"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.lives.figures.wear_history life={input} -o {output} &> {log}"
 
@@ -140,9 +125,9 @@ rule lives_table:
         ),
     log:
         "logs/lives_table.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.lives.tables"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.lives.tables.lives_table lives={input} -o {output} &> {log}"
 

@@ -8,16 +8,6 @@ SMALL_MAPS = [
 MAPS = [scene for scene, one in DESIGN["scenes"].items() if "map" in one]
 
 
-def limits_of(wildcards):
-    """Requirements on a scene, by which its preload is chosen."""
-    return DESIGN["scenes"][wildcards.scene]["limits"]
-
-
-def map_of(scene, kind="map"):
-    """Axes of a map of a scene, as lists."""
-    return configuration.map_axes(DESIGN["scenes"][scene][kind])
-
-
 rule small_map:
     """Lives over a few preloads, and the preload to take by the requirements of config/design.yaml."""
     input:
@@ -30,14 +20,14 @@ rule small_map:
         "logs/small_map/{scene}.log",
     benchmark:
         "logs/small_map/{scene}.tsv"
+    priority: 1
+    localrule: True
+    threads: workflow.cores
     params:
         code=sources("bearingwear.studies.design.recommend"),
         scene=scene_values(uncertainty=True),
         axes=lambda wildcards: map_of(wildcards.scene, "small_map"),
         limits=limits_of,
-    threads: workflow.cores
-    priority: 1
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.recommend.small_map scene={input.scene}"
         " axes={params.axes:q} limits={params.limits:q} workers={threads} -o {output} &> {log}"
@@ -52,11 +42,11 @@ rule lives_beside:
         "results/{scene}/preload/beside.nc",
     log:
         "logs/lives_beside/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.beside"),
         scene=scene_values(uncertainty=True),
         cases=lambda wildcards: DESIGN["scenes"][wildcards.scene]["beside"],
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.beside.lives_beside scene={input.scene}"
         " recommendation={input.recommendation} cases={params.cases:q} -o {output} &> {log}"
@@ -73,31 +63,19 @@ rule spread_at_recommended_preload:
         "logs/spread_at_recommended_preload/{scene}.log",
     benchmark:
         "logs/spread_at_recommended_preload/{scene}.tsv"
+    group:
+        "spread"
+    resources:
+        runtime=5,
     params:
         code=sources("bearingwear.studies.uncertainty.quantiles"),
         scene=scene_values(uncertainty=True),
         samples=config["uncertain_lives"]["samples"],
         seed=config["uncertain_lives"]["seed"],
-    group:
-        "spread"
-    resources:
-        runtime=5,
     shell:
         "bearingwear step bearingwear.studies.uncertainty.quantiles.recommended_life_quantiles"
         " scene={input.scene} recommendation={input.recommendation} samples={params.samples}"
         " seed={params.seed} -o {output} &> {log}"
-
-
-def beside(wildcards):
-    """Lives under other assumptions, of a scene that asks for them."""
-    asked = DESIGN["scenes"][wildcards.scene]["beside"]
-    return expand("results/{scene}/preload/beside.nc", **wildcards) if asked else []
-
-
-def spread_at_preload(wildcards):
-    """Spread in life at the recommended preload, of a scene that asks for it."""
-    asked = wildcards.scene in config["uncertain_lives"]["scenes"]
-    return expand("results/{scene}/preload/spread.nc", **wildcards) if asked else []
 
 
 rule preload_report:
@@ -126,9 +104,9 @@ rule preload_report:
         "results/{scene}/preload/charts.json",
     log:
         "logs/preload_report/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.report"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.report.preload_report design={input.design}"
         " recommendation={input.recommendation} beside={input.beside} spread={input.spread}"
@@ -149,9 +127,9 @@ rule small_map_figure:
         "results/{scene}/preload/figures/map.png",
     log:
         "logs/small_map_figure/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.figures.draw"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.figures.draw.draw_map design={input}"
         " -o {output} &> {log}"
@@ -187,30 +165,19 @@ rule map_part:
         "logs/map_part/{scene}/{method}-mu{mu}.log",
     benchmark:
         "logs/map_part/{scene}/{method}-mu{mu}.tsv"
+    group:
+        "map_part"
+    resources:
+        runtime=4,
     params:
         code=sources("bearingwear.studies.design.map"),
         scene=scene_values(),
         axes=lambda wildcards: map_of(wildcards.scene),
         slip_limit=lambda wildcards: limits_of(wildcards).get("gyroscopic_slip_share"),
-    group:
-        "map_part"
-    resources:
-        runtime=4,
     shell:
         "bearingwear step bearingwear.studies.design.map.map_part scene={input.scene}"
         " method={wildcards.method} friction={wildcards.mu} shaft_speed_rpm={params.axes[shaft_speed_rpm]}"
         " preload_N={params.axes[preload_N]} slip_limit={params.slip_limit} -o {output} &> {log}"
-
-
-def map_parts(wildcards):
-    """Files that together hold the map of a scene."""
-    axes = map_of(wildcards.scene)
-    return expand(
-        "results/{scene}/design/map/{method}-mu{mu}.nc",
-        method=axes["preload_method"],
-        mu=map(mu_name, axes["friction"]),
-        **wildcards,
-    )
 
 
 rule design_map:
@@ -221,10 +188,10 @@ rule design_map:
         "results/{scene}/design/design.nc",
     log:
         "logs/design_map/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.choice"),
         limits=limits_of,
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.choice.design_map parts={input}"
         " limits={params.limits:q} -o {output} &> {log}"
@@ -239,19 +206,13 @@ rule recommend:
         "results/{scene}/design/recommendation.nc",
     log:
         "logs/recommend/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.recommend"),
         scene=scene_values(uncertainty=True),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.recommend.recommendation_of scene={input.scene}"
         " design={input.design} -o {output} &> {log}"
-
-
-def sampled(wildcards):
-    """Quantiles of sampled lives, of a scene of config/uncertainty.yaml."""
-    asked = wildcards.scene in UNCERTAINTY["scenes"]
-    return expand("results/{scene}/design/uncertainty.nc", **wildcards) if asked else []
 
 
 rule design_report:
@@ -279,9 +240,9 @@ rule design_report:
         "results/{scene}/design/charts.json",
     log:
         "logs/design_report/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.report"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.report.preload_report design={input.design}"
         " recommendation={input.recommendation} uncertainty={input.uncertainty} -o {output} &> {log}"
@@ -301,9 +262,9 @@ rule design_map_figure:
         "results/{scene}/design/figures/map.png",
     log:
         "logs/design_map_figure/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.figures.draw"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.figures.draw.draw_map design={input}"
         " -o {output} &> {log}"
@@ -322,10 +283,10 @@ rule check_scene:
         "results/{scene}/design/check/{times}.yaml",
     log:
         "logs/check_scene/{scene}/{times}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.dynamic_check"),
         scene=scene_values(cage=True),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.dynamic_check.check_scene_text"
         " scene={input.scene} recommendation={input.recommendation} times={wildcards.times}"
@@ -343,12 +304,12 @@ rule solve_check:
         "logs/solve_check/{scene}/{times}-{fidelity}.log",
     benchmark:
         "logs/solve_check/{scene}/{times}-{fidelity}.tsv"
-    params:
-        code=sources("bearingwear.solvers.solve"),
     group:
         "solve_check"
     resources:
         runtime=6,
+    params:
+        code=sources("bearingwear.solvers.solve"),
     shell:
         "bearingwear solve {input.scene} --fidelity {wildcards.fidelity} --record-failures --quiet"
         " -o {output} &> {log}"
@@ -372,9 +333,9 @@ rule check_table:
         ),
     log:
         "logs/check_table/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.document.check_table"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.document.check_table.check_table"
         " recommendation={input.recommendation} cases={input.cases} -o {output} &> {log}"

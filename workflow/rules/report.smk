@@ -7,32 +7,8 @@ if WORN is None:
     WORN = next((grid.ball_diameter_loss_um[-1] for grid in GRIDS.values()), 0.0)
 
 
-def worn_loss(wildcards):
-    """The state of wear that figures of a scene show [um]; its most worn one, if it has not this."""
-    losses = GRIDS[wildcards.scene].ball_diameter_loss_um
-    return float(WORN) if WORN in losses else losses[-1]
-
-
 wildcard_constraints:
     bearing="|-first|-second",  # of two bearings that differ, each has figures
-
-
-def frictions_drawn(wildcards):
-    """Friction coefficients that the figures of a scene compare."""
-    grid = GRIDS[wildcards.scene].friction
-    wanted = sorted(map(float, FIGURES["friction"])) or grid
-    return [mu for mu in wanted if mu in grid] or [grid[0]]
-
-
-def slip_cases(wildcards):
-    """Cases behind the figure of slip, in the worn state that figures show."""
-    return expand(
-        "results/{scene}/cases/{method}-mu{mu}-loss{loss}.nc",
-        scene=wildcards.scene,
-        method=GRIDS[wildcards.scene].preload_method,
-        mu=map(mu_name, frictions_drawn(wildcards)),
-        loss=loss_name(worn_loss(wildcards)),
-    )
 
 
 rule figures:
@@ -66,11 +42,11 @@ rule figures:
         "results/{scene}/figures/wear_life{bearing}.png",
     log:
         "logs/figures/{scene}{bearing}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.figures.draw"),
         friction=frictions_drawn,
         bearing=lambda wildcards: wildcards.bearing.lstrip("-"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.figures.draw.scene_figures study={input.study}"
         " lives={input.lives} cases={input.cases} uncertainty={input.spreads}"
@@ -98,6 +74,7 @@ rule friction_figures:
         "results/{scene}/figures/fig08_worn{bearing}.png",
     log:
         "logs/friction_figures/{scene}{bearing}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.figures.draw"),
         losses=lambda wildcards: [
@@ -105,7 +82,6 @@ rule friction_figures:
             worn_loss(wildcards),
         ],
         bearing=lambda wildcards: wildcards.bearing.lstrip("-"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.figures.draw.friction_figures study={input}"
         " losses_um={params.losses} bearing={params.bearing} -o {output} &> {log}"
@@ -127,9 +103,9 @@ rule summary:
         ),
     log:
         "logs/summary/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.tables"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.tables.study_tables study={input.study}"
         " lives={input.lives} uncertainty={input.spreads} -o {output} &> {log}"
@@ -157,18 +133,12 @@ rule dynamic_report:
         ),
     log:
         "logs/dynamic_report/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.dynamic_report"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.dynamic_report.dynamic_report"
         " study={input.study} dynamic={input.dynamic} -o {output} &> {log}"
-
-
-def reference(wildcards):
-    """The file of published values that running averages of a scene are drawn with, if any."""
-    name = (FIGURES["running_averages"][wildcards.scene] or {}).get("reference")
-    return f"config/reference/{name}.csv" if name else []
 
 
 rule running_average:
@@ -186,9 +156,9 @@ rule running_average:
         "results/{scene}/figures/fig06_running_average-{case}.png",
     log:
         "logs/running_average/{scene}/{case}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.figures.draw"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.figures.draw.draw_running_average"
         " case={input.case} reference={input.reference} -o {output} &> {log}"
@@ -197,10 +167,7 @@ rule running_average:
 rule wear_columns:
     """QV, preload, contact angles and wear rates, a column for each scene of figures.wear_columns."""
     input:
-        [
-            f"results/{column['scene']}/study.nc"
-            for column in FIGURES["wear_columns"]
-        ],
+        [f"results/{column['scene']}/study.nc" for column in FIGURES["wear_columns"]],
     output:
         report(
             "results/figures/fig10_wear.svg",
@@ -211,10 +178,10 @@ rule wear_columns:
         "results/figures/fig10_wear.png",
     log:
         "logs/wear_columns.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.figures.draw"),
         friction=[column["friction"] for column in FIGURES["wear_columns"]],
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.figures.draw.draw_wear studies={input}"
         " friction={params.friction} -o {output} &> {log}"
@@ -239,10 +206,10 @@ rule overlay:
         "results/figures/spread_{overlay}.png",
     log:
         "logs/overlay/{overlay}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.figures.draw"),
         friction=lambda wildcards: FIGURES["spreads"][wildcards.overlay]["friction"],
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.figures.draw.draw_overlay studies={input}"
         " friction={params.friction} -o {output} &> {log}"
@@ -260,17 +227,15 @@ rule life_overlay:
             "results/figures/lives_{overlay}.svg",
             caption="../report/life_overlay.rst",
             category="across scenes",
-            labels={
-                "result": "QV until the end of life, several scenes, {overlay}"
-            },
+            labels={"result": "QV until the end of life, several scenes, {overlay}"},
         ),
         "results/figures/lives_{overlay}.png",
     log:
         "logs/life_overlay/{overlay}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.figures.draw"),
         friction=lambda wildcards: FIGURES["lives"][wildcards.overlay]["friction"],
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.grid.figures.draw.draw_life_overlay lives={input}"
         " friction={params.friction} -o {output} &> {log}"
@@ -308,25 +273,11 @@ DRAWN = [
     *expand("results/figures/lives_{overlay}.svg", overlay=FIGURES["lives"]),
 ]
 PAGE = "results/report/index.html"
-DOCS = [path for path in ("docs/verification.md", "docs/accuracy.md") if os.path.isfile(path)]
-
-
-def with_pngs(svgs):
-    """Figures as SVG, each with the PNG beside it."""
-    return [f"{path[:-4]}.{ending}" for path in svgs for ending in ("svg", "png")]
-
-
-def answers(wildcards):
-    """What the page says first: preloads by large maps if these were made, else by small ones; and lives."""
-    files = ("answer.json", "charts.json", "recommendation.nc")
-    made = [path.parent for path in sorted(Path().glob("results/*/design/answer.json"))]
-    large = [
-        *(f"{folder}/{file}" for folder in made for file in files),
-        *(str(path) for folder in made for path in sorted(folder.glob("tables/check.md"))),
-        *(str(path) for folder in made for path in sorted(folder.glob("figures/*.*g"))),
-    ]
-    lives = ["results/answer.json"] if GRIDS else []
-    return [*lives, *(large or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)])]
+DOCS = [
+    path
+    for path in ("docs/verification.md", "docs/accuracy.md")
+    if os.path.isfile(path)
+]
 
 
 rule page:
@@ -347,10 +298,10 @@ rule page:
         ),
     log:
         "logs/page.log",
+    localrule: True
     params:
         code=sources("bearingwear.page.page"),
         notes=configuration.page_notes(SCENES),
-    localrule: True
     shell:
         "bearingwear page {input.data} {input.tables} {input.figures} --answers {input.answers}"
         " --docs {input.docs} --scenes {input.scenes} -o {output} &> {log}"
@@ -365,23 +316,15 @@ rule verdict:
         "results/verdict.txt",
     log:
         "logs/verdict.log",
+    localrule: True
     params:
         unsolved=config["unsolved"],
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.unsolved.verdict_text paths={input.data}"
         " unsolved_is={params.unsolved} -o {output} 2>&1 | tee {log}"
 
 
 STARTED = time.time()
-
-
-def tell_result():
-    """Print the recommendation, and where the page is, after a run that made the page."""
-    if os.path.isfile(PAGE) and os.path.getmtime(PAGE) >= STARTED:
-        for line in configuration.headlines(answers(None)):
-            print(line, file=sys.stderr)
-        print(f"page: {os.environ.get('BEARINGWEAR_FOLDER', '')}{PAGE}", file=sys.stderr)
 
 
 onsuccess:

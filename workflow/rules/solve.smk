@@ -9,9 +9,9 @@ rule compile:
         "logs/compile/{model}.log",
     wildcard_constraints:
         model="steady|worn|dynamic",
+    localrule: True
     params:
         kernels=kernels_hash(),
-    localrule: True
     shell:
         "bearingwear warmup {wildcards.model} &> {log}"
 
@@ -27,16 +27,17 @@ rule solve:
         "logs/solve/{scene}/{method}-mu{mu}.log",
     benchmark:
         "logs/solve/{scene}/{method}-mu{mu}.tsv"
-    params:
-        code=sources("bearingwear.solvers.solve"),
-        scene=scene_values(replaced=GRID_KEYS.values()),
     group:
         "solve"
     resources:
         runtime=1,
+    params:
+        code=sources("bearingwear.solvers.solve"),
+        scene=scene_values(replaced=GRID_KEYS.values()),
+        losses=",".join(LOSSES),
     shell:
         "bearingwear solve {input.scene} --set operation.preload_method={wildcards.method}"
-        " friction.ball_race={wildcards.mu} --each wear.ball_diameter_loss_um={EACH_LOSS}"
+        " friction.ball_race={wildcards.mu} --each wear.ball_diameter_loss_um={params.losses}"
         " --record-failures --quiet -o {output} &> {log}"
 
 
@@ -51,6 +52,8 @@ rule solve_chunk:
         "logs/solve_chunk/{scene}/{method}-mu{first}-to-mu{last}.log",
     benchmark:
         "logs/solve_chunk/{scene}/{method}-mu{first}-to-mu{last}.tsv"
+    resources:
+        runtime=60,
     params:
         code=sources("bearingwear.studies.grid.solve"),
         scene=scene_values(replaced=GRID_KEYS.values()),
@@ -58,20 +61,10 @@ rule solve_chunk:
             wildcards.first, wildcards.last
         ),
         losses=lambda wildcards: GRIDS[wildcards.scene].ball_diameter_loss_um,
-    resources:
-        runtime=60,
     shell:
         "bearingwear step bearingwear.studies.grid.solve.solved_chunk scene={input.scene}"
         " method={wildcards.method} friction={params.friction} losses_um={params.losses}"
         " -o {output} &> {log}"
-
-
-def solved_cases(wildcards):
-    """Files that hold every case of a scene: one for each, or chunks of many lines."""
-    grid = GRIDS[wildcards.scene]
-    if parts := grid.chunks(config["points_per_job"]):
-        return expand("results/{scene}/chunks/{part}.nc", part=parts, **wildcards)
-    return expand("results/{scene}/cases/{case}.nc", case=grid.cases(), **wildcards)
 
 
 rule gather:
@@ -82,9 +75,9 @@ rule gather:
         "results/{scene}/study.nc",
     log:
         "logs/gather/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.gather"),
-    localrule: True
     shell:
         "bearingwear gather {input} -o {output} &> {log}"
 
@@ -100,17 +93,17 @@ rule solve_dynamic:
         "logs/solve_dynamic/{scene}/{method}-mu{mu}-loss{loss}.log",
     benchmark:
         "logs/solve_dynamic/{scene}/{method}-mu{mu}-loss{loss}.tsv"
+    priority: 1
+    group:
+        "solve_dynamic"
+    resources:
+        runtime=1,
     params:
         code=sources("bearingwear.solvers.solve"),
         scene=scene_values(replaced=GRID_KEYS.values(), cage=True),
         model=lambda wildcards: settings(
             configuration.dynamic_model(config, wildcards.scene)
         ),
-    group:
-        "solve_dynamic"
-    priority: 1
-    resources:
-        runtime=1,
     shell:
         "bearingwear solve {input.scene} --fidelity dynamic {params.model}"
         " --set operation.preload_method={wildcards.method} friction.ball_race={wildcards.mu}"
@@ -129,8 +122,8 @@ rule gather_dynamic:
         "results/{scene}/dynamic.nc",
     log:
         "logs/gather_dynamic/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.grid.gather"),
-    localrule: True
     shell:
         "bearingwear gather {input} -o {output} &> {log}"

@@ -1,12 +1,6 @@
 # Sampled lives at a scene's own preload and at the recommended one: `snakemake -j2 uncertainty` (config/uncertainty.yaml).
 
 
-def recommended_preload(wildcards):
-    """The recommendation of the large map, for lives sampled at its preload."""
-    asked = wildcards.choice == "recommended"
-    return expand("results/{scene}/design/recommendation.nc", **wildcards) if asked else []
-
-
 rule sample_lives:
     """A part of the sampled lives of one preload method at one preload."""
     input:
@@ -22,14 +16,14 @@ rule sample_lives:
     wildcard_constraints:
         choice="own|recommended",
         chunk=r"\d+",
-    params:
-        code=sources("bearingwear.studies.uncertainty.sample"),
-        scene=scene_values(uncertainty=True),
-        sampling=UNCERTAINTY["sampling"],
     group:
         "sample_lives"
     resources:
         runtime=9,
+    params:
+        code=sources("bearingwear.studies.uncertainty.sample"),
+        scene=scene_values(uncertainty=True),
+        sampling=UNCERTAINTY["sampling"],
     shell:
         "bearingwear step bearingwear.studies.uncertainty.sample.sampled_lives scene={input.scene}"
         " method={wildcards.method} preload_choice={wildcards.choice} chunk={wildcards.chunk}"
@@ -53,12 +47,12 @@ rule quantiles:
         "logs/quantiles/{scene}.log",
     benchmark:
         "logs/quantiles/{scene}.tsv"
+    resources:
+        runtime=3,
     params:
         code=sources("bearingwear.studies.uncertainty.quantiles"),
         scene=scene_values(uncertainty=True),
         sampling=UNCERTAINTY["sampling"],
-    resources:
-        runtime=3,
     shell:
         "bearingwear step bearingwear.studies.uncertainty.quantiles.quantiles_and_indices"
         " scene={input.scene} parts={input.parts} sampling={params.sampling:q} -o {output} &> {log}"
@@ -80,9 +74,9 @@ rule uncertainty_figure:
         "results/{scene}/design/figures/uncertainty.png",
     log:
         "logs/uncertainty_figure/{scene}.log",
+    localrule: True
     params:
         code=sources("bearingwear.studies.design.figures.draw"),
-    localrule: True
     shell:
         "bearingwear step bearingwear.studies.design.figures.draw.draw_uncertainty"
         " design={input.design} recommendation={input.recommendation}"

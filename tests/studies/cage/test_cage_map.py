@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from bearingwear.studies.cage.study import study_of_cages
 from support import ROOT
 
 from bearingwear.page.page import page
@@ -24,7 +25,6 @@ from bearingwear.studies.cage.motion import (
     path_of,
 )
 from bearingwear.studies.cage.plan import CagePlan
-from bearingwear.studies.cage.study import study_of_cages
 from bearingwear.studies.cage.tables import (
     cage_answer,
     cage_table,

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file, step
+from support import scene_file, step
 
 from bearingwear.cli import main
 from bearingwear.document.show import sheet

@@ -267,8 +267,8 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
     from bearingwear.scene.read import load_scene
     from bearingwear.studies import STUDY_PLOTS
     from bearingwear.studies.grid.grid import Case
-    from bearingwear.studies.solve import solved_variants
     from bearingwear.studies.grid.tables import study_tables
+    from bearingwear.studies.solve import solved_variants
 
     pair = {"kind": "spring_pair", "external_axial_N": force}
     changes = {"arrangement": pair, "wear.counts": "ball"}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file
+from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.scene.distributions import value_at
