@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.document.document import load_document
-from bearingwear.provenance import text_hash
+from bearingwear.provenance import PACKAGE, text_hash
 from bearingwear.results.pair_variables import BEARINGS
 from bearingwear.scene.arrangement import Arrangement, one_bearing
 from bearingwear.scene.assumed import assumed_keys
@@ -27,6 +27,9 @@ from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
 from bearingwear.studies.solve import life_scene
 from bearingwear.studies.uncertainty.plan import uncertain_scene
+
+FORK_SERVER = PACKAGE / "studies" / "fork_server.py"
+"""Program that jobs run."""
 
 
 def read(path: str) -> dict[str, Any]:

@@ -55,8 +55,8 @@ wildcard_constraints:
     loss=r"\d+\.\d+",
 
 
-# Rules call the command of this very environment, whether or not it is activated. Python looks for no module in the
-# folder of the study (-P), and a pipe hides no failure.
+# Rules call the command of this very environment and package, in a process forked from one that has imported it. A pipe
+# hides no failure.
 shell.prefix(
-    f'set -euo pipefail; bearingwear() ( exec "{sys.executable}" -P -m bearingwear "$@" ); '
+    f'set -euo pipefail; bearingwear() ( exec "{sys.executable}" -I -S "{configuration.FORK_SERVER}" $PPID "$@" ); '
 )

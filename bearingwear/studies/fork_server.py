@@ -1,0 +1,208 @@
+"""Runs the commands of a workflow's jobs as forks of one process, which has imported what they need.
+
+Importing takes longer than solving a line of the grid. Rules run this file in place of `bearingwear`
+(the shell prefix in workflow/rules/common.smk), and nothing else knows of it: the second job of a
+run starts the server, which learns from each job what to import, and ends with Snakemake. A job
+remains a process: it can fail, be killed and run again by itself. Where no server is, as on other
+systems than Linux, the same command runs alone.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import sys
+
+TYPE_CHECKING = False  # `typing` would take longer than the rest
+if TYPE_CHECKING:
+    from selectors import DefaultSelector
+
+_FOLDER = ".snakemake/bearingwear-{}"  # of Snakemake's process, in the folder of the study
+_MOST_BYTES = 1 << 16
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+def run_job(snakemake: str, arguments: list[str]) -> int:
+    """Exit status of a command, by the server of a run of Snakemake or by this process."""
+    folder = _FOLDER.format(snakemake)
+    try:
+        with socket.socket(socket.AF_UNIX) as server:
+            server.connect(f"{folder}/socket")
+            request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
+            sent = socket.send_fds(server, [request], [1, 2])
+            server.sendall(request[sent:])
+            return int(server.recv(16) or b"1")
+    except OSError:
+        _start_server(folder, snakemake)
+    command = [sys.executable, "-P", __file__, "--alone", *arguments]
+    os.execv(sys.executable, command)
+
+
+def _start_server(folder: str, snakemake: str) -> None:
+    """Start a server at the second job of a run; nothing where that is not possible."""
+    try:
+        os.mkdir(folder)
+        return  # at the first job: there may be no other
+    except OSError:
+        pass
+    try:
+        os.mkdir(f"{folder}/server")  # one process alone can
+        os.pidfd_open(int(snakemake))
+    except (AttributeError, OSError):
+        return
+    import subprocess
+
+    nothing = subprocess.DEVNULL
+    subprocess.Popen(
+        [sys.executable, "-P", __file__, "--serve", folder, snakemake],
+        env=os.environ | _ONE_THREAD,
+        stdin=nothing,
+        stdout=nothing,
+        stderr=nothing,
+        start_new_session=True,
+    )
+
+
+def serve(folder: str, snakemake: int) -> None:
+    """Fork for each command until Snakemake ends; import in between."""
+    import gc
+    import selectors
+    import shutil
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is for the jobs
+    waiting = {"bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"}
+    selector, listener = selectors.DefaultSelector(), socket.socket(socket.AF_UNIX)
+    ended = os.pidfd_open(snakemake)
+    selector.register(ended, selectors.EVENT_READ, _end)
+    listener.bind(f"{folder}/socket")
+    listener.listen(128)
+    selector.register(listener, selectors.EVENT_READ, lambda *_: _accept(selector, listener))
+    learnt: set[str] = set()
+    try:
+        while True:
+            for key, _ in selector.select(0.0 if waiting else None):
+                waiting |= key.data(selector, key) or set()
+            waiting -= learnt
+            if waiting:
+                name = min(waiting)
+                learnt.add(name)
+                try:
+                    __import__(name)
+                except Exception:  # whatever keeps it from being imported here does not matter
+                    pass
+                if waiting == {name}:
+                    gc.freeze()  # pages that no fork has to copy
+    except _Ended:
+        listener.close()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+class _Ended(Exception):
+    """Snakemake is no more."""
+
+
+def _end(*_: object) -> None:
+    raise _Ended
+
+
+def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
+    """Fork for a client, and watch both of them."""
+    client = listener.accept()[0]
+    request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
+    while not request.endswith(b"\n"):
+        request += client.recv(_MOST_BYTES)
+    folder, arguments = json.loads(request)
+    learnt, told = os.pipe()
+    job = os.fork()
+    if job == 0:
+        listener.close()
+        _run(folder, arguments, files, told)
+    for file in (*files, told):
+        os.close(file)
+    read = 1  # selectors.EVENT_READ
+    selector.register(client, read, lambda *_: _gone(selector, client, job))
+    selector.register(learnt, read, lambda *_: _modules(selector, learnt))
+    watched = os.pidfd_open(job)
+    selector.register(watched, read, lambda *_: _finished(selector, client, job, watched))
+
+
+def _gone(selector: DefaultSelector, client: socket.socket, job: int) -> None:
+    """Nobody waits for a job any more."""
+    import signal
+
+    os.kill(job, signal.SIGTERM)
+    selector.unregister(client)
+
+
+def _modules(selector: DefaultSelector, learnt: int) -> set[str]:
+    """Modules that a job has imported."""
+    selector.unregister(learnt)
+    with os.fdopen(learnt, "rb") as file:
+        return set(file.read().decode().split())
+
+
+def _finished(selector: DefaultSelector, client: socket.socket, job: int, watched: int) -> None:
+    """Pass the status of a job on."""
+    status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
+    selector.unregister(watched)
+    os.close(watched)
+    try:
+        selector.unregister(client)
+        client.sendall(b"%d" % (status if status >= 0 else 128 - status))
+    except (OSError, KeyError):  # it is gone
+        pass
+    client.close()
+
+
+def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None:
+    """Run a command in this process, which ends with it."""
+    import signal
+    import traceback
+
+    status, known = 1, set(sys.modules)
+    try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        for place, file in enumerate((os.open(os.devnull, os.O_RDONLY), *files)):
+            os.dup2(file, place)
+            os.close(file)
+        os.chdir(folder)
+        status = alone(arguments)
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
+        os.write(told, " ".join(more).encode()[:_MOST_BYTES])
+        os._exit(status)
+
+
+def _find_package() -> None:
+    """Let Python find the package of this file, whichever else is installed."""
+    folder = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+
+
+def alone(arguments: list[str]) -> int:
+    """Run a command of the package that this file is a part of."""
+    import runpy
+
+    _find_package()
+    sys.argv = ["bearingwear", *arguments]
+    runpy.run_module("bearingwear", run_name="__main__", alter_sys=True)
+    return 0
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "--alone":
+        sys.exit(alone(sys.argv[2:]))
+    elif sys.argv[1] == "--serve":
+        _find_package()
+        serve(sys.argv[2], int(sys.argv[3]))
+    else:
+        sys.exit(run_job(sys.argv[1], sys.argv[2:]))
