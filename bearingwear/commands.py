@@ -11,6 +11,7 @@ import contextlib
 import re
 import shlex
 import sys
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -356,7 +357,7 @@ def compare(args: argparse.Namespace) -> int:
 
 def study(args: argparse.Namespace) -> int:
     from bearingwear.arguments import is_result
-    from bearingwear.studies.launch import run_own_study, run_study
+    from bearingwear.studies.launch import DRY_RUN, run_own_study, run_study
     from bearingwear.studies.sampling import usable_cores
 
     jobs = args.jobs or usable_cores()
@@ -368,9 +369,12 @@ def study(args: argparse.Namespace) -> int:
     file = Path(args.name)
     folder = args.output or Path(file.stem)
     check_folder(folder / file.name)
-    with ProgressLines(args.name):
-        write_study(file, folder, _limits(args))
-    status, page = run_own_study(folder, jobs, args.more)
+    with contextlib.ExitStack() as stack:
+        if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        with ProgressLines(args.name):
+            write_study(file, folder, _limits(args))
+        status, page = run_own_study(folder, jobs, args.more)
     if page:
         _print(f"page: {page}")
     return status

@@ -1,6 +1,6 @@
-"""Runs the commands of a workflow's jobs as forks of one process, which has imported what they need.
+"""Runs the commands of jobs as forks of one process, which has imported what they need.
 
-Importing takes longer than solving a line of the grid. Rules run this file in place of `bearingwear`
+Importing takes longer than solving a line of the grid. Rules run this file in place of the command
 (the shell prefix in workflow/rules/common.smk), and nothing else knows of it: the second job of a
 run starts the server, which learns from each job what to import, and ends with Snakemake. A job
 remains a process: it can fail, be killed and run again by itself. Where no server is, as on other

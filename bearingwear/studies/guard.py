@@ -25,11 +25,12 @@ def guarded() -> int:
 
 
 def _interrupt_later() -> None:
-    sys.stdin.buffer.read()
+    while os.read(0, 1):  # until the command that started this ends
+        pass
     os.killpg(0, signal.SIGINT)
     threading.Event().wait(GRACE)
     os.killpg(0, signal.SIGKILL)
 
 
 if __name__ == "__main__":
-    sys.exit(guarded())
+    os._exit(guarded())  # its thread may still wait
