@@ -17,7 +17,14 @@ include: "workflow/rules/solve.smk"
 include: "workflow/rules/lives.smk"
 include: "workflow/rules/preload.smk"
 include: "workflow/rules/uncertainty.smk"
+include: "workflow/rules/cage.smk"
 include: "workflow/rules/report.smk"
+
+
+# Studies of the program itself, which need the repository.
+if (Path(workflow.basedir) / "workflow/studies").is_dir():
+
+    include: "workflow/rules/robustness.smk"
 
 
 rule all:
@@ -25,4 +32,5 @@ rule all:
     default_target: True
     input:
         "results/verdict.txt",
+        CAGE_SHOWN if CAGE["in_main_study"] else [],
     localrule: True

@@ -137,6 +137,10 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
         help="maximum number of shaft turns in a run that has not settled (default: 150)")
     cage.add_argument("--life", action="store_true",
         help="also compute the wear life of the cage from ensembles at successive wear states")
+    cage.add_argument("-j", "--jobs", type=int, metavar="N",
+        help="number of processes (default: one for each core)")
+    cage.add_argument("--record-failures", action="store_true",
+        help="exit status 0 even if no run succeeds; the file contains the reasons")
     cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")

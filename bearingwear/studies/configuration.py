@@ -37,6 +37,22 @@ def read(path: str) -> dict[str, Any]:
     return dict(data_of(text_of(path), path, anchors=True)) if Path(path).is_file() else {}
 
 
+def validated(path: Path, schema: str) -> dict[str, Any]:
+    """A configuration with the defaults of its schema, for a command outside of Snakemake.
+
+    ValueError: one line, where the schema refuses it.
+    """
+    from snakemake.exceptions import WorkflowError
+    from snakemake.utils import validate
+
+    data = data_of(text_of(path), str(path), anchors=True)
+    try:
+        validate(data, str(PACKAGE.parent / "workflow" / "schemas" / f"{schema}.schema.yaml"))
+    except WorkflowError as error:
+        raise ValueError(f"{path}: {fault(error)}") from None
+    return dict(data)
+
+
 def fault(error: Exception) -> str:
     """The key that a schema refuses and why, on one line, of what Snakemake's `validate` raises."""
     found: Any = error.__context__

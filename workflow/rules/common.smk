@@ -12,31 +12,29 @@ from bearingwear.provenance import kernels_hash
 from bearingwear.provenance import result_hash as sources
 from bearingwear.studies import configuration
 from bearingwear.studies.axis import GRID_KEYS
+from bearingwear.studies.cage import plan as cage_plan
 from bearingwear.studies.configuration import loss_name, mu_name, scene_values, settings
 
-DESIGN, UNCERTAINTY, LIVES = (
-    configuration.read(f"config/{name}.yaml")
-    for name in ("design", "uncertainty", "lives")
-)
-for name, data in (
-    ("config", config),
-    ("design", DESIGN),
-    ("uncertainty", UNCERTAINTY),
-    ("lives", LIVES),
-):
+
+def checked(name, check, data=None):
+    """A configuration with the defaults of its schema; one line says what is wrong with it."""
     try:
+        data = configuration.read(f"config/{name}.yaml") if data is None else data
         validate(data, f"../schemas/{name}.schema.yaml")
+        check(data)
     except WorkflowError as error:
-        raise WorkflowError(
-            f"config/{name}.yaml: {configuration.fault(error)}"
-        ) from None
-try:
-    configuration.check_config(config)
-    configuration.check_design(DESIGN)
-    configuration.check_sampled(UNCERTAINTY)
-    configuration.check_lives(LIVES)
-except ValueError as error:
-    raise WorkflowError(str(error)) from None
+        fault = configuration.fault(error)
+        raise WorkflowError(f"config/{name}.yaml: {fault}") from None
+    except ValueError as error:
+        raise WorkflowError(str(error)) from None
+    return data
+
+
+checked("config", configuration.check_config, config)
+DESIGN = checked("design", configuration.check_design)
+UNCERTAINTY = checked("uncertainty", configuration.check_sampled)
+LIVES = checked("lives", configuration.check_lives)
+CAGE = checked("cage", cage_plan.check_cage)
 
 # The grid of each scene: its methods, friction coefficients and losses, in order.
 GRIDS = configuration.grids(config)

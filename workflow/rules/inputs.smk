@@ -107,7 +107,7 @@ def with_pngs(svgs):
 
 
 def answers(wildcards):
-    """What the page says first: lives, and preloads by large maps if these were made, else by small ones."""
+    """What the page says first: lives; preloads, by large maps if these were made, else by small ones; cages."""
     files = ("answer.json", "charts.json", "recommendation.nc")
     made = [path.parent for path in sorted(Path().glob("results/*/design/answer.json"))]
     large = [
@@ -120,7 +120,9 @@ def answers(wildcards):
         *(str(path) for folder in made for path in sorted(folder.glob("figures/*.*g"))),
     ]
     lives = ["results/answer.json"] if GRIDS else []
-    return [*lives, *(large or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)])]
+    preloads = large or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)]
+    cages = CAGE["in_main_study"] or os.path.isfile(CAGE_ANSWER[0])
+    return [*lives, *preloads, *(CAGE_ANSWER if cages else [])]
 
 
 def tell_result():
