@@ -24,6 +24,7 @@ include: "workflow/rules/report.smk"
 # Studies of the program itself, which need the repository.
 if (Path(workflow.basedir) / "workflow/studies").is_dir():
 
+    include: "workflow/rules/accuracy.smk"
     include: "workflow/rules/robustness.smk"
 
 

@@ -61,8 +61,9 @@ def _schema_items(schema: dict, whole: dict, path: str) -> Iterator[str]:
         part = _resolved(given, whole)
         required = name in schema.get("required", ())
         default = "required" if required else f"default: {json.dumps(part.get('default'))}"
-        key = f"{path}{name}"
-        text = f"- `{key}`: {part['description']}. *{default.replace('null', 'none')}.*"
+        key, choices = f"{path}{name}", part.get("enum") or part.get("items", {}).get("enum")
+        allowed = f"{', '.join(map(str, choices))}; " if choices else ""
+        text = f"- `{key}`: {part['description']}. *{allowed}{default.replace('null', 'none')}.*"
         yield _wrapped(text)
         for below, suffix in ((part, "."), (part.get("items"), "[]."),
                               (part.get("additionalProperties"), ".NAME.")):  # fmt: skip

@@ -40,5 +40,4 @@ if (_ROOT / "workflow" / "studies").is_dir():  # in a clone
         "accuracy against time": f"{_THERE}.accuracy.figures:accuracy_plot",
         "maps": f"{_THERE}.robustness.figures:figure_of_map",
         "branches": f"{_THERE}.robustness.figures:figure_of_branches",
-        "candidates": f"{_THERE}.identify.figures:ridge_and_lives",
     }
