@@ -6,6 +6,7 @@ with their lives. Theory: docs/theory/16-paper-bearings.md. A fit to a text is n
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -85,8 +86,8 @@ def angles_with_loss(scene: Scene, angles: Sequence[float] = CONTACT_ANGLES) -> 
     tried = [(angle, miss(angle)) for angle in angles]
     for (low, at_low), (high, at_high) in itertools.pairwise(tried):
         if at_low * at_high <= 0.0:  # not where one of them is NaN
-            root = float(brentq(miss, low, high, xtol=1e-6))
-            found += [root] if abs(miss(root)) < 1e-3 else []
+            with contextlib.suppress(ValueError):  # which brentq raises where it meets a NaN
+                found.append(float(brentq(miss, low, high, xtol=1e-6)))
     return found
 
 

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from bearingwear.cli import main
 from bearingwear.kernels.steady.balance import BalanceProblem, balance_problem
@@ -72,19 +71,6 @@ def by_differences(function, c, steps) -> np.ndarray:
         low, high = map(function, moved)
         out.append((high - low) / (2.0 * step))
     return np.array(out)
-
-
-def with_value(file: Path, path: str, value: object, folder: Path) -> Path:
-    """A copy of a YAML file in a folder, with one value replaced."""
-    data = yaml.safe_load(file.read_text(encoding="utf-8"))
-    *blocks, last = path.split(".")
-    block = data
-    for name in blocks:
-        block = block[name]
-    block[last] = value
-    changed = folder / "plan.yaml"
-    changed.write_text(yaml.safe_dump(data), encoding="utf-8")
-    return changed
 
 
 def without_waits(text: str) -> str:

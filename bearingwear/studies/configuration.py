@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from bearingwear.console import UsageError
 from bearingwear.document.document import load_document
 from bearingwear.provenance import PACKAGE, text_hash
 from bearingwear.results.pair_variables import BEARINGS
@@ -37,20 +38,26 @@ def read(path: str) -> dict[str, Any]:
     return dict(data_of(text_of(path), path, anchors=True)) if Path(path).is_file() else {}
 
 
-def validated(path: Path, schema: str) -> dict[str, Any]:
+def validated(
+    path: Path, schema: str, check: Callable[[Mapping[str, Any], Path], None]
+) -> dict[str, Any]:
     """A configuration with the defaults of its schema, for a command outside of Snakemake.
 
-    ValueError: one line, where the schema refuses it.
+    check: refuses by a ValueError what the schema cannot.
+    UsageError: one line that says what is wrong.
     """
     from snakemake.exceptions import WorkflowError
     from snakemake.utils import validate
 
-    data = data_of(text_of(path), str(path), anchors=True)
     try:
+        data = dict(data_of(text_of(path), str(path), anchors=True))
         validate(data, str(PACKAGE.parent / "workflow" / "schemas" / f"{schema}.schema.yaml"))
+        check(data, path)
     except WorkflowError as error:
-        raise ValueError(f"{path}: {fault(error)}") from None
-    return dict(data)
+        raise UsageError(f"{path}: {fault(error)}") from None
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    return data
 
 
 def fault(error: Exception) -> str:

@@ -8,10 +8,10 @@ from support import scene_file
 
 from bearingwear.console import UsageError
 from bearingwear.lives.life import life
-from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
-from bearingwear.studies.cage.plan import CagePlan
+from bearingwear.studies.cage.plan import cage_axes, check_cage
+from bearingwear.studies.configuration import validated
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.own_study import plan_of, write_study
 
@@ -91,12 +91,16 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
     assert config["studies"][0]["friction"] == frictions
 
 
-def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene):
+def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
     assert "config/cage.yaml" not in plan_of(scene, "mine", LIMITS, "mine.yaml")
     asked = scene.with_({"cage_uncertainty": {}})
     given = plan_of(asked, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
-    plan = record(CagePlan, yaml.safe_load(yaml.safe_dump(given)))
-    assert plan.guide_clearance_mm == (0.1, 0.2) and plan.cage_friction == (0.025, 0.05, 0.075)
+    (tmp_path / "cage.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "scenes/mine.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
+    axes = cage_axes(validated(tmp_path / "cage.yaml", "cage", check_cage))
+    assert axes["guide_clearance_mm"] == [0.1, 0.2]
+    assert axes["cage_friction"] == [0.025, 0.05, 0.075]
 
 
 def test_without_friction_there_is_no_study(scene):

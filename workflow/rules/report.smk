@@ -1,5 +1,7 @@
 # Figures, tables, the report page and the verdict. `snakemake --report` makes the report of the jobs.
 
+import time
+
 FIGURES = config["figures"]
 # The state of wear that figures show [um]: the most worn one of the first grid, if none is given.
 WORN = FIGURES["worn_loss_um"]

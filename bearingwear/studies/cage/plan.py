@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.check import record
@@ -16,7 +17,7 @@ from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import variant
 from bearingwear.studies.axis import RisingAxis, check_rising, place_of_errors
 
-CAGE_FILE = "config/cage.yaml"
+CAGE_FILE = Path("config/cage.yaml")
 
 STRETCH = 10
 """Shaft turns over which a motion is named."""
@@ -105,10 +106,11 @@ def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
     return {point.name: point for point in points}
 
 
-def check_cage(cage: Mapping[str, Any]) -> None:
+def check_cage(cage: Mapping[str, Any], path: Path = CAGE_FILE) -> None:
     """Read the scene as every cage of the map changes it. Raises ValueError."""
-    with place_of_errors(CAGE_FILE):
+    with place_of_errors(str(path)):
         record(Ensemble, cage["ensemble"], "ensemble")
         for name, point in cage_points(cage).items():
+            scene = path.parent / "scenes" / f"{cage['scene']}.yaml"
             with place_of_errors(name):
-                variant(f"config/scenes/{cage['scene']}.yaml", {**cage["set"], **point.changes})
+                variant(scene, {**cage["set"], **point.changes})

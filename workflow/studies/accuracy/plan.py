@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.scene.accuracy import NAMED_PRESETS
-from bearingwear.scene.checking.errors import SceneError, yaml_number
+from bearingwear.scene.checking.errors import yaml_number
 from bearingwear.studies.axis import place_of_errors
 from bearingwear.studies.configuration import validated
 
@@ -97,10 +97,8 @@ class SweepPoint:
 
 
 def read_accuracy(path: Path) -> dict[str, Any]:
-    """The plan in a file like config/accuracy.yaml, with defaults. Raises ValueError."""
-    plan = validated(path, "accuracy")
-    check_accuracy(plan, path)
-    return plan
+    """The plan in a file like config/accuracy.yaml, with defaults. Raises UsageError."""
+    return validated(path, "accuracy", check_accuracy)
 
 
 def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
@@ -110,28 +108,37 @@ def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
     them would take seconds.
     """
     with place_of_errors(str(path)):
-        for name, scene in plan["scenes"].items():
-            for reference in scene["references"]:
-                check_known(reference, plan["references"], f"scenes.{name}.references")
-        for name, sweep in plan["sweeps"].items():
-            where = f"sweeps.{name}"
-            check_known(sweep["from"], (*plan["references"], _SCENE), f"{where}.from")
-            check_known(against(sweep), (*plan["references"], FIRST), f"{where}.against")
-            for only in sweep["only"]:
-                check_known(only, plan["scenes"], f"{where}.only")
-            sweep_points(plan, name)
-        for table in ("table", "effects"):
-            for row in plan[table]:
-                check_known(row["sweep"], plan["sweeps"], f"{table}.sweep")
-                labels = [point.label for point in sweep_points(plan, row["sweep"])]
-                check_known(row["label"], labels, f"{table}, {row['sweep']}")
-        for row in plan["effects"]:
-            where = f"sweeps.{row['sweep']}.against"
-            check_known(against(plan["sweeps"][row["sweep"]]), (FIRST,), where)
-        cages = plan["cages"] if plan["cages"]["ensembles"] else None
-        for scene in (*plan["scenes"].values(), *filter(None, [cages])):
+        _check_references(plan)
+        _check_rows(plan)
+        cages = [plan["cages"]] if plan["cages"]["ensembles"] else []
+        for scene in (*plan["scenes"].values(), *cages):
             if not (file := path.parent / "scenes" / f"{scene['file']}.yaml").is_file():
                 raise ValueError(f"got the scene {scene['file']}, expected a file {file}")
+
+
+def _check_references(plan: Plan) -> None:
+    references = plan["references"]
+    for name, scene in plan["scenes"].items():
+        for reference in scene["references"]:
+            check_known(reference, references, f"scenes.{name}.references")
+    for name, sweep in plan["sweeps"].items():
+        check_known(sweep["from"], (*references, _SCENE), f"sweeps.{name}.from")
+        check_known(against(sweep), (*references, FIRST), f"sweeps.{name}.against")
+        for only in sweep["only"]:
+            check_known(only, plan["scenes"], f"sweeps.{name}.only")
+        with place_of_errors(f"sweeps.{name}"):
+            sweep_points(plan, name)
+
+
+def _check_rows(plan: Plan) -> None:
+    for table in ("table", "effects"):
+        for row in plan[table]:
+            check_known(row["sweep"], plan["sweeps"], f"{table}.sweep")
+            labels = [point.label for point in sweep_points(plan, row["sweep"])]
+            check_known(row["label"], labels, f"{table}, {row['sweep']}")
+    for row in plan["effects"]:
+        sweep = plan["sweeps"][row["sweep"]]
+        check_known(against(sweep), (FIRST,), f"sweeps.{row['sweep']}.against")
 
 
 def against(sweep: Mapping[str, Any]) -> str:
@@ -221,7 +228,7 @@ def _point(
             check_known(merged[key], allowed, key)
     for key in _NUMBERS:
         if not _number(merged.get(key, 1.0)) > 0.0:
-            raise SceneError(key, f"got {merged[key]}, expected a number > 0")
+            raise ValueError(f"{key}: got {merged[key]}, expected a number > 0")
     special = {key: str(merged.pop(key)) for key in (*_SPECIAL, *_NUMBERS) if key in merged}
     numbers = [_number(value) for value in more.values()]
     settings = tuple(f"{key}={value}" for key, value in _texts(merged).items())
@@ -239,7 +246,7 @@ def _point(
 def check_known(given: Any, allowed: Iterable[Any], where: str) -> None:
     """Refuse what is not one of the allowed values."""
     if given not in allowed:
-        raise SceneError(where, f"got {given}, expected {', '.join(map(str, allowed))}")
+        raise ValueError(f"{where}: got {given}, expected {', '.join(map(str, allowed))}")
 
 
 def _texts(settings: Mapping[str, Any]) -> dict[str, str]:

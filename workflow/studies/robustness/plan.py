@@ -12,12 +12,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from bearingwear.console import UsageError
 from bearingwear.kernels.status import NOT_CONVERGED, UNVERIFIED
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import load_scene
-from bearingwear.studies.axis import place_of_errors
 from bearingwear.studies.configuration import validated
 
 ROBUSTNESS_FILE = Path("config/robustness.yaml")
@@ -141,22 +141,22 @@ class KeyAxis:
 
 
 def read_robustness(path: Path) -> dict[str, Any]:
-    """The plan in a file like config/robustness.yaml, with defaults. Raises ValueError."""
-    plan = validated(path, "robustness")
-    check_robustness(plan, path)
-    return plan
+    """The plan in a file like config/robustness.yaml, with defaults. Raises UsageError."""
+    return validated(path, "robustness", check_robustness)
 
 
 def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> None:
     """Refuse draws and axes that are impossible, and read the scene. Raises ValueError."""
     before: list[str] = []
     for name, scene_class in plan["scene_classes"].items():
-        with place_of_errors(f"{path}: scene_classes.{name}"):
+        place, like = f"{path}: scene_classes.{name}", scene_class["like"]
+        if like and like not in before:
+            allowed = ", ".join(before) or "none, because no class precedes it"
+            raise ValueError(f"{place}.like: got {like}, expected {allowed}")
+        try:
             draws(scene_class["draw"])
-            like = scene_class["like"]
-            if like and like not in before:
-                allowed = ", ".join(before) or "none, because no class precedes it"
-                raise SceneError("like", f"got {like}, expected {allowed}")
+        except SceneError as error:
+            raise ValueError(f"{place}.{error.key}: {error.problem}") from None
         before.append(name)
     for kind, axes in (("maps", "xy"), ("branches", ("along",))):
         for name, one in plan[kind].items():
@@ -172,9 +172,9 @@ def base_scene(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> Path:
 
 
 def entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dict[str, Any]:
-    """A class of scenes, a map or a branch of a plan. Raises ValueError where it is not there."""
+    """A class of scenes, a map or a branch of a plan. Raises UsageError where it is not there."""
     if name not in plan[kind]:
-        raise ValueError(f"{path}: {kind}: got {name}, expected {', '.join(plan[kind])}")
+        raise UsageError(f"{path}: {kind}: got {name}, expected {', '.join(plan[kind])}")
     return plan[kind][name]
 
 
