@@ -15,7 +15,6 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
-import yaml
 
 pytestmark = pytest.mark.cluster
 
