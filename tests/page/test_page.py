@@ -159,7 +159,7 @@ def test_figures_are_whole(whole):
 
 def test_a_small_figure_shows_what_the_file_shows(small_project):
     """Every text and every mark of the file is in the picture, but for the message."""
-    (drawing,) = figures.drawings([small_project / f"{FOLDER}/figures/fig10.svg"], {})
+    (drawing,) = figures.drawings([small_project / f"{FOLDER}/figures/fig10.svg"])
     small = ET.fromstring(unquote_to_bytes(drawing.uri.partition(",")[2]))
     file = ET.parse(drawing.path).getroot()
 
@@ -180,7 +180,7 @@ def test_a_dark_page_draws_figures_light_on_dark(tmp_path):
         '<image href="data:image/png;base64,AAAA"/></svg>'
     )
     (tmp_path / "map.svg").write_text(svg)
-    (drawing,) = figures.drawings([tmp_path / "map.svg"], {})
+    (drawing,) = figures.drawings([tmp_path / "map.svg"])
     said = unquote(drawing.uri)
     night = said.partition("@media (prefers-color-scheme:dark){")[2].partition("</style>")[0]
     assert night.startswith(f"text{{fill:{figures.INK}}}")
