@@ -32,11 +32,23 @@ def run_job(snakemake: str, arguments: list[str]) -> int:
             request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
             sent = socket.send_fds(server, [request], [1, 2])
             server.sendall(request[sent:])
-            return int(server.recv(16) or b"1")
+            if status := server.recv(16):
+                return int(status)
     except OSError:
         _start_server(folder, snakemake)
     command = [sys.executable, "-P", __file__, "--alone", *arguments]
-    os.execv(sys.executable, command)
+    status = os.spawnv(os.P_WAIT, sys.executable, command)
+    return status if status >= 0 else 128 - status
+
+
+def tell_of_silence(status: int) -> None:
+    """Say in the log how a job ended that failed without a word."""
+    try:
+        if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
+            by = f" (by signal {status - 128})" if status > 128 else ""
+            print(f"ended with status {status}{by} without a message", file=sys.stderr)
+    except OSError:
+        pass  # a full disk
 
 
 def _start_server(folder: str, snakemake: str) -> None:
@@ -90,7 +102,7 @@ def serve(folder: str, snakemake: int) -> None:
                 learnt.add(name)
                 try:
                     __import__(name)
-                except Exception:  # whatever keeps it from being imported here does not matter
+                except BaseException:  # it is for the log of the job that needs the module
                     pass
                 if waiting == {name}:
                     gc.freeze()  # pages that no fork has to copy
@@ -170,15 +182,19 @@ def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None
         os.chdir(folder)
         status = alone(arguments)
     except SystemExit as end:
-        status = end.code if isinstance(end.code, int) else 0
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
     except BaseException:
         traceback.print_exc()
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
-        os.write(told, " ".join(more).encode()[:_MOST_BYTES])
-        os._exit(status)
+        try:
+            sys.stdout.flush()
+            sys.stderr.flush()
+        finally:
+            more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
+            os.write(told, " ".join(more).encode()[:_MOST_BYTES])
+            os._exit(status)
 
 
 def _find_package() -> None:
@@ -205,4 +221,6 @@ if __name__ == "__main__":
         _find_package()
         serve(sys.argv[2], int(sys.argv[3]))
     else:
-        sys.exit(run_job(sys.argv[1], sys.argv[2:]))
+        ended = run_job(sys.argv[1], sys.argv[2:])
+        tell_of_silence(ended)
+        sys.exit(ended)

@@ -113,11 +113,7 @@ rule solve_dynamic:
 rule gather_dynamic:
     """The cases of a scene that were solved dynamically, as one file."""
     input:
-        lambda wildcards: expand(
-            "results/{scene}/dynamic/{case}.nc",
-            case=DYNAMIC[wildcards.scene].cases(),
-            **wildcards,
-        ),
+        dynamic_cases,
     output:
         "results/{scene}/dynamic.nc",
     log:
