@@ -235,6 +235,8 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
             unit, metavar = "", "SHARE"
         sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
             metavar=metavar, help=f"{text}{unit}")
+    sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
+        "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:

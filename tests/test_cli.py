@@ -420,6 +420,20 @@ def test_output_replaces_results_alone(command, tmp_path, capsys):
     assert other.read_text() == "name: another scene\n"
 
 
+@pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
+def test_output_replaces_no_file_marked_read_only(command, tmp_path, capsys):
+    """Not even as root, who may write to it, and before anything is solved."""
+    kept = tmp_path / "kept.nc"
+    assert solve(kept) == 0
+    before = kept.read_bytes()
+    kept.chmod(0o444)
+    capsys.readouterr()
+    assert main([command, str(SCENE), "-o", str(kept)]) == 2
+    said = f"{kept}: got a read-only file, expected a different file name"
+    assert only_line(capsys).strip() == said
+    assert kept.read_bytes() == before
+
+
 def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
     if os.geteuid() == 0:
         folder = Path("/proc")  # nobody can write there, root neither

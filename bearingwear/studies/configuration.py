@@ -37,13 +37,16 @@ def read(path: str) -> dict[str, Any]:
     return dict(data_of(text_of(path), path, anchors=True)) if Path(path).is_file() else {}
 
 
-def fault(error: Exception) -> str:
-    """The key that a schema refuses and why, on one line, of what Snakemake's `validate` raises."""
+def fault(name: str, error: Exception) -> str:
+    """What is wrong with a configuration, on one line: by a check, or by a schema.
+
+    error: what a check raises, or Snakemake's `validate`.
+    """
+    if isinstance(error, ValueError):
+        return str(error)
     found: Any = error.__context__
-    place = "".join(
-        f"[{key}]" if isinstance(key, int) else f".{key}" for key in found.absolute_path
-    )
-    return f"{place.lstrip('.') or 'the file'}: {found.message}"
+    keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in found.absolute_path)
+    return f"config/{name}.yaml: {''.join(keys).lstrip('.') or 'the file'}: {found.message}"
 
 
 def scene_file(scene: str) -> str:
@@ -243,3 +246,12 @@ def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
     return {"preload_method": list(axes["preload_method"])} | {
         key: list(RisingAxis.from_plain(values)) for key, values in numbers.items()
     }
+
+
+CHECKS: Mapping[str, Callable[[Any], None]] = {
+    "config": check_config,
+    "design": check_design,
+    "uncertainty": check_sampled,
+    "lives": check_lives,
+}
+"""What is checked of each configuration besides its schema."""

@@ -9,36 +9,30 @@ from types import SimpleNamespace
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import validate
 
+from bearingwear.process import set_environment
 from bearingwear.provenance import kernels_hash
 from bearingwear.provenance import result_hash as sources
 from bearingwear.studies import configuration
 from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.configuration import loss_name, mu_name, scene_values, settings
 
-DESIGN, UNCERTAINTY, LIVES = (
-    configuration.read(f"config/{name}.yaml")
+set_environment()  # for all jobs
+
+CONFIGURATIONS = {"config": config} | {
+    name: configuration.read(f"config/{name}.yaml")
     for name in ("design", "uncertainty", "lives")
-)
-for name, data in (
-    ("config", config),
-    ("design", DESIGN),
-    ("uncertainty", UNCERTAINTY),
-    ("lives", LIVES),
-):
+}
+for name, data in CONFIGURATIONS.items():
     try:
         validate(data, f"../schemas/{name}.schema.yaml")
-    except WorkflowError as error:
-        raise WorkflowError(
-            f"config/{name}.yaml: {configuration.fault(error)}"
-        ) from None
-try:
-    configuration.check_config(config)
-    configuration.check_design(DESIGN)
-    configuration.check_sampled(UNCERTAINTY)
-    configuration.check_lives(LIVES)
-except ValueError as error:
-    raise WorkflowError(str(error)) from None
+        configuration.CHECKS[name](data)
+    except (WorkflowError, ValueError) as error:
+        raise WorkflowError(configuration.fault(name, error)) from None
+_, DESIGN, UNCERTAINTY, LIVES = CONFIGURATIONS.values()
 
+KERNELS = (
+    kernels_hash()
+)  # in the name of what `rule compile` makes, so that an edited kernel is compiled anew
 # The grid of each scene: its methods, friction coefficients and losses, in order.
 GRIDS = configuration.grids(config)
 DYNAMIC = configuration.grids(config, "dynamic")

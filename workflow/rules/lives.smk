@@ -6,7 +6,7 @@ rule wear_life:
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
         study="results/{scene}/study.nc",
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/wear_life.nc",
     log:
@@ -29,7 +29,7 @@ rule spread:
     """Spread in life at one friction coefficient, due to the uncertain values of the scene."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/spread/mu{mu}.nc",
     log:
@@ -73,7 +73,7 @@ rule dynamic_life:
     """A life of config/lives.yaml: wear is followed with the dynamic model, with the cage, to the end of life."""
     input:
         scene=lambda wildcards: ancient(scene_of_life(wildcards)),
-        compiled=ancient("logs/compiled/dynamic"),
+        compiled=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/lives/{life}.nc",
     log:

@@ -6,7 +6,7 @@ rule sample_lives:
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
         recommendation=recommended_preload,
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/design/samples/{method}-{choice}-{chunk}.nc",
     log:
