@@ -76,7 +76,7 @@ def tell_of_silence(status: int) -> None:
         pass  # a full disk
 
 
-RUNNING: set[int] = set()
+_RUNNING: set[int] = set()
 """Jobs of the server."""
 
 
@@ -110,7 +110,7 @@ def serve(folder: str, snakemake: int) -> None:
                     gc.freeze()  # pages that no fork has to copy
     except _Ended:
         listener.close()
-        for job in RUNNING:
+        for job in _RUNNING:
             os.kill(job, signal.SIGTERM)
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -135,7 +135,7 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     if job == 0:
         listener.close()
         _run(folder, arguments, files, told)
-    RUNNING.add(job)
+    _RUNNING.add(job)
     for file in (*files, told):
         os.close(file)
     read = 1  # selectors.EVENT_READ
@@ -161,7 +161,7 @@ def _modules(selector: DefaultSelector, learnt: int) -> set[str]:
 def _finished(selector: DefaultSelector, client: socket.socket, job: int, watched: int) -> None:
     """Pass the status of a job on."""
     status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
-    RUNNING.discard(job)
+    _RUNNING.discard(job)
     selector.unregister(watched)
     os.close(watched)
     try:
