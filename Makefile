@@ -6,6 +6,9 @@ BIN := .venv/bin
 ALL_CORES := -n auto --no-loadscope-reorder
 PIP_INSTALL := $(BIN)/python -m pip install --no-compile --disable-pip-version-check -c constraints.txt
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
+# after `pip install .` the environment has a copy of the package, or what pip left of one: Python
+# would import it in place of the sources here
+COPY := .venv/lib/python*/site-packages/bearingwear
 
 # each of a study's processes would do anew what Python makes of a hundred sources
 unexport PYTHONDONTWRITEBYTECODE
@@ -99,11 +102,12 @@ bench: $(STAMP) # times against the plain SciPy program
 
 venv: $(STAMP)
 
-$(STAMP): # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
+# named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
+$(STAMP): $(if $(wildcard $(COPY)),always)
 	$(PYTHON) -m venv .venv
 	# cf: only its own test needs it, which is skipped without it; Python compiles what it imports
 	$(PIP_INSTALL) -e '.[test,cf]' || $(PIP_INSTALL) -e '.[test]'
-	rm -f .venv/installed-*
+	rm -rf $(COPY) .venv/installed-*
 	touch $@
 
 clean: # results and logs go, .venv stays

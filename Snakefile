@@ -33,5 +33,6 @@ rule all:
     default_target: True
     input:
         "results/verdict.txt",
+        every_case,  # a deleted one is solved again
         CAGE_SHOWN if CAGE["in_main_study"] else [],
     localrule: True

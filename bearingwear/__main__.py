@@ -9,8 +9,7 @@ import os
 import signal
 import sys
 
-ONE_THREAD = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
-"""Of libraries: on small matrices more threads take several times the CPU time."""
+from bearingwear.process import set_environment
 
 
 def run_program() -> int:
@@ -22,8 +21,7 @@ def run_program() -> int:
             # Python restores the default as it ends: the signal would kill it after its work
             atexit.register(signal.signal, number, signal.SIG_IGN)
             signal.signal(number, lambda n, _: _end(process, n))
-    for name in ONE_THREAD:
-        os.environ.setdefault(name, "1")
+    set_environment()
     from bearingwear.cli import main
 
     return main()

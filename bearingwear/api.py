@@ -24,7 +24,7 @@ from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS
-from bearingwear.scene.read import Source, as_scene, for_life, load_scene
+from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
 from bearingwear.studies.export import to_ross
@@ -300,7 +300,7 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
             f"{' or '.join(SCENE_SUFFIXES)}"
         )
     if isinstance(data, Scene):
-        write_text(path, yaml_of(data.to_dict()))
+        write_text(path, yaml_of(written_data(data)))
     else:
         from bearingwear.studies.dataset import write_dataset
 

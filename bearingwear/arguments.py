@@ -105,9 +105,7 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
-    _add_gather(command("gather", "gather case files of one scene into one file over their grid"))
-    _add_page(command("page", "write the report page of a study"))
-    _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
+    _add_for_the_workflow(command)
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -151,6 +149,12 @@ def _add_step(step: argparse.ArgumentParser) -> None:
     step.add_argument("words", nargs="*", metavar="NAME=VALUE")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     step.set_defaults(run="step")
+
+
+def _add_for_the_workflow(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    _add_gather(command("gather", "gather case files of one scene into one file over their grid"))
+    _add_page(command("page", "write the report page of a study"))
+    _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
 
 
 def _add_gather(gather: argparse.ArgumentParser) -> None:
@@ -235,6 +239,8 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
             unit, metavar = "", "SHARE"
         sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
             metavar=metavar, help=f"{text}{unit}")
+    sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
+        "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:

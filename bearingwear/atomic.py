@@ -5,14 +5,18 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import stat
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""
 
-PROBE_BYTES = 1_000_000
+PROBE_BYTES = 16_000_000  # more than what others, who fail as well, free meanwhile
 """Written to learn whether a disk is full."""
+
+_WRITABLE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 UNFINISHED: set[Path] = set()
 """Files and folders that go with this process if it is interrupted."""
@@ -29,22 +33,24 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Folders are made. Whatever goes wrong, a file of before is left as it was, and no part of the
     new one stays, unless the process is killed.
 
-    OutputError: no permission, a full disk, a name that cannot be.
+    OutputError: no permission, a file marked read-only, a full disk, a name that cannot be.
     """
     path = Path(path)
     if "\0" in str(path):
         raise OutputError(f"{path}: cannot be written (the file name contains a null character)")
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    # no other thread of any process has this number; it is the process's for its first thread
+    part = path.with_name(f".{path.name}.{threading.get_native_id()}.part")
     UNFINISHED.add(part)
     try:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            _check_writable(path)
             # netCDF4 says only "Permission denied" for all that can go wrong here
             part.open("wb").close()
             os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
             try:
                 yield part
-            except RuntimeError:
+            except (OSError, RuntimeError):
                 _append(part)
                 raise
             os.replace(part, path)
@@ -52,6 +58,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             with contextlib.suppress(OSError):
                 part.unlink(missing_ok=True)
             UNFINISHED.discard(part)
+    except OutputError:
+        raise
     except (OSError, RuntimeError, UnicodeError) as error:
         raise OutputError(f"{path}: cannot be written ({reason(error)})") from None
 
@@ -65,8 +73,17 @@ def remove_unfinished() -> None:
             part.unlink(missing_ok=True)
 
 
+def _check_writable(path: Path) -> None:
+    """Refuse to replace a file that is marked read-only; for root, too, who may write to it."""
+    if path.is_file() and not (path.stat().st_mode & _WRITABLE and os.access(path, os.W_OK)):
+        raise OutputError(f"{path}: got a read-only file, expected a different file name")
+
+
 def _append(part: Path) -> None:
-    """HDF5 fails with a RuntimeError that does not say why; a plain write to a full disk does."""
+    """Fail as a plain write to a full disk does.
+
+    HDF5 fails there with a RuntimeError that does not say why, or calls it "Permission denied".
+    """
     with part.open("ab") as file:
         file.write(bytes(PROBE_BYTES))
 
@@ -95,6 +112,7 @@ def check_output(path: Path, scene: str) -> None:
             if path.samefile(scene):
                 raise OutputError(f"{path}: got the scene itself, expected a different file name")
             _check_replaced(path)
+            _check_writable(path)
     except OutputError:
         raise
     except OSError as error:  # a name that is too long

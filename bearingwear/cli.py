@@ -2,7 +2,7 @@
 
 Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
 standard error; 3 where the solver could not reach a verified answer (the file is written, its
-`status` says why); 130 when interrupted.
+`status` says why); 74 where not even a line can be written, on a full disk; 130 when interrupted.
 """
 
 from __future__ import annotations
@@ -14,17 +14,19 @@ import difflib
 import functools
 import gc
 import importlib
+import io
 import os
 import re
 import sys
 from collections.abc import Sequence
+from typing import TextIO
 
 from bearingwear.arguments import BAD_INPUT, command_parser
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
-_OK, INTERRUPTED = 0, 130
+_OK, FULL_DISK, INTERRUPTED = 0, 74, 130
 NEED_LIVES = {"solve", "life", "uncertainty", "recommend", "study"}
 """Commands that need the kernels of a life, or after which a life is usual."""
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
@@ -33,6 +35,8 @@ _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status."""
     _look_for_garbage_rarely()
+    if sys.stdout.errors == "strict" and isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a locale without `°` or `–`
     try:
         status = _status(sys.argv[1:] if argv is None else argv)
         # buffered text that cannot be printed is noticed here, not when Python shuts down
@@ -42,11 +46,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.write("interrupted\n")
         return INTERRUPTED
     except BrokenPipeError:  # `bearingwear show FILE | head`
-        _drop_output()
+        _drop(sys.stdout)
         return _OK
     except OSError as error:  # a full disk
-        _drop_output()
-        sys.stderr.write(one_line(f"bearingwear: {error.strerror or error}"))
+        _drop(sys.stdout)
+        try:
+            sys.stderr.write(one_line(f"bearingwear: {error.strerror or error}"))
+        except OSError:
+            _drop(sys.stderr)
+            return FULL_DISK
         return BAD_INPUT
 
 
@@ -64,12 +72,14 @@ def _status(argv: Sequence[str]) -> int:
     try:
         return _run(_parsed(argv))
     except SystemExit as stop:
+        if isinstance(stop.code, str):  # of a library
+            sys.stderr.write(one_line(stop.code))
         return stop.code if isinstance(stop.code, int) else BAD_INPUT
 
 
-def _drop_output() -> None:
+def _drop(stream: TextIO) -> None:
     """Discard what is still buffered, because Python would try to print it once more."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:

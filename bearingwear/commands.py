@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import io
 import re
 import shlex
 import sys
@@ -102,7 +103,9 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
 
 
 def check(args: argparse.Namespace) -> int:
+    from bearingwear.document.bearing_line import settled_by_a_case
     from bearingwear.results.warnings import warning_line
+    from bearingwear.scene.cases import NOMINAL
     from bearingwear.solvers.effects.choice import accuracy_sentence, choice, effort
     from bearingwear.solvers.effects.warnings import warnings_of
 
@@ -113,8 +116,13 @@ def check(args: argparse.Namespace) -> int:
         print(f"  {reason}")
     print(f"  {accuracy_sentence(scene, chosen)}")
     print(f"  {effort(scene, chosen)}")
+    if scene.cases:
+        names = ", ".join(scene.in_cases)
+        print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
+    data = scene.to_dict()
     for warning in warnings_of(scene, chosen):
-        print(f"  {warning_line(warning)}")
+        if not settled_by_a_case(warning, data):
+            print(f"  {warning_line(warning)}")
     return OK
 
 
@@ -280,13 +288,14 @@ def recommend(args: argparse.Namespace) -> int:
 
 def launch(args: argparse.Namespace) -> int:
     from bearingwear.document.launch import launch_document
-    from bearingwear.solvers.bearing.launch import check_launch, launched
+    from bearingwear.lives.margin import launched_by_wear
+    from bearingwear.solvers.bearing.launch import check_launch
 
     given = {"axial": args.axial, "radial": args.radial}
     args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
     scene = _scene(args)
     check_launch(scene, args.scene)
-    _print_sheet(launch_document(scene, launched(scene)), args)
+    _print_sheet(launch_document(scene, launched_by_wear(scene)), args)
     return OK
 
 
@@ -431,6 +440,7 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}
+    given |= {"at_speed_only": args.at_speed_only}
     return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 
@@ -497,6 +507,8 @@ def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
     from bearingwear.document.data import as_csv, as_json
     from bearingwear.document.text import as_text
 
+    if args.csv and isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")  # whatever the locale, as files are
     render = as_json if args.json else as_csv if args.csv else as_text
     _print(render(sheet))
 

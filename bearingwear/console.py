@@ -7,6 +7,7 @@ import shutil
 import sys
 import threading
 import time
+import unicodedata
 from typing import Any, TextIO
 
 LINE_EVERY = 2.0
@@ -23,8 +24,8 @@ class UsageError(ValueError):
 
 
 def printable(text: str) -> str:
-    """A text whose unprintable characters are question marks."""
-    return "".join(c if c.isprintable() else "?" for c in text)
+    """A text whose control characters are question marks; a no-break space is none."""
+    return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else "?" for c in text)
 
 
 def one_line(text: str) -> str:

@@ -30,6 +30,11 @@ _UNITS = {
 _ROUNDING = 1e-9
 
 
+def plain(value: float, digits: int = 3, sign: str = "") -> str:
+    """A number with so many significant digits, and no power of ten up to ten million: `100`."""
+    return f"{float(f'{value:.{digits}g}'):{sign}.7g}"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measure:
     """A quantity that may end a life or limit a design."""
@@ -63,6 +68,7 @@ class Measure:
     mark: str = ""
     letter: str = ""
     brief: bool = False  # whether it stands in short tables too
+    resting: bool = False  # whether it is found at rest by itself, whatever the speed
 
     @property
     def short(self) -> str:
@@ -112,7 +118,15 @@ class Measure:
         value_of: values of a variable by its name: of a state, at a step of a life.
         preload_N: initial, of each value of the residual preload.
         """
-        found = [(self.value(value_of(name), preload_N), name) for name in self.variables]
+        return self._critical(
+            [(self.value(value_of(name), preload_N), name) for name in self.variables]
+        )
+
+    def critical_extreme(self, value_of: Callable[[str], Any]) -> tuple[float, str]:
+        """The worst of the extremes of a map or at a point of it [SI], and its name."""
+        return self._critical([(self.extreme(value_of(name)), name) for name in self.extremes])
+
+    def _critical(self, found: list[tuple[float, str]]) -> tuple[float, str]:
         if len(found) == 1:
             return found[0]
         known = [one for one in found if one[0] == one[0]] or found
@@ -183,11 +197,11 @@ class Measure:
 
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
-        return f"{self.shown(value):.3g} {self.unit}"
+        return f"{plain(self.shown(value))} {self.unit}"
 
     def limit_text(self, limit: float) -> str:
         """A limit [as in its key] with its unit."""
-        return f"{self.shown_limit(limit):.3g} {self.unit}"
+        return f"{plain(self.shown_limit(limit))} {self.unit}"
 
 
 _STIFFNESSES = "dynamic", "quasi-static"
@@ -303,24 +317,24 @@ MEASURES = (
         limit=("Minimum value of the axial acceleration at which a bearing gaps or dents",
             "(0, inf)"),
         note="the scene must specify the rotor mass", needs=("rotor_mass_kg",), option="--launch-g",
-        letter="Q"),
+        letter="Q", resting=True),
     Measure(key="gap_um", words="gap at launch", unit="um", variables=("launch_gap",), base=1.0,
         advice="increase the preload, or add a stop",
         limit=("Maximum gap of a bearing at launch", "[0, inf)"),
         note="under the launch loads in the scene", needs=("rotor_mass_kg", "span_mm"),
-        block="launch", option="--gap-um", letter="O"),
+        block="launch", option="--gap-um", letter="O", resting=True),
     Measure(key="launch_pressure_share", words="ratio of launch pressure to denting pressure",
         label="launch pressure", variables=("launch_pressure_share",),
         advice="reduce the preload",
         limit=("Maximum ratio of peak launch pressure to denting pressure", "(0, inf)"),
         note="under the launch loads in the scene", needs=("rotor_mass_kg", "span_mm"),
-        block="launch", option="--launch-pressure", letter="D"),
+        block="launch", option="--launch-pressure", letter="D", resting=True),
     Measure(key="torque_margin", words="torque margin", variables=("torque_margin",), falls=True,
         base=1.0, advice="reduce the preload or the friction, or use a stronger drive",
         limit=("Minimum torque margin of the drive, as defined by the standard in the scene",
             "[0, inf)"),
         note="when new and when worn, over the entire friction interval", block="drive",
-        option="--torque-margin", letter="T"),
+        option="--torque-margin", letter="T", resting=True),
 )
 # fmt: on
 

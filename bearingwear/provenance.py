@@ -8,10 +8,14 @@ import functools
 import hashlib
 import os
 import re
+import sysconfig
 from collections.abc import Iterable
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
+
+IN_CHECKOUT = (PACKAGE.parent / "Snakefile").is_file()
+"""Whether the package is imported from a checkout, or a copy of one, and not where pip puts it."""
 
 SOLVER = (
     "bearingwear.scene.read",
@@ -129,6 +133,18 @@ def result_hash(module: str) -> str:
     """
     solves = any("solvers" in path.parts for path in sources(module))
     return sources_hash(module, *SOLVER) if solves else sources_hash(module)
+
+
+def other_copy() -> Path | None:
+    """The copy of the package that is installed in this environment, if its sources differ."""
+    copy = Path(sysconfig.get_path("purelib")) / PACKAGE.name
+    if copy == PACKAGE or not (copy / "__init__.py").is_file():
+        return None
+    ours, theirs = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.py")}
+        for folder in (PACKAGE, copy)
+    )
+    return None if ours == theirs else copy
 
 
 def source_hash() -> str:

@@ -205,8 +205,15 @@ def catalogue_groups() -> tuple[Group, ...]:
     return (
         *makers.rigidity_groups(makers.printed_rows()),
         Group("ratio of radial to axial rigidity", "NSK, SNFA", makers.radial_rows(ratios), 0.10),
-        Group("low-speed torque, one coefficient", "SNFA", torques, 0.05),
+        Group("low-speed torque, one coefficient", "SNFA", torques, 0.05, fails=True),
         Group("exponent of torque against preload", "SKF", makers.exponent_rows(), 0.03),
+        Group(
+            "axial rigidity of a pair, NSK's grooves",
+            "GMN",
+            list(makers.other_maker_rows()),
+            makers.RIGIDITY_RMS,
+            fails=True,
+        ),
     )
 
 
@@ -226,6 +233,10 @@ def small_groups() -> tuple[Group, ...]:
 def groups() -> tuple[Group, ...]:
     """Every comparison."""
     return catalogue_groups() + small_groups()
+
+
+MOST_LISTED = 100
+"""Rows of a group of which each stands on the page."""
 
 
 def ticked(axis: Axis, values: Sequence[float]) -> None:
@@ -292,7 +303,11 @@ def main() -> None:
     large, small = catalogue_groups(), small_groups()
     blocks = {
         "totals": totals(groups()),
-        "rows": row_table([row for group in (*large[2:], *small) for row in group.rows]),
+        "rows": row_table(
+            [row for one in (*large, *small) if len(one.rows) <= MOST_LISTED for row in one.rows]
+        ),
+        "others": makers.other_maker_sentences(large[-1].rows),
+        "torque": makers.torque_sentences(makers.torque_rows()[0]),
         "misprints": row_table(makers.misprint_rows()),
     }
     page = PAGE.read_text(encoding="utf-8")

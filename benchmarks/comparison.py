@@ -47,12 +47,16 @@ class Row:
 
 @dataclass(frozen=True)
 class Group:
-    """Rows of one kind, and the root of their mean square difference that is allowed."""
+    """Rows of one kind, and the root of their mean square difference that is allowed.
+
+    A group that `fails` is known to differ by more; it stands on the page with the others.
+    """
 
     name: str
     source: str
     rows: Sequence[Row]
     allowed: float
+    fails: bool = False
 
     @property
     def differences(self) -> np.ndarray:
@@ -82,7 +86,8 @@ def totals(groups: Iterable[Group]) -> str:
         largest = float(d[np.argmax(np.abs(d))])
         lines.append(
             (group.name, group.source, str(len(d)), one.said(group.rms), one.said(d.mean(), "+"),
-             one.said(largest, "+"), one.said(group.allowed))
+             one.said(largest, "+"),
+             f"{one.said(group.allowed)}{': fails' * group.fails}")
         )  # fmt: skip
     heads = ("quantity", "source", "rows", "rms", "mean", "largest", "allowed rms")
     return table(heads, lines, 2)

@@ -10,8 +10,9 @@ import csv
 import functools
 import math
 import sys
+import textwrap
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,6 +61,8 @@ MISPRINTS = (
 """Printed numbers outside nsk_rigidity.csv that break the row of their neighbours; 423 may be
 243."""
 
+NSK_GROOVE = 0.5225  # of both races of every bearing
+
 BALL_SCREW_ANGLE, SLOW_RPM, SLOW_V_R = 62.0, 10.0, 1e-8
 ROUNDED_TORQUE = 0.005  # N m: half of the last digit
 EXPONENT = 4.0 / 3.0
@@ -106,6 +109,49 @@ def clearance_rows(printed: Iterable[Mapping[str, str]]) -> list[Row]:
         allowed = CLEARANCE_ROW[0] + CLEARANCE_ROW[1] * abs(theirs)
         rows.append(Row("NSK", what, "um", theirs, ours, allowed, absolute=True))
     return rows
+
+
+def other_maker_rows() -> Iterator[Row]:
+    """GMN's rigidities, with printed balls and the groove factor that fits NSK's."""
+    for one in printed_rows(PRINTED / "gmn.csv"):
+        scene = bearingwear.new(
+            float(one["bore_mm"]),
+            float(one["outside_mm"]),
+            balls=int(one["balls"]),
+            ball_diameter=float(one["ball_mm"]),
+            pitch_diameter=float(one["pitch_mm"]),
+            contact_angle=float(one["angle_deg"]),
+            preload=1.0,
+        )
+        grooves = dict.fromkeys(("inner_groove_factor", "outer_groove_factor"), NSK_GROOVE)
+        scene = replace(scene, bearing=replace(scene.bearing, **grooves))
+        for name in "LMS":
+            if not one[f"rigidity_{name}_N_um"]:
+                continue
+            operation = replace(scene.operation, preload_N=float(one[f"preload_{name}_N"]))
+            found = UM * RestingPair.of(replace(scene, operation=operation)).rigidity[0]
+            theirs = float(one[f"rigidity_{name}_N_um"])
+            what = f"{one['designation']} {name}, axial rigidity"
+            yield Row("GMN", what, "N/um", theirs, found, RIGIDITY_ROW + 0.5 / theirs)
+
+
+def other_maker_sentences(rows: Sequence[Row]) -> str:
+    """How the rigidities of each series differ."""
+    series: dict[str, list[float]] = {}
+    for row in rows:
+        series.setdefault(row.what.partition(" ")[0], []).append(100.0 * row.difference)
+    each = ", ".join(
+        f"{name} {np.sqrt(np.mean(np.square(d))):.1f} % ({np.mean(d):+.1f} %)"
+        for name, d in series.items()
+    )
+    every = np.sqrt(np.mean(np.square([row.difference for row in rows])))
+    return textwrap.fill(
+        f"GMN prints the balls of its bearings, but not their grooves. With the groove factor of "
+        f"{NSK_GROOVE:g} that was inferred for NSK, {len(rows)} rigidities of pairs differ by "
+        f"{100.0 * every:.1f} % rms. By series, the rms (and the mean) differences are: {each}. "
+        "Small rigidities are printed to one or two digits.",
+        100,
+    )
 
 
 def radial_ratios() -> dict[tuple[str, float, str], list[float]]:
@@ -208,6 +254,29 @@ def torque_rows() -> tuple[list[Row], float]:
         for row, T, own in zip(printed, theirs, found, strict=True)
     ]  # fmt: skip
     return rows, mu
+
+
+def torque_sentences(rows: Sequence[Row]) -> str:
+    """How far the maker's torques are from the program's, and from a rule without any slip."""
+    printed = printed_rows(PRINTED / "snfa_ball_screw.csv")
+    theirs = np.array([row.expected for row in rows])
+    P, bore, outside = (
+        np.array([float(row[name]) for row in printed])
+        for name in ("preload_N", "bore_mm", "outside_mm")
+    )
+    rule = P * 0.5 * (bore + outside)
+    rule *= np.exp(np.mean(np.log(theirs / rule)))
+    names, ours = (row.what.partition(",")[0] for row in rows), [row.difference for row in rows]
+    (low, least), *_, (high, most) = sorted(zip(names, ours, strict=True), key=lambda one: one[1])
+    rms = [100.0 * float(np.sqrt(np.mean(np.square(one)))) for one in (ours, rule / theirs - 1.0)]
+    return textwrap.fill(
+        f"With one friction coefficient, the computed torques of all {len(rows)} sets differ by "
+        f"{rms[0]:.1f} % rms, from {100.0 * least:+.0f} % ({low}) to {100.0 * most:+.0f} % "
+        f"({high}). A torque proportional to preload times pitch diameter, with one factor for "
+        f"all sets, differs by only {rms[1]:.1f} %, so the printed torques do not follow the "
+        "law of sliding friction in Hertzian contacts and may be a rule of thumb.",
+        100,
+    )
 
 
 def exponent_rows() -> list[Row]:

@@ -55,7 +55,8 @@ def severity(
     warm = {"conductance_W_K": conductance, "shaft_C": COLD, "housing_C": COLD}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = bearingwear.solve(scene.with_({"thermal": warm}))
+        # the rings expand freely, because the rule is of a bearing and not of its seats
+        found = bearingwear.solve(scene.with_({"thermal": warm, "fits": None}))
     if found.status != "ok":
         return math.inf, math.inf
     slip = found.qv / found.contact_load

@@ -18,7 +18,7 @@ import numpy as np
 
 from bearingwear.kernels.contact.hertz import elliptic_integrals
 from bearingwear.kernels.worn.cells import contact_buffers
-from bearingwear.kernels.worn.pressure import CLOSED_GAP, contact_cells, worn_pressure
+from bearingwear.kernels.worn.pressure import CLOSED_GAP, FULL_WIDTH, contact_cells, worn_pressure
 from bearingwear.plotting.drawing import (
     frame,
     key,
@@ -151,7 +151,7 @@ def times(cells, work, near, wear, pressure):
 def rows():
     """Cells, loads over Hertz's of the profiles, times [s] of each as `times` has them."""
     for n, m in SIZES:
-        _, cells = contact_cells(math.log(KAPPA), -1.9, 1.9, n, m)
+        _, cells = contact_cells(math.log(KAPPA), -1.9, 1.9, FULL_WIDTH, n, m)
         work, loads, taken = contact_buffers(n, m), [], []
         for profile in PROFILES.values():
             near, pressure = cells.fresh.copy(), cells.fresh.copy()
@@ -165,7 +165,7 @@ def rows():
 
 def figure(found, path):
     drawn, ((pressures, worn, errors),) = new_figure(1, 3, 7.2, 2.9)
-    _, cells = contact_cells(math.log(KAPPA), -1.9, 1.9, 96, 16)
+    _, cells = contact_cells(math.log(KAPPA), -1.9, 1.9, FULL_WIDTH, 96, 16)
     sizes = [n * m for n, m, *_ in found[:-1]]
     colours = dict(zip(PROFILES, ("C2", "C3", "C4"), strict=True))
     for k, (name, profile) in enumerate(PROFILES.items()):

@@ -253,10 +253,7 @@ def test_print_on_a_full_disk(unbuffered):
         ["prove"],
         ["solve"],
         ["solve", "a.yaml", "--json", "--csv"],
-        ["solve", "a.yaml", "-o", "x.nc", "more"],
-        ["solve", "a.yaml", "-o", "x.nc", "b\nc"],
         ["check", "a.yaml", "--set", "a=1", "b"],
-        ["study", "a"],
         ["study", "--report", "results/a.html"],
         ["study", "--report", "a.html", "a.yaml"],
     ],
@@ -273,6 +270,41 @@ def test_the_name_of_a_study_comes_first(option, capsys):
     assert f"got results/a.nc after {option}" in only_line(capsys)
     args = _parsed(["study", "all", option, "results/a.nc"])
     assert (args.name, args.more) == ("all", [option, "results/a.nc"])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["-o", "x.nc", "b\nc"], "-o: got 2 files, expected one, or --each KEY=VALUE,VALUE..."),
+        (["--each", "friction.ball_race=0.1,0.2", "-o", "x.nc"], "--each: got friction.ball_race="),
+        (["--each", "friction.ball_race", "-o", "x.nc"], "--each: got friction.ball_race with 1"),
+        (["--each", "friction.bal=1", "-o", "x.nc"], "--set friction.bal: got an unknown key"),
+    ],
+)
+def test_values_and_files_belong_together(given, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["solve", str(SCENE), *given]) == 2
+    assert only_line(capsys).startswith(said)
+    assert os.listdir() == []
+
+
+def test_each_value_is_solved_as_alone(tmp_path, capsys):
+    key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
+    case = "constant_force-mu0.050-loss{:.2f}.nc"
+    files = [str(tmp_path / case.format(float(value))) for value in values]
+    more = ["--set", "friction.ball_race=0.05", "--quiet"]
+    each = ["--each", f"{key}={','.join(values)}", "-o", *files]
+    assert main(["solve", str(SCENE), *more, *each]) == 0
+    for value, file in zip(values, files, strict=True):
+        alone = tmp_path / "alone.nc"
+        assert main(["solve", str(SCENE), *more, "--set", f"{key}={value}", "-o", str(alone)]) == 0
+        assert alone.read_bytes() == Path(file).read_bytes()
+    assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
+    assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
+    # a failure is recorded, or said by the exit status
+    unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each]
+    assert main(unsolved) == 3 and main([*unsolved, "--record-failures"]) == 0
+    assert capsys.readouterr().err.count("undetermined") == 4
 
 
 # steps
@@ -313,8 +345,6 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
             "studies.nothing.gather.study",
             "step: got bearingwear.studies.nothing.gather.study, which does",
         ),
-        ("os.system", "step: got os.system, expected studies.STUDY.MODULE.FUNCTION"),
-        ("model.solve.solve", "step: got model.solve.solve, expected"),
     ],
 )
 def test_a_step_that_is_not_there(run, said, tmp_path, capsys):
@@ -388,6 +418,20 @@ def test_output_replaces_results_alone(command, tmp_path, capsys):
     assert main([command, str(SCENE), "-o", str(other)]) == 2
     assert "got an existing file that is not a result" in capsys.readouterr().err
     assert other.read_text() == "name: another scene\n"
+
+
+@pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
+def test_output_replaces_no_file_marked_read_only(command, tmp_path, capsys):
+    """Not even as root, who may write to it, and before anything is solved."""
+    kept = tmp_path / "kept.nc"
+    assert solve(kept) == 0
+    before = kept.read_bytes()
+    kept.chmod(0o444)
+    capsys.readouterr()
+    assert main([command, str(SCENE), "-o", str(kept)]) == 2
+    said = f"{kept}: got a read-only file, expected a different file name"
+    assert only_line(capsys).strip() == said
+    assert kept.read_bytes() == before
 
 
 def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):

@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "results": READING,
     "document": READING,
     "plotting": READING,
-    "studies": {"document", "plotting", "console"} | READING,
+    "studies": {"document", "plotting", "console", "process"} | READING,
     "page": {"document", "plotting"} | READING,
     "workflow": {"studies", "document", "plotting", "console"} | READING,
     "provenance": set(),
@@ -34,12 +34,14 @@ MAY_IMPORT = {
     "atomic": set(),
     "interrupt": set(),
     "console": set(),
+    "process": {"kernels"},
+    "run_module": {"__init__"},
     "__init__": {"api", "scene"},
     "api": {"studies", "document", "plotting"} | READING,
     "commands": {"arguments", "studies", "page", "document", "plotting", "console"} | READING,
     "arguments": {"studies", "console"} | READING,
     "cli": {"arguments", "commands", "studies", "console"} | READING,
-    "__main__": {"cli"},
+    "__main__": {"cli", "process"},
 }
 BETWEEN_STUDIES = {
     "accuracy": {"cage.plan", "cage.ensemble"},  # ensembles of short and of long runs
@@ -76,6 +78,8 @@ LIBRARIES = {
     "atomic": set(),
     "interrupt": set(),
     "console": set(),
+    "process": set(),
+    "run_module": set(),
     "commands": set(),
     "__init__": set(),
     "__main__": set(),

@@ -17,7 +17,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.lives import many
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node
-from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
+from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure, plain
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.variables import CASE
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
@@ -97,6 +97,22 @@ WORSE_WHEN_LESS = {
     "preload_kept", "system_axial_stiffness_N_um", "axial_stiffness_N_um", "lowest_frequency_Hz",
     "launch_g", "torque_margin",
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "value, digits, text",
+    [(99.4, 2, "99"), (99.7, 2, "100"), (100.0, 2, "100"), (1234.0, 2, "1200"), (0.0123, 1, "0.01"),
+     (1e9, 3, "1e+09"), (1.2e-27, 2, "1.2e-27")],
+)  # fmt: skip
+def test_plain_numbers_have_no_powers_of_ten(value, digits, text):
+    assert plain(value, digits) == text
+    assert plain(value, digits, "+") == f"+{text}"
+
+
+@of_all
+def test_a_percentage_of_all_has_no_power_of_ten(measure):
+    if measure.unit == "%":
+        assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
 
 def test_margin_and_its_sign():
@@ -251,7 +267,7 @@ def test_a_limit_is_in_words_and_letters(name):
 
 @of_limits
 def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
-    monkeypatch.setattr("bearingwear.studies.design.map.lowest_frequency", lambda *_: np.nan)
+    monkeypatch.setattr("bearingwear.studies.design.everywhere.lowest_frequency", lambda *_: np.nan)
     measure, made = LIMITED[name], ended_by("skid_ratio")
     along = [states(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
     found = gone_through(made, along)
@@ -259,7 +275,7 @@ def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
     worst = at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
     for variable in measure.extremes:
         assert found[variable] == pytest.approx(worst)
-    (left,) = limit_margins(found, DesignLimits(**{name: LIMIT}))
+    (left,) = limit_margins(found, DesignLimits(**{name: LIMIT}, at_speed_only=True))
     assert left == pytest.approx(measure.margin(worst, LIMIT)) and left < 0.0
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from bearingwear.scene.arrangement import flat_keys, set_over_pair
+from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 
 _CONTACTS = {
@@ -15,16 +17,20 @@ _CONTACTS = {
 }
 
 
+_TEMPERATURE_LEFT_OUT = "temperature_left_out"
+"""Warning of a scene without temperatures."""
+
+_NOT_GIVEN = "temperatures neglected"
+
+
 def bearing_line(scene: Mapping[str, Any]) -> str:
-    """Which bearing it is and how it runs, on a line.
+    """Which bearing it is and how it runs, on a line; of several cases, from which to which.
 
     scene: as a file states it; that of a study leaves out what is varied.
     """
-    bearing, operation = scene["bearing"], scene["operation"]
+    bearing, each = scene["bearing"], scenes_by_case(scene)
     balls, races = (bearing[f"{part}_material"].replace("_", " ") for part in ("ball", "race"))
-    mu = scene["friction"].get("ball_race")
-    axial = (scene.get("arrangement") or {}).get("external_axial_N")
-    drag = (scene.get("lubricant") or {}).get("drag_density_kg_m3") or 0.0
+    mu = [one["friction"].get("ball_race") for one in each.values()]
     size = [
         f"{words} {bearing[key]:g} mm"
         for words, key in (("bore", "bore_mm"), ("outside diameter", "outside_diameter_mm"))
@@ -38,22 +44,71 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         f"pitch diameter {bearing['pitch_diameter_mm']:g} mm",
         f"contact angle {bearing['contact_angle_deg']:g}°",
         balls if balls == races else f"{balls} on {races}",
-        f"{operation['shaft_speed_rpm']:g} r/min",
-        *([f"friction {mu:g}"] if mu is not None else []),
-        _warmth(scene),
-        *_loads(scene),
-        *([f"axial force {axial:g} N"] if axial else []),
-        *([f"drag density {drag:g}\N{NO-BREAK SPACE}kg/m³"] if drag else []),
+        f"{_range([one['operation']['shaft_speed_rpm'] for one in each.values()])} r/min",
+        *([f"friction {_range(mu)}"] if None not in mu else []),
+        _warmth_of(each),
+        *_loads(each.values()),
         *filter(None, [_CONTACTS.get((scene.get("model") or {}).get("contact", ""))]),
+        *([cases_words(each)] if len(each) > 1 else []),
     )
     return "; ".join(parts)
 
 
-def _loads(scene: Mapping[str, Any]) -> list[str]:
+def scenes_by_case(scene: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """A scene, as plain data, in each of its cases; as it stands first."""
+    found: dict[str, Mapping[str, Any]] = {NOMINAL: scene}
+    for name, changes in (scene.get("cases") or {}).items():
+        found[name] = _changed(scene, flat_keys(changes))
+    return found
+
+
+def _changed(scene: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    made = dict(scene)
+    for key, value in changes.items():
+        block, _, rest = key.partition(".")
+        made[block] = _changed(made.get(block) or {}, {rest: value}) if rest else value
+    return made
+
+
+def settled_by_a_case(warning: Mapping[str, Any], scene: Mapping[str, Any]) -> bool:
+    """Whether a case of a scene answers a warning: temperatures are neglected, but it has some."""
+    cases = list(scenes_by_case(scene).values())[1:]
+    warm = any(one.get("temperature") or one.get("thermal") for one in cases)
+    return warm and warning["id"] == _TEMPERATURE_LEFT_OUT
+
+
+def cases_words(cases: Iterable[str]) -> str:
+    """Whose worst is said: `worst of 2: nominal, fast`."""
+    names = list(cases)
+    return f"worst of {len(names)}: {', '.join(names)}"
+
+
+def _forces(scene: Mapping[str, Any]) -> list[str]:
     """Loads across the shaft."""
     radial = math.hypot(*(scene["operation"].get("radial_load_N") or [0.0]))
     loads = {"radial load": radial, "rotating load": scene["operation"].get("rotating_load_N")}
     return [f"{words} {value:g} N" for words, value in loads.items() if value]
+
+
+def _range(values: Sequence[float]) -> str:
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _loads(scenes: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Loads and drag, of all cases from the least to the most."""
+    loads: dict[str, list[float]] = {}
+    for one in scenes:
+        operation = one["operation"]
+        for words, value in (
+            ("radial load {} N", math.hypot(*(operation.get("radial_load_N") or [0.0]))),
+            ("rotating load {} N", operation.get("rotating_load_N")),
+            ("axial force {} N", (one.get("arrangement") or {}).get("external_axial_N")),
+            ("drag density {}\N{NO-BREAK SPACE}kg/m³",
+             (one.get("lubricant") or {}).get("drag_density_kg_m3")),
+        ):  # fmt: skip
+            loads.setdefault(words, []).append(value or 0.0)
+    return [words.format(_range(values)) for words, values in loads.items() if any(values)]
 
 
 def _arrangement(arrangement: Mapping[str, Any]) -> str:
@@ -72,16 +127,33 @@ def _warmth(scene: Mapping[str, Any]) -> str:
         for name, value in given.items()
         if value is not None and name != "reference_C"
     ]
-    return ", ".join(parts) or "temperatures neglected"
+    return ", ".join(parts) or _NOT_GIVEN
 
 
-def _pair_words(a: Mapping[str, Any]) -> list[str]:
+def _warmth_of(cases: Mapping[str, Mapping[str, Any]]) -> str:
+    """Temperatures of a scene; where cases have others, in which they are given."""
+    texts = {name: _warmth(one) for name, one in cases.items()}
+    if len(set(texts.values())) == 1:
+        return texts[NOMINAL]
+    given = [name for name, text in texts.items() if text != _NOT_GIVEN]
+    return f"temperatures given in {', '.join(given)}"
+
+
+def matched_pair(a: Mapping[str, Any], preload: float) -> float:
+    """Preload [N] of a pair of the same bearings as a rigid set, which has `preload` on a side."""
+    return preload / set_over_pair(a["tandem"])
+
+
+def _pair_words(a: Mapping[str, Any], preload: float) -> list[str]:
     """Lines on the arrangement of two bearings, and on their differences."""
     if a.get("kind", "single") == "single":
         return []
     words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
     if max(a.get("tandem", [1])) > 1:
-        words.append("{} and {} in tandem".format(*a["tandem"]))
+        side = f"{preload:g} N on each side"
+        if a["kind"] == "rigid_pair":
+            side += f", as bearings matched for a pair of {matched_pair(a, preload):.3g} N give"
+        words.append("{} and {} in tandem ({})".format(*a["tandem"], side))
     if a["external_axial_N"]:
         words.append(f"external axial force {a['external_axial_N']:g} N")
     if a["spring_stiffness_N_um"]:
@@ -99,13 +171,15 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     outer = operation.get("outer_speed_rpm")
     speeds = [f"{operation['shaft_speed_rpm']:g} r/min", *([f"outer {outer:g}"] if outer else [])]
     method = operation["preload_method"].replace("_", " ")
+    cases = scenes_by_case(scene)
     parts = (
         *speeds,
         f"{method} preload {operation['preload_N']:g} N",
-        *_pair_words(scene.get("arrangement") or {}),
-        *_loads(scene),
+        *_pair_words(scene.get("arrangement") or {}, operation["preload_N"]),
+        *_forces(scene),
         f"friction {_friction(scene['friction'])}",
         f"ball diameter loss {worn}",
+        *([f"nominal of {len(cases)} cases: {', '.join(cases)}"] if len(cases) > 1 else []),
     )
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",

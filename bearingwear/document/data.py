@@ -15,7 +15,10 @@ from bearingwear.results.units import Interval
 
 
 def as_json(document: Document) -> str:
-    """Facts, `sentences` by their titles, and `quantities`: plain numbers, the unit beside them."""
+    """Facts, `sentences` by their titles, and `quantities`: plain numbers, the unit beside them.
+
+    All in ASCII, other characters escaped, so that any locale passes it on unchanged.
+    """
     quantities = [
         {"block": block.title, "name": row.name or row.label, "label": row.label}
         | {"unit": row.unit}
@@ -27,7 +30,7 @@ def as_json(document: Document) -> str:
     ]
     said = {block.title: block.lines for block in document.blocks if not block.rows and block.title}
     data = {**document.facts, **({"sentences": said} if said else {}), "quantities": quantities}
-    return json.dumps(data, indent=1, ensure_ascii=False)
+    return json.dumps(data, indent=1)
 
 
 def _valued(block: Block, row: Row) -> dict[str, Any]:

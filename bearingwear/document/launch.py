@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.results.units import digits
+from bearingwear.results.units import digits, span
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import Launched, LaunchLoad, RestingBearing
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
+_SHOWN = 2  # states of one case: new and worn
+_NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
 _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
     ("axial load", "N", "axial_load", lambda one: one.axial),
@@ -28,84 +30,123 @@ _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...]
 )
 
 
-def launch_document(scene: Scene, found: Launched) -> Document:
-    """Report on the bearings of a scene at launch."""
-    columns = tuple(load.name for load in found.loads)
-    blocks = [Block("axial acceleration limits", (), _limits(found))]
-    if found.loads:
-        blocks += [Block("rotor", columns, tuple(_rotor_rows(found.loads)))]
-        blocks += [
-            Block(f"bearing {k + 1}", columns, tuple(_bearing_rows(found.loads, k)))
-            for k in range(2)
-        ]
+def launch_document(scene: Scene, found: Mapping[str, Launched]) -> Document:
+    """Report on the bearings of a scene at launch.
+
+    found: as of `lives.margin.launched_by_wear`.
+    """
+    blocks = [Block("axial acceleration limits", tuple(found), _limits(list(found.values())))]
+    for words in _told(found):
+        loads, state = found[words].loads, f", {words}" if len(found) > 1 else ""
+        if loads:
+            columns = tuple(load.name for load in loads)
+            blocks += [Block(f"rotor{state}", columns, tuple(_rotor_rows(loads)))]
+            blocks += [
+                Block(f"bearing {k + 1}{state}", columns, tuple(_bearing_rows(loads, k)))
+                for k in range(2)
+            ]
     said = launch_verdict(found)
     facts = {"kind": "launch", "scene": scene.name, "verdict": said}
     heading = (operation_lines(json.loads(scene.json))[0], *_asked(scene, found))
     return Document((*heading, *said), facts, tuple(blocks))
 
 
-def launch_verdict(found: Launched) -> list[str]:
-    """Whether it gaps and whether it dents, in sentences."""
+def _told(found: Mapping[str, Launched]) -> list[str]:
+    """States that are shown at each load: new and worn; of several cases those that decide."""
+    if len(found) <= _SHOWN:
+        return list(found)
+    return list(dict.fromkeys([_worst(found, _gap), _worst(found, _pressure_share)]))
+
+
+def _gap(one: Launched) -> float:
+    return one.gap
+
+
+def _pressure_share(one: Launched) -> float:
+    return one.pressure_share
+
+
+def _worst(found: Mapping[str, Launched], value_of: Callable[[Launched], float]) -> str:
+    return max(found, key=lambda words: value_of(found[words]))
+
+
+def launch_verdict(found: Mapping[str, Launched]) -> list[str]:
+    """Whether it gaps and whether it dents in any state, in sentences that name the state."""
+    worst = _worst(found, _gap)
+    state = f", {worst}" if len(found) > 1 else ""
     said = [
-        f"{load.name}: the spring does not support the rotor; increase the spring force, or add a "
-        f"stop (arrangement.stop_um)"
-        for load in found.loads
+        f"{load.name}{state}: the spring does not support the rotor; increase the spring force, or "
+        "add a stop (arrangement.stop_um)"
+        for load in found[worst].loads
         if load.rotor is None
     ]
     opened = [
         (bearing.gap, k + 1, load.name)
-        for load in found.loads
+        for load in found[worst].loads
         if load.rotor is not None
         for k, bearing in enumerate(load.rotor.bearings)
         if not bearing.load.any()
     ]
     if opened:
         gap, k, name = max(opened)
-        said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}")
-    elif found.loads and not said:
-        said.append("no gap: every bearing remains loaded")
-    if found.loads:
-        share = 100.0 * found.pressure_share
+        said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}{state}")
+    elif found[worst].loads and not said:
+        states = " and ".join(dict.fromkeys(words.partition(" (")[0] for words in found))
+        states += ", in every case" if len(found) > _SHOWN else ""
+        said.append(f"no gap: every bearing remains loaded, {states}")
+    worst = _worst(found, _pressure_share)
+    one, state = found[worst], f", {worst}" if len(found) > 1 else ""
+    if one.loads:
+        share = 100.0 * one.pressure_share
         verb = "dents" if share > 100.0 else "no dents"
         said.append(
             f"{verb}: the peak pressure is {digits(share)} % of "
-            f"{digits(_GPA * found.pressure)} GPa, {found.source}"
+            f"{digits(_GPA * one.pressure)} GPa, {one.source}{state}"
         )
     return said
 
 
-def _asked(scene: Scene, found: Launched) -> list[str]:
+def _asked(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
     a, asked = scene.arrangement, scene.launch or Launch()
     assert a is not None
     parts = [f"at rest, rotor mass {a.rotor_mass_kg:g} kg"]
     parts += (
         [f"centre of mass {a.rotor_offset_mm:g} mm from the midpoint"] if a.rotor_offset_mm else []
     )
-    for way, g in (("axial", found.axial_g), ("radial", found.radial_g)):
-        parts += [f"{digits(g)} g {way}"] if g else []
-    lines = [", ".join(parts)]
-    if found.frequencies is not None and (
-        asked.axial_density_g2_Hz is not None or asked.radial_density_g2_Hz is not None
+    states = list(found.values())
+    for way, values in (
+        ("axial", [one.axial_g for one in states]),
+        ("radial", [one.radial_g for one in states]),
     ):
-        axial, radial, _ = found.frequencies
+        parts += [f"{span(values)} g {way}"] if any(values) else []
+    lines = [", ".join(parts)]
+    lines += [_NEW_ONLY] if len(found) == len(scene.in_cases) else []
+    if asked.axial_density_g2_Hz is not None or asked.radial_density_g2_Hz is not None:
+        axial, radial = (
+            span(float(one.frequencies[k]) for one in states if one.frequencies is not None)
+            for k in range(2)
+        )
         lines.append(
             f"accelerations from Miles' equation (three sigma, Q = {asked.amplification:g}) at "
-            f"{digits(axial)} Hz axial, {digits(radial)} Hz radial"
+            f"{axial} Hz axial, {radial} Hz radial"
         )
     return lines
 
 
-def _limits(found: Launched) -> tuple[Row, ...]:
+def _limits(found: Sequence[Launched]) -> tuple[Row, ...]:
     rows = [
-        Row("gapping starts at", "g", (found.opening_g,), "opening_g"),
-        Row("denting starts at", "g", (found.denting_g,), "denting_g"),
+        Row("gapping starts at", "g", tuple(one.opening_g for one in found), "opening_g"),
+        Row("denting starts at", "g", tuple(one.denting_g for one in found), "denting_g"),
     ]
-    if found.frequencies is not None:
-        names = ("axial", "radial", "conical")
+    known = [one.frequencies for one in found if one.frequencies is not None]
+    if known:
         rows += [
-            Row(f"{name} natural frequency at rest", "Hz", (float(f),), f"{name}_frequency")
-            for name, f in zip(names, found.frequencies, strict=True)
-        ]
+            Row(f"{name} natural frequency at rest", "Hz", tuple(map(float, frequencies)),
+                f"{name}_frequency")
+            for name, frequencies in zip(
+                ("axial", "radial", "conical"), zip(*known, strict=True), strict=True
+            )
+        ]  # fmt: skip
     return tuple(rows)
 
 

@@ -12,6 +12,7 @@ from bearingwear.document.document import VARIABLES, Block, Row, row_of
 from bearingwear.document.pair import bearings_of, of_bearings
 from bearingwear.document.rows import (
     COUNTED,
+    film_lines,
     in_one_unit,
     mean,
     mean_rows,
@@ -31,6 +32,10 @@ STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
 WITH_GROOVES = ("history_approach_loss", "history_greatest_depth")
+EQUIVALENT_LOSS = "history_equivalent_loss"
+EQUIVALENT = "total wear depth, equivalent"
+"""Label of the loss with worn grooves, which are not as deep over all of their width."""
+
 WITH_FILMS = ("history_friction_coefficient", "history_race_film", "history_ball_film")
 WORN_THROUGH = ("race_film_worn_through", "ball_film_worn_through")
 WORN_WHOLE = (
@@ -77,8 +82,11 @@ def _of_both(file: Any) -> list[Block]:
     band, taken = band_by_wear(scene, life)
     by_wear = () if band is None else (Row(BY_WEAR, "h", (band,), "life_by_wear_alone"),)
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
+    if EQUIVALENT_LOSS in file.variables:
+        loss = loss._replace(label=EQUIVALENT)
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
-    lines = filter(None, [str(getattr(file, "ended_by", "")), *_calibrated(scene), taken])
+    ended_by = str(getattr(file, "ended_by", ""))
+    lines = filter(None, [ended_by, *_calibrated(scene), taken, *film_lines(scene)])
     return [
         Block("wear included", tuple(COUNTED[k] for k in followed), lives),
         Block("life", (), (own, *by_wear, ended, loss), tuple(lines)),
@@ -96,7 +104,9 @@ def _of_each(file: Any) -> list[Block]:
         rate = values(file, "history_ball_diameter_loss_rate")
         if rate.ndim:
             loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1], counted])
-            ends += (loss_rate._replace(name="history_ball_diameter_loss_rate"),)
+            label = EQUIVALENT if EQUIVALENT_LOSS in file.variables else loss_rate.label
+            name = "history_ball_diameter_loss_rate"
+            ends += (loss_rate._replace(label=label, name=name),)
         blocks.append(Block("during the life", ("start", "end"), ends))
         blocks.append(Block("end-of-life criteria", ("start", "end"), _criteria(file, scene)))
     return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]

@@ -25,9 +25,13 @@ def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
 
 
 def worst_corner(corners: Sequence[Corner]) -> Corner:
-    """The corner of the least margin; one that was not solved before all."""
-    unsolved = [one for one in corners if math.isnan(one.torque)]
-    return unsolved[0] if unsolved else min(corners, key=lambda one: one.margin)
+    """The corner of the least margin; one that was not computed only where none was."""
+    return min(corners, key=lambda one: math.inf if is_missing(one) else one.margin)
+
+
+def is_missing(corner: Corner) -> bool:
+    """Whether a corner was not computed."""
+    return math.isnan(corner.torque)
 
 
 def corner_words(corner: Corner) -> str:
@@ -40,25 +44,37 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     """The margin and its worst corner, the rule, and what the corners leave out."""
     drive, worst = scene.drive, worst_corner(corners)
     assert drive is not None
-    words = corner_words(worst)
-    if math.isnan(worst.torque):
-        said = f"torque margin unknown: no steady-state solution was found ({words})"
+    words, missing = corner_words(worst), [one for one in corners if is_missing(one)]
+    if is_missing(worst):
+        said = f"torque margin unknown: no corner was computed ({worst.why})"
     elif worst.stalls:
         said = f"the drive stalls: the resisting torque exceeds the drive torque ({words})"
     else:
         kept = "sufficient" if worst.margin >= 0.0 else "INSUFFICIENT"
-        said = f"torque margin {digits(100.0 * worst.margin)} %, {kept}; worst corner: {words}"
+        percent = f"{digits(100.0 * worst.margin)} %"
+        said = f"torque margin {percent}, {kept}; worst corner: {words}"
+        if missing and worst.margin >= 0.0:
+            said = f"torque margin unknown; it is at most {percent} ({words})"
     factors = f"{drive.rule[drive.bearings]:g} on the bearing torque (class {drive.bearings})"
     others = ", ".join(
         f"{drive.rule[name]:g} on {T:g} N m {name}" for name, T in drive.resistances_Nm.items()
     )
     rule = f"standard: {STANDARDS[drive.standard]}; data from {drive.data}; factors: {factors}"
     found = [said, f"{rule}{', ' if others else ''}{others}"]
+    if missing:
+        whys = "; ".join(dict.fromkeys(one.why for one in missing))
+        found.insert(1, f"{len(missing)} of {len(corners)} corners were not computed: {whys}")
     if not any(one.wear != "new" for one in corners):
-        found.append("new bearings only: no end-of-life criterion was given or met")
+        found.append("new bearings only: no end-of-life criterion was given")
     if not any(one.case != NOMINAL for one in corners):
         found.append("the scene contains no cases, so cold and hot operation were not checked")
     return found
+
+
+def _note(corner: Corner, worst: Corner) -> str:
+    if is_missing(corner):
+        return f"not computed ({corner.why})"
+    return "stalls" if corner.stalls else "worst" if corner is worst else ""
 
 
 def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
@@ -72,7 +88,7 @@ def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
             corner_words(one),
             "",
             (float(unit.of(one.torque)), float(unit.of(needed)), 100.0 * one.margin),
-            note="stalls" if one.stalls else "worst" if one is worst else "",
+            note=_note(one, worst),
         )
         for one, needed in zip(corners, required, strict=True)
     )

@@ -20,6 +20,19 @@ COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in a sentence, in the order of `COUNTS`."""
 
 
+FILM_TESTS = (
+    "Film lives disagree with published tests: both predictions that can be checked fail, one by a "
+    "factor of 40 or more (docs/film_tests.md)."
+)
+
+
+def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """What is known of the lives of films, for a scene with one that no test has calibrated."""
+    coats = [scene.get("friction", {}), *scene.get("materials", {}).values()]
+    has_film = any(coat.get("film") for coat in coats)
+    return (FILM_TESTS,) if has_film and not scene.get("calibrated") else ()
+
+
 def values(file: Any, name: str, factor: float = 1.0) -> np.ndarray:
     """Values of a variable, NaN where not solved; all NaN if it is not there."""
     if name not in file.variables:
@@ -115,10 +128,11 @@ def _criteria(file: Any) -> dict[str, tuple[Measure, float, float]]:
     """Criteria of the scene: measure, limit and initial preload, by each variable one looks at."""
     scene = json.loads(getattr(file, "scene", "{}"))
     given = scene.get("wear", {}).get("end_of_life") or {}
+    preload = scene.get("operation", {}).get("preload_N", 0.0)
     return {
-        variable: (measure, given[key], scene["operation"]["preload_N"])
+        variable: (measure, given[key], preload)
         for key, measure in ENDS.items()
-        if given.get(key)
+        if given.get(key) and (preload or not measure.over_preload)
         for variable in measure.variables
     }
 

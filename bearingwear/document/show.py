@@ -26,7 +26,7 @@ from bearingwear.document.rows import (
     solved_rows,
     values,
 )
-from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
 from bearingwear.results.netcdf import in_memory, opened
@@ -70,9 +70,9 @@ BEARING = (
     "shaft_torque",
 )
 LOSSES = ("drag_power", "ball_wear_rate", "cage_frequency", "ball_spin_frequency")
+TURN_COUNTS = ("simulated_turns", "evaluated_turns")
 RUN = (
-    "simulated_turns",
-    "evaluated_turns",
+    *TURN_COUNTS,
     "qv_drift_per_turn",
     "wear_rate_drift_per_turn",
     "spacing_growth_per_turn",
@@ -80,7 +80,9 @@ RUN = (
     "slow_time_scale",
 )
 WARMTH = ("part_temperature", "thermal_growth")
-RINGS = ("growth_at_speed", "growth_by_fit", "fit_pressure")
+FIT_ROWS = ("growth_by_fit", "fit_pressure")
+"""Rows that are left out where no ring is tight on its seat."""
+RINGS = ("growth_at_speed", *FIT_ROWS)
 CAGE_MEANS = (
     "cage_speed",
     "cage_friction_heat",
@@ -135,12 +137,21 @@ def _sheet(file: Any, more: Registry) -> Document:
         return made
     if kind in SHEETS:
         blocks = SHEETS[kind](file)
+        if kind == CASE_KIND and int(values(file, "status")) != OK:
+            blocks = [_known_unsolved(block, file) for block in blocks]
         known = tuple(block for block in map(solved_rows, blocks) if block.rows or block.lines)
         heading, facts = _heading(file)
         return Document(heading, {"kind": kind, **facts}, known)
     from bearingwear.document.study import several
 
     return several(file)
+
+
+def _known_unsolved(block: Block, file: Any) -> Block:
+    """What of a block holds though the case was not solved: nothing that was to be verified."""
+    given = json.loads(getattr(file, "scene", "{}")).get("thermal") is None
+    known = {*TURN_COUNTS, *(RINGS if given else RINGS[:1]), *(WARMTH if given else ())}
+    return replace(block, rows=tuple(row for row in block.rows if row.name in known))
 
 
 def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
@@ -247,6 +258,9 @@ def _grown(file: Any) -> list[Block]:
     blocks = []
     for title, columns, names in (("parts", BEARING_PARTS, WARMTH), ("rings", RACES, RINGS)):
         found = [(name, values(file, name)) for name in names if name in file.variables]
+        found = [
+            (name, of_parts) for name, of_parts in found if name not in FIT_ROWS or any(of_parts)
+        ]
         if found:
             known = np.isfinite(found[0][1])  # shaft and housing need not be
             heads = tuple(c.replace("_", " ") for c, k in zip(columns, known, strict=True) if k)

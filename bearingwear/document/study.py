@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Document, Row, quantity_row
-from bearingwear.document.rows import COUNTED, values
+from bearingwear.document.rows import COUNTED, film_lines, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
@@ -96,6 +96,7 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
     lines = [*filter(None, [causes_told(scene)]), *taken] if blocks else []
     lines += [f"{NO_QUANTILES}{where}; {SEE}"] if missing else []
+    lines += film_lines(scene) if kind_of(file) != LIFE_KIND else []  # its own sheet has it
     return [*blocks, *([Block(lines=tuple(lines))] if lines else [])]
 
 

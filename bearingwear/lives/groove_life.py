@@ -9,7 +9,9 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.contact.profile import contact_approach
+from bearingwear.lives.ends import Criteria
 from bearingwear.lives.errors import groove_errors
+from bearingwear.lives.follow import Life
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
@@ -88,9 +90,23 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     return None, f"grooves: Hertzian contact; {size}"
 
 
+def met_when_new(scene: Scene) -> Life | None:
+    """The life of a scene that meets a criterion before any wear; None of any other one.
+
+    It is zero, whether or not the grooves can be followed.
+    """
+    states = solver_of(scene)
+    found = states(states.bearings.start)
+    if any(one.status != code.OK for one in found) or Criteria(scene).margins(found).min() > 0.0:
+        return None
+    return surface_life(scene, states, bounded=False)
+
+
 def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves, of one bearing or of two."""
     life = follow_grooves(Grooves(scene))
+    if life.nodes[0].status != code.OK and (ended := met_when_new(scene)):
+        return life_values(scene, ended), {"solves": life.solves + ended.solves, "contact": "hertz"}
     values = life_values(scene, life)
     if life.status == code.OK:
         values |= groove_errors(scene, float(life.last.time[1]), life.criterion)

@@ -1,5 +1,6 @@
 """Bearings whose grooves are followed as they wear (theory.md section 21)."""
 
+import copy
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +14,7 @@ from bearingwear.lives.methods import Adams
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
-from bearingwear.solvers.compose import worn_bearings
+from bearingwear.solvers.compose import worn_bearings, worn_elsewhere
 from bearingwear.solvers.condition import innermost
 from bearingwear.solvers.rotor import states_of
 from bearingwear.solvers.state import State
@@ -89,6 +90,18 @@ class Grooves:
         if self.by_stiffness:
             self._last = self.with_stiffness()
         return self._last
+
+    def elsewhere(self, scene: Scene, worn: Wears) -> States:
+        """The bearings with some wear at another speed or temperature, with their stiffnesses.
+
+        Nothing can be followed further afterwards.
+        """
+        other = copy.copy(self)
+        other.scene, other.bearings = scene, worn_elsewhere(self.bearings, scene)
+        other.sides = tuple(map(innermost, other.bearings.sides))
+        found = other.state(worn)
+        solved = all(state.is_solved for state in found)
+        return other.with_stiffness() if solved and not self.by_stiffness else found
 
     def with_stiffness(self) -> States:
         """The states found last, with both stiffnesses."""

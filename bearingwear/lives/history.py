@@ -18,7 +18,10 @@ def life_values(scene: Scene, life: Life) -> dict:
     """Result variables of a life; both bearings of an unlike pair are along `bearing`."""
     values: dict = {"status": life.status, "end_criterion": life.criterion}
     start = life.nodes[0]
-    if start.status != code.OK or not all(np.fmin.reduce(s.rate) > 0.0 for s in start.states):
+    if start.status != code.OK:
+        return values
+    wears = all(np.fmin.reduce(state.rate) > 0.0 for state in start.states)
+    if not wears and life.status != code.OK:  # no time is a lower bound of it
         return values
     factor, _ = parameters.wear_factors(scene)
     times = life.times

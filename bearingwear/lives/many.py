@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.follow import Life
-from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.groove_life import grooves_followed, met_when_new
 from bearingwear.lives.grooves import (
     FEWER_CELLS,
     LONGER_STEP,
@@ -22,9 +22,11 @@ from bearingwear.lives.grooves import (
 from bearingwear.lives.methods import QUARTERS
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.measures import MEASURES, Measure
+from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import EndOfLife, Scene
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.compose import WELL_BALANCED, solver_of
+from bearingwear.solvers.condition import States
 from bearingwear.solvers.state import OF_EACH_CONTACT, State
 
 
@@ -54,7 +56,9 @@ def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Lif
     if alone is None:
         return None
     cells, step = (FEWER_CELLS, LONGER_STEP) if quick else (WORN_CELLS, STEP)
-    return follow_grooves(Grooves(alone, cells, step, only_times=only_times, rough=quick))
+    life = follow_grooves(Grooves(alone, cells, step, only_times=only_times, rough=quick))
+    is_solved = life.nodes[0].status == code.OK
+    return life if is_solved else met_when_new(alone) or life
 
 
 def worse_states(life: Life, scene: Scene) -> list[State]:
@@ -63,26 +67,35 @@ def worse_states(life: Life, scene: Scene) -> list[State]:
     Of a pair, the preload is that of the worse side, with all its bearings in tandem; angles, loads
     and major axes are those of both bearings (2, 2).
     """
-    if len(life.nodes[0].states) == 1:
-        return life.states
+    return [worse_state(node.states, scene) for node in life.nodes]
+
+
+def worse_state(states: States, scene: Scene) -> State:
+    """What limits look at of the bearings in one state, as `worse_states`."""
+    if len(states) == 1:
+        return states[0]
+    one, other = whole_sides(states, scene)
+    worse = {
+        name: _worse(one[name], other[name], measure)
+        for measure in MEASURES
+        for name in measure.variables
+        if name in one.values or name in other.values
+    }
+    worse["losses"] = tuple(state.loss for state in states)
+    worse["lowest_frequency"] = lowest_frequency(scene, states)
+    worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
+    if "film_left" in one.values:
+        worse["film_left"] = np.minimum(one["film_left"], other["film_left"])
+    return one.with_values(worse)
+
+
+def whole_sides(states: States, scene: Scene) -> States:
+    """States of both sides of a pair, whose preload is that of all bearings in tandem."""
     assert scene.pair is not None
-    found = []
-    for node in life.nodes:
-        one, other = (
-            state.with_values({"residual_preload": n * state["residual_preload"]})
-            for n, state in zip(scene.pair.tandem, node.states, strict=True)
-        )
-        worse = {
-            name: _worse(one[name], other[name], measure)
-            for measure in MEASURES
-            for name in measure.variables
-            if name in one.values or name in other.values
-        }
-        worse["losses"] = tuple(state.loss for state in node.states)
-        worse["lowest_frequency"] = lowest_frequency(scene, node.states)
-        worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
-        found.append(one.with_values(worse))
-    return found
+    return tuple(
+        state.with_values({"residual_preload": n * state["residual_preload"]})
+        for n, state in zip(scene.pair.tandem, states, strict=True)
+    )
 
 
 def _worse(first: Any, second: Any, measure: Measure) -> Any:
@@ -101,7 +114,8 @@ def lives_by_end(
     as it is asked for.
     """
     if scene.cases:
-        each = [lives_by_end(one, farthest, basis, quick) for one in scene.in_cases.values()]
+        wearing = cases_that_wear(scene).values()
+        each = [lives_by_end(one, farthest, basis, quick) for one in wearing]
         return lambda end: float(np.min([length(end) for length in each]))
     if grooves_followed(scene, "steady")[0] is None:
         lives = HertzianLives(scene)

@@ -1,23 +1,30 @@
-"""Torque margin: the torque of the bearings in each corner of cases, wear and friction.
+"""What a machine asks of new and worn bearings: torque margin and launch in each case.
 
-Theory: docs/theory.md, section 26.
+A corner of the torque is a case, a state of wear and a friction. Theory: docs/theory.md, sections
+25 and 26.
 """
 
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.lives.follow import Life
 from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
+from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
-from bearingwear.solvers.bearing.mounted import RPM
+from bearingwear.solvers.bearing.launch import Launched, launched, wear_at_launch
+from bearingwear.solvers.bearing.mounted import RPM, UM
 from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.state import State
 
 Losses = tuple[float, ...]
 """Of ball diameter, of each bearing [m]."""
@@ -32,9 +39,19 @@ class Corner:
     wear: str
     key: str  # of the friction
     friction: float  # [as in the scene]
-    torque: float  # of all bearings together; NaN where it was not solved [N m]
+    torque: float  # of all bearings together; NaN where it was not computed [N m]
     margin: float
     stalls: bool
+    why: str = ""  # it was not computed
+
+
+class WearState(NamedTuple):
+    """A state of wear of a case, or why it is not known."""
+
+    words: str
+    losses: Losses = ()
+    is_bare: bool = False  # without film in any contact
+    why: str = ""
 
 
 def friction_interval(scene: Scene) -> tuple[str, list[float]]:
@@ -56,40 +73,96 @@ def friction_interval(scene: Scene) -> tuple[str, list[float]]:
     return key, sorted({*ends.tolist(), own})
 
 
-def arrangement_torque(scene: Scene, losses: Losses, bare: bool = False) -> float:
-    """Torque on the shaft of all bearings of a scene at a loss of each [N m]; NaN if not solved.
+def sentence_of(status: int) -> str:
+    return code.STATUS_SENTENCES[code.STATUS_NAMES[status]]
+
+
+def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> tuple[float, str]:
+    """Torque on the shaft of all bearings of a scene at a loss of each [N m]; or NaN, and why.
 
     Friction and drag, by the power that they take over the speed.
     """
     solver = solver_of(scene)
     start, sides = solver.bearings.start, (losses * 2)[:2]
-    films = (True, True) if bare else COVERED
+    films = (True, True) if is_bare else COVERED
     conditions = tuple(
         one._replace(loss=loss, bare=films) for one, loss in zip(start, sides, strict=False)
     )
     states = solver(conditions)
-    if any(state.status != code.OK for state in states):
-        return math.nan
+    failed = next((state.status for state in states if state.status != code.OK), None)
+    if failed is not None:
+        return math.nan, sentence_of(failed)
     power = [float(state["friction_power"]) for state in states]
     operation = scene.operation
     speed = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * RPM
     tandem = scene.pair.tandem if scene.pair is not None else (1,)
     powers = power * 2 if len(power) < len(tandem) else power
-    return sum(n * P for n, P in zip(tandem, powers, strict=True)) / speed
+    return sum(n * P for n, P in zip(tandem, powers, strict=True)) / speed, ""
 
 
-def losses_at_end(scene: Scene) -> Losses | None:
-    """Of each bearing at the end of its life [m]; None of a scene without one, or not solved."""
+def life_of(scene: Scene) -> Life | None:
+    """The life of a scene by nominal friction; None without a criterion that ends it."""
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         return None
-    life = worn_life(scene, only_times=True) or HertzianLives(scene)(scene)
-    if life.status != code.OK:
-        return None
-    return tuple(state.loss for state in life.nodes[-1].states)
+    return worn_life(scene, only_times=True) or HertzianLives(scene)(scene)
 
 
-def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]]) -> list[Corner]:
+def losses_of(states: Sequence[State]) -> Losses:
+    return tuple(state.loss for state in states)
+
+
+def least_film(scene: Scene, states: Sequence[State]) -> float:
+    """Least film left in any contact of some bearings [m]; infinite where none can be gone.
+
+    A contact is covered as long as the deepest place of its race, or the ball, has film.
+    """
+    least = math.inf
+    for side, state in zip(scene.sides, states, strict=False):
+        films = Films.of(side)
+        if films.wear_through:
+            left = np.where(films.thickness > 0.0, state["film_left"], -math.inf)
+            least = min(least, float(np.maximum(left[:2], left[2]).min()))
+    return least
+
+
+def losses_without_film(losses: Sequence[Losses], films: Sequence[float]) -> Losses | None:
+    """Losses at which the first contact loses its film along a life; None where none does.
+
+    Between two states, by the film that is left.
+    """
+    gone = next((k for k, left in enumerate(films) if left <= 0.0), None)
+    if not gone:
+        return None if gone is None else losses[0]
+    before, after = films[gone - 1 : gone + 1]
+    share = before / (before - after)
+    ends = zip(losses[gone - 1], losses[gone], strict=True)
+    return tuple(low + share * (high - low) for low, high in ends)
+
+
+def wear_of(scene: Scene, life: Life | None) -> list[WearState]:
+    """States of wear of a case: new, worn at the end of its life, and when its film is gone.
+
+    A film that outlasts the life is taken away at its end, and at the start of a scene without a
+    criterion.
+    """
+    start = tuple(one.loss for one in solver_of(scene).bearings.start)
+    has_film = any(Films.of(side).wear_through for side in scene.sides)
+    found = [WearState(_NEW, start)]
+    if life is None:
+        return [*found, WearState(_BARE, start, True)] if has_film else found
+    why = "" if life.status == code.OK else f"wear life: {sentence_of(life.status)}"
+    solved = [node.states for node in life.nodes if node.status == code.OK]
+    losses = [losses_of(states) for states in solved]
+    end = () if why else losses[-1]
+    found.append(WearState(_WORN, end, why=why))
+    if has_film:
+        gone = losses_without_film(losses, [least_film(scene, states) for states in solved])
+        found.append(WearState(_BARE, gone or end, True, "" if gone else why))
+    return found
+
+
+def corners_of_case(scene: Scene, case: str, wear: Iterable[WearState]) -> list[Corner]:
     """Corners of one case of a scene with a drive, in some states of wear."""
     drive = scene.drive
     assert drive is not None
@@ -103,10 +176,12 @@ def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]])
     found = []
     for friction in values:
         one = scene.with_({key: friction})
-        for words, losses in wear:
-            torque = arrangement_torque(one, losses, words == _BARE)
+        for state in wear:
+            torque, why = math.nan, state.why
+            if not why:
+                torque, why = arrangement_torque(one, state.losses, state.is_bare)
             margin, stalls = drive.margin(torque), drive.stalls(torque)
-            found.append(Corner(case, words, key, friction, torque, margin, stalls))
+            found.append(Corner(case, state.words, key, friction, torque, margin, stalls, why))
     return found
 
 
@@ -115,22 +190,50 @@ def torque_corners(scene: Scene) -> list[Corner]:
 
     Worn bearings have the contacts of the groove as new, at their loss.
     """
-    found = []
-    for name, one in scene.in_cases.items():
-        start = tuple(c.loss for c in solver_of(one).bearings.start)
-        wear: list[tuple[str, Losses]] = [(_NEW, start)]
-        if (worn := losses_at_end(one)) is not None:
-            wear.append((_WORN, worn))
-        if any(Films.of(side).wear_through for side in one.sides):
-            wear.append((_BARE, worn or start))
-        found += corners_of_case(one, name, wear)
-    return found
+    return [
+        corner
+        for name, one in scene.in_cases.items()
+        for corner in corners_of_case(one, name, wear_of(one, life_of(one)))
+    ]
 
 
-def least_margin(scene: Scene, losses: Sequence[Losses]) -> float:
-    """The least torque margin of a scene in some states of wear; NaN without a drive."""
+def least_margin(scene: Scene, states: Sequence[State]) -> float:
+    """The least torque margin along a life: new, at the end, and when the film is gone.
+
+    NaN without a drive, and where a corner is not solved. The states are those of the worse
+    bearing, which know the losses of both.
+    """
     if scene.drive is None:
         return math.nan
-    wear = [(f"state {k}", loss) for k, loss in enumerate(losses)]
+    losses = [state.values.get("losses", (state.loss,)) for state in states]
+    wear = [WearState(_NEW, losses[0]), WearState(_WORN, losses[-1])]
+    if len(states) > 1 and any(Films.of(side).wear_through for side in scene.sides):
+        gone = losses_without_film(losses, [least_film(scene, [state]) for state in states])
+        wear.append(WearState(_BARE, gone or losses[-1], True))
     margins = [corner.margin for corner in corners_of_case(scene, "", wear)]
     return min(margins) if all(map(math.isfinite, margins)) else math.nan
+
+
+def launched_by_wear(scene: Scene) -> dict[str, Launched]:
+    """Launch loads and gaps by the state of wear, and by the case where there are several.
+
+    Only those of new bearings where their wear is not known: without an end of life, or where the
+    life was not computed.
+    """
+    found = {}
+    for case, one in scene.in_cases.items():
+        where = "" if case == NOMINAL and len(scene.in_cases) == 1 else f" ({case})"
+        found[f"{_NEW}{where}"] = launched(one)
+        new = tuple(UM * float(np.max(side.wear.ball_diameter_loss_um)) for side in one.sides)
+        try:
+            life = life_of(one)
+        except NotAvailable:
+            life = None
+        end = None
+        if life is not None and life.status == code.OK:
+            end = losses_of(life.nodes[-1].states)
+        if (losses := wear_at_launch(one, new, end)) is not None:
+            limit = (one.launch or Launch()).after_wear_um
+            worn = _WORN if limit is None else f"after {limit:g} um of wear"
+            found[f"{worn}{where}"] = launched(one, losses)
+    return found

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from bearingwear.document.bearing_line import bearing_line
+from bearingwear.document.bearing_line import bearing_line, settled_by_a_case
 from bearingwear.document.chart import Chart, load_charts
 from bearingwear.document.document import Block, Document, load_document
 from bearingwear.document.html import block_html, sentences_html
@@ -319,7 +319,7 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
     for folder, section in sections.items():
         own = [dataset for file, dataset in datasets.items() if file.parent == folder]
         section.errors = list(_largest_errors(own))
-        section.warnings = list(_warnings(own))
+        section.warnings = list(_warnings(own, section.scene))
     return sections
 
 
@@ -333,7 +333,9 @@ def _what(dataset: xr.Dataset) -> str:
 _ONE = {"lives": "life", "cases": "case", "dynamic cases": "dynamic case"}
 
 
-def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:
+def _warnings(
+    datasets: Iterable[xr.Dataset], scene: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
     """Each warning of a scene once, at its worst, and how many cases and lives have it."""
     files = [(_what(dataset), dataset.attrs) for dataset in datasets]
     for one in warnings_in({"warnings": gathered_warnings(attrs for _, attrs in files)}):
@@ -343,7 +345,8 @@ def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:
             for twin in warnings_in(attrs)
             if twin["id"] == one["id"]
         ]
-        yield one["sentence"], ", ".join(counts)
+        if not settled_by_a_case(one, scene):
+            yield one["sentence"], ", ".join(counts)
 
 
 def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingwear.measures import plain
 from bearingwear.results.kinds import kind_of
 from bearingwear.results.netcdf import CaseFileError, opened
 from bearingwear.results.units import display
@@ -215,7 +216,7 @@ def _place(file: Any, dimensions: tuple[str, ...], index: tuple[Any, ...]) -> st
 
 
 def _percent(relative: float) -> str:
-    return "-" if math.isinf(relative) else f"{100.0 * relative:.3g} %"
+    return "-" if math.isinf(relative) else f"{plain(100.0 * relative)} %"
 
 
 def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:

@@ -9,6 +9,7 @@ from bearingwear.scene.blocks import CRITERIA
 _STEP, _STEP_RACE, _STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
 _STEP_BALL = ("step", "ball")
 _SHOWN, _PROFILE = ("groove_state",), ("groove_state", "race", "arc")
+_EQUIVALENT = "with worn grooves, the uniform loss of ball diameter with the same effect"
 _OF_STEADY = "the attribute steady_life_of lists the neglected effects"
 
 BEARING_PARTS = ("inner_ring", "balls", "outer_ring", "shaft", "housing")
@@ -54,8 +55,8 @@ LIFE = table(
     Variable("end_criterion", (), "", "first criterion met", "i1", flags=CRITERIA,
         always=True),
     Variable("loss_at_end", (), "m", "total wear depth at the end of life", always=True,
-        label="total wear depth"),
-    Variable("history_ball_diameter_loss", _STEP, "m", "total wear depth"),
+        comment=_EQUIVALENT, label="total wear depth"),
+    Variable("history_ball_diameter_loss", _STEP, "m", "total wear depth", comment=_EQUIVALENT),
     Variable("history_time", _STEP_COUNTS, "h", "time since the start", scale=HOURS_PER_SECOND),
     Variable("history_residual_preload", _STEP, "N",
         "total axial force exerted by the balls on the inner race", label="residual preload"),
@@ -71,7 +72,9 @@ LIFE = table(
     Variable("history_skid_ratio", _STEP, "1",
         "relative lag of the orbit rate behind that in pure rolling"),
     Variable("history_ball_diameter_loss_rate", _STEP_COUNTS, "m s-1",
-        "rate of increase in total wear depth"),
+        "rate of increase in total wear depth",
+        comment="with worn grooves, the rate of increase in history_equivalent_loss; otherwise, "
+        "with the wear depth of a groove averaged over the width of the contact"),
     Variable("history_ball_wear_rate", _STEP, "m3 s-1", "wear rate of one ball"),
     Variable("history_race_wear_rate", _STEP_RACE, "m3 s-1", "wear rate of the whole race"),
     Variable("history_axial_displacement", _STEP, "m", "axial displacement of the inner race"),

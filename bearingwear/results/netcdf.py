@@ -10,6 +10,7 @@ import contextlib
 import functools
 import itertools
 import os
+import threading
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -40,6 +41,19 @@ COMPRESSED_ABOVE = 100_000
 """Variables with more values than this are compressed, and histories over time always."""
 
 
+NETCDF_LOCK = threading.RLock()
+"""Held by whoever reads or writes a netCDF file.
+
+The C libraries of netCDF and HDF5 end the process when two threads use them at the same time.
+"""
+# a process that is forked meanwhile would wait forever for the thread that held it
+os.register_at_fork(
+    before=NETCDF_LOCK.acquire,
+    after_in_parent=NETCDF_LOCK.release,
+    after_in_child=NETCDF_LOCK.release,
+)
+
+
 class CaseFileError(ValueError):
     """A result file that cannot be read; its text is one line that names the file."""
 
@@ -52,7 +66,11 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
     import netCDF4
 
     contents = contents_of(result)
-    with whole_file(path) as part, netCDF4.Dataset(part, "w", format="NETCDF4") as file:
+    with (
+        NETCDF_LOCK,
+        whole_file(path) as part,
+        netCDF4.Dataset(part, "w", format="NETCDF4") as file,
+    ):
         _fill(file, contents)
 
 
@@ -62,7 +80,7 @@ def in_memory(result: Result) -> Iterator[Any]:
     import netCDF4
 
     contents = contents_of(result)
-    with netCDF4.Dataset("result", "w", format="NETCDF4", diskless=True) as file:
+    with NETCDF_LOCK, netCDF4.Dataset("result", "w", format="NETCDF4", diskless=True) as file:
         _fill(file, contents)
         yield file
 
@@ -214,9 +232,12 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
     readable(path)
     try:
-        with xr.open_dataset(
-            path, engine="netcdf4", decode_times=False, decode_timedelta=False
-        ) as opened:
+        with (
+            NETCDF_LOCK,
+            xr.open_dataset(
+                path, engine="netcdf4", decode_times=False, decode_timedelta=False
+            ) as opened,
+        ):
             found = opened.load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
         raise damaged(path, error) from None
@@ -247,7 +268,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
 
     readable(path)
     try:
-        with netCDF4.Dataset(path) as file:
+        with NETCDF_LOCK, netCDF4.Dataset(path) as file:
             if not str(getattr(file, "source", "")).startswith(SOURCE):
                 raise foreign(path)
             yield file

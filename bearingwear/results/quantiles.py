@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, key_in_words
 from bearingwear.scene.changes import with_changes
@@ -79,7 +80,7 @@ class Spread(NamedTuple):
         if self.bearings.low == 0.0:
             text += " (0: some bearings meet an end-of-life criterion when new)"
         share = (
-            f" (among the {100.0 * self.solved:.3g} % of bearings whose lives could be computed)"
+            f" (among the {plain(100.0 * self.solved)} % of bearings whose lives could be computed)"
         )
         return text + (share if self.solved < 1.0 else "")
 

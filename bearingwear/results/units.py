@@ -227,9 +227,12 @@ def key_in_words(key: str) -> tuple[str, str]:
     return _PROPER.get(words, words), KEY_UNITS.get(end, "")
 
 
+_ASCII = str.maketrans({"µ": "u", "³": "3", "\N{NO-BREAK SPACE}": " ", "\N{MINUS SIGN}": "-"})
+
+
 def in_ascii(text: str) -> str:
     """A text with its units as a terminal has them: `N/µm` as `N/um`."""
-    return text.replace("µ", "u").replace("³", "3").replace("\N{NO-BREAK SPACE}", " ")
+    return text.translate(_ASCII)
 
 
 _UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?!\w))")

@@ -171,8 +171,9 @@ STATE = ALWAYS | table(
         label="speed"),
     Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter due to wear"),
     Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
-        "rate of increase in total wear depth, averaged over the balls", averaged=True,
-        label="total wear depth", shown="um/1000 h"),
+        "rate of increase in total wear depth, averaged over the balls, with the wear depth of a "
+        "groove averaged over the width of the contact", averaged=True,
+        label="total wear depth, mean of tracks", shown="um/1000 h"),
     Variable("quasistatic_axial_stiffness", (), "N m-1", "quasi-static axial stiffness",
         comment="slope of axial force versus displacement in the steady state; motion and "
         "friction adapt, while temperatures and wear are held constant",
@@ -189,7 +190,7 @@ STATE = ALWAYS | table(
     Variable("quasistatic_stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "quasi-static stiffness of the bearing",
         comment="units as in stiffness_matrix; not symmetric; applies to displacements fixed in "
-        "space, which each ball encounters once per orbit"),
+        "space, which each ball encounters once per orbit; missing if the balls do not orbit"),
     Variable("initial_axial_displacement", (), "m",
         "axial displacement of the unworn bearing at rest"),
     Variable("gyroscopic_moment", _BALL, "N m", "magnitude of the gyroscopic moment on the ball",
@@ -246,6 +247,10 @@ STATE = ALWAYS | table(
     Variable("shaft_torque_error_estimate", (), "1",
         "estimated relative numerical error in the shaft torque", comment=ESTIMATE,
         label="error in the torque", shown="%"),
+    Variable("torque_lost_to_regularisation", (), "1",
+        "share of the shaft torque that the regularisation of friction takes, from a second solve",
+        comment="only where the regularisation is large against the slip", label="torque lost to "
+        "regularisation", shown="%"),
     Variable("friction_power_error_estimate", (), "1",
         "estimated relative numerical error in the friction and drag power", comment=ESTIMATE,
         label="error in the friction power", shown="%"),

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
+from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.pair_variables import BEARINGS, OF_BEARING
 
@@ -82,4 +83,4 @@ def percent(value: float) -> str:
 
 def percent_in_text(value: float) -> str:
     """A ratio as a percentage with two digits, in one piece; a dash where it is not known."""
-    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"
+    return f"{plain(100.0 * value, 2)}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,9 @@ PAIRS = {method: kind for kind, method in METHODS.items()}
 
 MOST_IN_TANDEM = 8
 
-SHARED_KEYS = frozenset({"shaft_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"})
+SHARED_KEYS = frozenset(
+    {"shaft_speed_rpm", "lowest_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"}
+)
 """Keys of `operation` that both bearings of a pair share."""
 
 OWN_BLOCKS = (
@@ -73,7 +75,10 @@ class Arrangement:
     stop_um: float | None = setting("Travel of the preload spring at launch, to its stop or to a "
         "snubber (unlimited if omitted)", "um", "[0, 1e5]", default=None)
     tandem: tuple[int, ...] = setting("Numbers of identical bearings in tandem on the first and "
-        "second sides of a pair; bearings on the same side share its axial force",
+        "second sides of a pair; bearings on the same side share its axial force. "
+        "operation.preload_N is the force of a side: bearings that a maker matches for a pair give "
+        "a rigid set of 2 and 1 1.36 times the pair's preload, 3 and 1 1.57, 2 and 2 2, 3 and 2 "
+        "2.42",
         each=f"Whole number in [1, {MOST_IN_TANDEM}]", least=2, most=2,
         within=f"[1, {MOST_IN_TANDEM}]", default=(1, 1))
     second: Mapping[str, Any] = setting(
@@ -116,6 +121,16 @@ class Arrangement:
         free = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
         alone = max(self.tandem) == 1
         return free and alone and not self.second and self.external_axial_N == 0.0
+
+
+def set_over_pair(tandem: Sequence[int]) -> float:
+    """Preload of each side of a rigid set over that of a pair of the same bearings, at rest.
+
+    Makers grind a bearing for the preload of a pair; the faces of a set leave the same offset to
+    its two sides. By Hertz' law at a constant angle; makers print 1.35 or 1.36 for 2 and 1.
+    """
+    approach = sum(n ** (-2.0 / 3.0) for n in tandem)
+    return float((2.0 / approach) ** 1.5)
 
 
 def flat_keys(block: Mapping[str, Any]) -> dict[str, Any]:

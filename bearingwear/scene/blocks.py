@@ -141,12 +141,16 @@ class Operation:
     # fmt: off
     shaft_speed_rpm: float = setting("Speed of the shaft and the inner race", "r/min", "[0, 1e7]",
         example="18000")
+    lowest_speed_rpm: float = setting("Lowest speed of the shaft at which requirements of a "
+        "preload must hold, at most shaft_speed_rpm (default: at rest)", "r/min", "[0, 1e7]",
+        default=0.0)
     outer_speed_rpm: float = setting("Speed of the outer race, in either direction", "r/min",
         "[-1e7, 1e7]", default=0.0)
     preload_method: str = setting("Preload method: spring or fixed position",
         choices=PRELOAD_METHODS)
-    preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]",
-        example="140")
+    preload_N: float = setting("Initial (static, unworn) axial preload (of a set in tandem, "
+        "the force of each side, not the preload of a pair: see arrangement.tandem)", "N",
+        "[0, 1e7]", example="140")
     radial_load_N: tuple[float, float] = setting("Radial load along Y and Z, fixed in space", "N",
         "[-1e7, 1e7]", each="One component of the radial load", default=(0.0, 0.0))
     rotating_load_N: float = setting(
@@ -163,6 +167,11 @@ class Operation:
     def fastest_rpm(self) -> float:
         """Speed of the faster race [r/min]."""
         return max(abs(self.shaft_speed_rpm), abs(self.outer_speed_rpm))
+
+    @property
+    def turns(self) -> bool:
+        """Whether one race turns against the other, so that anything wears."""
+        return self.shaft_speed_rpm != self.outer_speed_rpm
 
 
 @keyed

@@ -63,6 +63,13 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
     return found
 
 
+def cases_that_wear(scene: Scene) -> dict[str, Scene]:
+    """Those cases of a scene in which the shaft turns, so that it has a life; all if none does."""
+    return {name: one for name, one in scene.in_cases.items() if one.operation.turns} or dict(
+        scene.in_cases
+    )
+
+
 def in_case(scene: Scene, name: str, source: str) -> Scene:
     """A scene in the case of a name."""
     if name not in scene.in_cases:

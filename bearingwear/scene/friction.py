@@ -93,7 +93,9 @@ class Friction:
         "Coulomb friction coefficient between the balls and the cage, and between the cage and "
         "its land", "1", "[0, 2]", default=0.05)
     slip_regularisation_m_s: float = setting(
-        "Slip speed below which friction is regularised (an accuracy setting)", "m/s", "[1e-9, 1]",
+        "Slip speed below which friction is regularised (an accuracy setting; the default is "
+        "smaller where the mean slip is below 0.01 m/s, in proportion to the slip)",
+        "m/s", "[1e-9, 1]",
         default_by=ACCURACY, default=STANDARD.slip_regularisation_m_s)
     # fmt: on
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bearingwear.scene.accuracy import Model, accuracy_preset, slip_is_over
+from bearingwear.scene.accuracy import REGULARISATION, Model, accuracy_preset, slip_is_over
 from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
 from bearingwear.scene.checking.check import built, checked_data, checked_fields, fits, record
@@ -17,6 +17,7 @@ from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
 from bearingwear.scene.checking.records import NAME, keyed, setting, whole
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene, plain_data
+from bearingwear.scene.slip import regularisation_is_given, regularised
 from bearingwear.scene.uncertain import uncertain_key
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
@@ -74,7 +75,8 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         plain = checked_data(Scene, data)
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
-        return _as_checked(built(Scene, _with_accuracy(plain)))
+        given = "slip_regularisation_m_s" in plain["friction"]
+        return _as_checked(regularised(built(Scene, _with_accuracy(plain)), given))
     except SceneError as error:
         raise error.in_source(source) from None
 
@@ -182,13 +184,26 @@ def _check_spread(data: Mapping[str, Any]) -> None:
                 )
 
 
+def written_data(scene: Scene) -> dict[str, Any]:
+    """Data of a scene as it is written to a file: a regularisation that follows the slip is left
+    out, or it would not follow another speed."""
+    plain = scene.to_dict()
+    if not regularisation_is_given(scene):
+        del plain["friction"]["slip_regularisation_m_s"]
+    return plain
+
+
 def _undecided(scene: Scene) -> dict[str, Any]:
     """Data of a scene without what its accuracy has decided, so that another one may."""
     plain = scene.to_dict()
     preset, slip_area = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
     for path, value in preset.keys(slip_area, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
-        if plain[block][name] == value:
+        if path == REGULARISATION:
+            decided = not regularisation_is_given(scene)
+        else:
+            decided = plain[block][name] == value
+        if decided:
             del plain[block][name]
     return plain
 
@@ -248,7 +263,9 @@ def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
         return None
     blocks = {name: getattr(scene, name) for name in names}
     plain = {name: plain_data(one) for name, one in blocks.items() if one is not None}
+    given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
-        return _as_checked(replace(scene, **checked_fields(Scene, with_changes(plain, changes))))
+        made = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
+        return _as_checked(regularised(made, given))
     except ValueError:
         return None

@@ -35,6 +35,9 @@ class Launch:
     amplification: float = setting(
         "Amplification Q = 1/(2 x damping ratio) at the rotor's natural frequencies (default: 10, "
         "assumed)", "1", "[0.5, 1000]", default=10.0)
+    after_wear_um: float | None = setting("Total wear depth up to which the bearings may have worn "
+        "before the launch, in tests and running-in; if omitted, that at the end of life", "um",
+        "[0, 50000]", default=None)
     # fmt: on
 
     def __post_init__(self) -> None:

@@ -147,6 +147,7 @@ class Scene:
         _check_materials(self)
         _check_balls(self)
         _check_rings(self)
+        _check_speeds(self)
         _check_wear(self)
         _check_cage_limits(self)
         if self.cage is not None:
@@ -393,6 +394,16 @@ def _check_rings(scene: Scene) -> None:
                 f"expected a number {' and '.join(ends)}",
                 ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm"),
             )
+
+
+def _check_speeds(scene: Scene) -> None:
+    lowest, speed = scene.operation.lowest_speed_rpm, scene.operation.shaft_speed_rpm
+    if lowest > speed:
+        raise SceneError(
+            "operation.lowest_speed_rpm",
+            f"got {lowest:g}, expected a number <= {speed:g}, the speed of the shaft",
+            ("operation.shaft_speed_rpm",),
+        )
 
 
 def _check_wear(scene: Scene) -> None:

@@ -1,6 +1,7 @@
 """The solver of a scene, composed of a model, temperatures and what the bearings stand on."""
 
 import bisect
+from collections.abc import Sequence
 from operator import itemgetter
 
 from bearingwear.kernels import status as code
@@ -14,6 +15,7 @@ from bearingwear.solvers.condition import (
     SolvedBearing,
     Solver,
     States,
+    innermost,
 )
 from bearingwear.solvers.race_control import RaceControl
 from bearingwear.solvers.rotor import Alone, OnRotor, states_of
@@ -117,6 +119,19 @@ def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | On
         if worn.bearing.status != code.OK:
             return worn.bearing.status, bearings
         sides.append(_wrapped(worn))
+    return found.status, _arranged(scene, bearings, sides)
+
+
+def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
+    """Bearings of `worn_bearings` with their grooves at another speed or temperature."""
+    each = zip(bearings.sides, scene.one_of_alike.sides, strict=True)
+    sides = [_wrapped(innermost(side).elsewhere(one)) for side, one in each]
+    return _arranged(scene, bearings, sides)
+
+
+def _arranged(scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]) -> Alone | OnRotor:
+    """Sides in the arrangement of others."""
     if isinstance(bearings, Alone):
-        return found.status, Alone(scene, tuple(sides))
-    return found.status, OnRotor(scene, bearings.arrangement, tuple(sides), WORN_BALANCED)
+        return Alone(scene, tuple(sides))
+    assert scene.pair is not None
+    return OnRotor(scene, scene.pair, tuple(sides), WORN_BALANCED)

@@ -22,6 +22,13 @@ DOUBLED = 2.0  # error over difference when the points are doubled, at the first
 HALVED = 3.5  # error over difference when the regularisation is halved, at the order 1/2
 VISCOUS = 0.5  # change of the torque then, from which on slip is still far below it
 
+ROUNDED_SLIP = 0.25
+"""Regularisation over the mean slip of the balls above which the torque that it takes is told. At
+this ratio it is 3 to 5 %, whatever the scene (docs/verification.md)."""
+
+COULOMB_SLIP = 0.01
+"""The same ratio where 0.01 % of the torque is missing: it stands for Coulomb's law."""
+
 MEASURED = 6  # QV, residual preload, loss rates counted both ways, shaft torque, friction power
 
 
@@ -73,3 +80,18 @@ def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:
     }
     more = {"shaft_torque_error_estimate": torque, "friction_power_error_estimate": power}
     return found | {name: value for name, value in more.items() if math.isfinite(value)}
+
+
+def coulomb_regularisation(v_r: float, qv: float, load: float) -> float | None:
+    """Regularisation [m/s] that stands for Coulomb's law; None where `v_r` is small enough.
+
+    By the QV [W] and the contact load [N] of the same contacts.
+    """
+    slip = qv / load if load > 0.0 else 0.0
+    return COULOMB_SLIP * slip if 0.0 < ROUNDED_SLIP * slip < v_r else None
+
+
+def torque_loss(torque: float, coulomb_torque: float) -> dict[str, Any]:
+    """Result variable: the share of the torque that the regularisation takes; none of no torque."""
+    lost = 1.0 - torque / coulomb_torque if coulomb_torque else math.nan
+    return {"torque_lost_to_regularisation": lost} if math.isfinite(lost) else {}

@@ -36,7 +36,15 @@ from bearingwear.solvers.bearing.race_control_problem import (
 from bearingwear.solvers.bearing.stiffness import race_control_matrix, radially_free
 from bearingwear.solvers.condition import CaseValues, Condition, Place, SolvedBearing
 from bearingwear.solvers.effects.choice import NEEDS_SLIP
-from bearingwear.solvers.estimates import DOUBLED, changed, halved_part, measured, summed
+from bearingwear.solvers.estimates import (
+    DOUBLED,
+    changed,
+    coulomb_regularisation,
+    halved_part,
+    measured,
+    summed,
+    torque_loss,
+)
 from bearingwear.solvers.state import State, case_state
 from bearingwear.solvers.thermal import HeatFlow
 
@@ -196,6 +204,22 @@ def controlled_error_estimates(
     return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
 
 
+def controlled_torque_loss(
+    scene: Scene,
+    problem: RaceControlProblem,
+    balance: Balance,
+    models: np.ndarray,
+    rows: np.ndarray,
+) -> dict[str, Any]:
+    """Share of the torque that the regularisation takes, summed anew; empty where little."""
+    v_r = coulomb_regularisation(problem.op.v_r, rows[..., QV].sum(), rows[..., LOAD].sum())
+    if v_r is None:
+        return {}
+    finer = replace(problem, op=problem.op._replace(v_r=v_r))
+    _, other = contact_solution(finer, balance, models, parameters.quadrature(scene))
+    return torque_loss(torque_of_heat(problem, rows), torque_of_heat(finer, other))
+
+
 def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     """Values and attributes of the solution of a problem, which the scene may hold otherwise."""
     g, op, D = problem.g, problem.op, problem.D
@@ -220,8 +244,9 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     if values["status"] == code.OK and not residual <= allowed:
         values["status"] = code.UNVERIFIED
     elif values["status"] == code.OK and problem.constant_force:
-        # Rounding of loads a million times as large swallows a spring's force.
-        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]:
+        # Rounding of loads a million times as large swallows a spring's force; none is never lost.
+        force = problem.F[0] or float(np.linalg.norm(problem.F))
+        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * force:
             values["status"] = code.BELOW_ROUNDING
     n = len(D)
     axial = np.array([state.F_ix for state in balance.states])
@@ -243,6 +268,7 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
         "equilibrium_rounding": rounding,
     }
     values |= controlled_error_estimates(scene, problem, balance, models, values)
+    values |= controlled_torque_loss(scene, problem, balance, models, rows)
     return values, {
         "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
         f"(allowed: {allowed:.0e})"

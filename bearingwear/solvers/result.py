@@ -2,13 +2,33 @@
 
 import functools
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.scene.scene import COUNTS
+from bearingwear.sides import SHARED
+from bearingwear.solvers.state import HISTORY
 
 WITHOUT_PRELOAD = "no preload is set (operation.preload_N is 0), so the balls carry no load"
+
+
+UNKNOWN_PARTS = frozenset({"part_temperature", "thermal_growth"})
+"""NaN for a shaft or housing whose temperature is not known."""
+
+MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
+"""Share of a friction that is nothing: a ball that bears no load."""
+
+_OF_A_LIFE = frozenset({"life", "normalised_life", "loss_at_end"}) | {
+    f"history_{name}" for name in {*HISTORY, "time"} - UNKNOWN_PARTS - MAY_BE_INFINITE
+}
+_COUNTED = frozenset(
+    {"life", "normalised_life", "history_time", "history_ball_diameter_loss_rate"}
+)  # by both definitions of wear, of which a life may follow one
 
 
 @dataclass
@@ -38,3 +58,51 @@ def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
     if status == "preload_gone" and scene.get("operation", {}).get("preload_N") == 0.0:
         return WITHOUT_PRELOAD
     return STATUS_SENTENCES[status]
+
+
+def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]:
+    """Names of values of a solved case or life that are not finite though they have to be.
+
+    Of a pair, one bearing may lack what the other one has; its numbers are NaN.
+    """
+    if "end_criterion" not in values and _all_finite(values):
+        return []  # a tenth of the time that it takes to look at each
+    of_two = scene.get("arrangement") is not None
+    return [
+        name
+        for name, value in _required(values, scene)
+        if not np.isfinite(value).all()
+        and not (of_two and name not in SHARED and _of_one_alone(value))
+    ]
+
+
+def _all_finite(values: Mapping[str, Any]) -> bool:
+    total, arrays = 0.0, [np.empty(0)]
+    for value in values.values():
+        if isinstance(value, float):
+            total += 0.0 * value
+        else:
+            arrays.append(np.asarray(value))
+    return not math.isnan(total) and bool(np.isfinite(np.concatenate(arrays, axis=None)).all())
+
+
+def _required(
+    values: Mapping[str, Any], scene: Mapping[str, Any]
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Values that are to be finite."""
+    is_life = "end_criterion" in values
+    counted = COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
+    for name, given in values.items():
+        if name in UNKNOWN_PARTS or (is_life and name not in _OF_A_LIFE):
+            continue
+        value = np.asarray(given)
+        if value.dtype.kind != "f":
+            continue
+        if name in MAY_BE_INFINITE:
+            value = np.where(np.isposinf(value), 0.0, value)
+        yield name, value[..., counted] if is_life and name in _COUNTED else value
+
+
+def _of_one_alone(value: np.ndarray) -> bool:
+    """Whether one of two bearings has finite numbers, which end in NaN, and the other none."""
+    return value.ndim > 0 and len(value) == 2 and any(np.isfinite(side).all() for side in value)

@@ -14,7 +14,7 @@ from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy, CaseValues
 from bearingwear.solvers.effects.choice import Choice, choice
 from bearingwear.solvers.effects.warnings import warnings_of
-from bearingwear.solvers.result import Result
+from bearingwear.solvers.result import Result, not_finite
 from bearingwear.solvers.warm import network_values, warm_scene
 
 Progress = Callable[[str], None]
@@ -75,7 +75,10 @@ def result_of(
     attrs: Mapping[str, Any],
     elapsed: float,
 ) -> Result:
-    """A result with the scene, the model and its warnings."""
+    """A result with the scene, the model and its warnings; ok only if its numbers are finite."""
+    if values["status"] == code.OK and (names := not_finite(values, scene.plain)):
+        values = values | {"status": code.UNVERIFIED}
+        attrs = {**attrs, "residual": f"not finite: {', '.join(names)}"}
     provenance = {
         "scene": scene.json,
         "fidelity": chosen.fidelity,

@@ -37,7 +37,14 @@ from bearingwear.solvers.condition import (
     Place,
     SolvedBearing,
 )
-from bearingwear.solvers.estimates import DOUBLED, changed, halved_part, summed
+from bearingwear.solvers.estimates import (
+    DOUBLED,
+    changed,
+    coulomb_regularisation,
+    halved_part,
+    summed,
+    torque_loss,
+)
 from bearingwear.solvers.state import State
 from bearingwear.solvers.thermal import HeatFlow
 
@@ -170,6 +177,7 @@ class Steady:
                 scales = problem.time_scales(D, case)
             attrs["residual"] = residual_sentence(case)
             values |= error_estimates(scene, problem, D, case)
+            values |= steady_torque_loss(problem, D, case)
             if case.held:
                 attrs["quadrature"] = (
                     "gauss (fixed points), because no solution was found with the split rule"
@@ -208,6 +216,21 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
         cases.append(near)
     now, halved, twice = steady_answers(scene, problem, D, cases)
     return summed([halved_part(now, halved), DOUBLED * changed(now, twice)])
+
+
+def steady_torque_loss(problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
+    """Share of the torque that the regularisation takes, by a second solve; empty where little."""
+    c = case.contacts
+    v_r = coulomb_regularisation(
+        problem.op.v_r, float(c[:, summary.QV].sum()), float(c[:, summary.LOAD].sum())
+    )
+    if v_r is None:
+        return {}
+    finer = replace(problem.without_finer, op=problem.op._replace(v_r=v_r)).solve(D)
+    if finer.status != code.OK:
+        return {}
+    torque, coulomb = (one.contacts[0, summary.TORQUE] for one in (case, finer))
+    return torque_loss(float(torque), float(coulomb))
 
 
 def steady_answers(
@@ -264,6 +287,8 @@ def residual_sentence(case: ThrustCase) -> str:
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     g, op, n = problem.g, problem.op, problem.g.n_balls
+    matrix = quasistatic_matrix(g, D, case)
+    quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}
     return contact_values(
         scene,
         g,
@@ -282,7 +307,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "stiffness_matrix": stiffness_of_loads(
             g, np.array([D]), case.contacts[:, summary.LOAD], case.contacts[:, summary.ANGLE]
         ),
-        "quasistatic_stiffness_matrix": quasistatic_matrix(g, D, case),
+        **quasistatic,
         "centrifugal_force": np.array([case.P_r]),
         "skid_ratio": case.skid,
         "steady_state_branch": case.branch,

@@ -16,6 +16,7 @@ from typing import Any
 
 from bearingwear.kernels.build.folder import code_folder, is_compiled
 from bearingwear.kernels.build.versions import is_plain
+from bearingwear.process import python_command
 from bearingwear.studies.sampling import usable_cores
 
 _STEADY, _WORN = "thrust_case", "worn_state"
@@ -59,7 +60,7 @@ def _started(file: str, settings: Sequence[str]) -> subprocess.Popen | None:
             return None
         with contextlib.suppress(OSError, ValueError):  # of a name that no process can be given
             return subprocess.Popen(
-                [sys.executable, "-m", "bearingwear.studies.ahead", file, *settings],
+                python_command("bearingwear.studies.ahead", file, *settings),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
@@ -94,7 +95,9 @@ def compile_life(file: str, settings: Sequence[str]) -> None:
     followed, _ = grooves_followed(scene, choice_for_life(scene, None).fidelity)
     if followed is None:
         return
-    contact_cells(0.0, -1.0, 1.0, *_CELLS)  # the command compiles what a problem needs meanwhile
+    contact_cells(
+        0.0, -1.0, 1.0, 3.0, *_CELLS
+    )  # the command compiles what a problem needs meanwhile
     problem = ThrustProblem.of(followed.sides[0])
     contacts = np.zeros((2, COLUMNS))
     contacts[:, ANGLE], contacts[:, LOAD] = problem.g.alpha0, problem.preload.F_x

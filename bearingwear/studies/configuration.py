@@ -53,20 +53,21 @@ def validated(
         data = dict(data_of(text_of(path), str(path), anchors=True))
         validate(data, str(PACKAGE.parent / "workflow" / "schemas" / f"{schema}.schema.yaml"))
         check(data, path)
-    except WorkflowError as error:
-        raise UsageError(f"{path}: {fault(error)}") from None
-    except ValueError as error:
-        raise UsageError(str(error)) from None
+    except (WorkflowError, ValueError) as error:
+        raise UsageError(fault(path, error)) from None
     return data
 
 
-def fault(error: Exception) -> str:
-    """The key that a schema refuses and why, on one line, of what Snakemake's `validate` raises."""
+def fault(path: str | Path, error: Exception) -> str:
+    """What is wrong with a configuration, on one line: by a check, or by a schema.
+
+    error: what a check raises, or Snakemake's `validate`.
+    """
+    if isinstance(error, ValueError):
+        return str(error)
     found: Any = error.__context__
-    place = "".join(
-        f"[{key}]" if isinstance(key, int) else f".{key}" for key in found.absolute_path
-    )
-    return f"{place.lstrip('.') or 'the file'}: {found.message}"
+    keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in found.absolute_path)
+    return f"{path}: {''.join(keys).lstrip('.') or 'the file'}: {found.message}"
 
 
 def scene_file(scene: str) -> str:

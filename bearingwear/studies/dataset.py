@@ -13,7 +13,7 @@ import xarray as xr
 from bearingwear.atomic import whole_file
 from bearingwear.interrupt import Interrupt
 from bearingwear.results.entries import common_attributes, require_known, stored_data
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.scene import COUNTS, Scene
 
@@ -203,7 +203,7 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
         elif variable.dtype.kind == "f":
             encoding[str(name)] = {"_FillValue": np.nan}
     # an interrupted xarray may wait forever for its own lock
-    with whole_file(path) as part, Interrupt():
+    with NETCDF_LOCK, whole_file(path) as part, Interrupt():
         dataset.drop_encoding().to_netcdf(part, engine="netcdf4", encoding=encoding)
 
 

@@ -61,8 +61,13 @@ class StiffnessOverSpeed:
         if choice(scene).fidelity == "dynamic":
             problem = "a dynamic run gives no stiffness matrix; set model.fidelity to race_control"
             raise NotExported(problem)
+        lowest = scene.operation.lowest_speed_rpm
         for speed in speeds:
-            result = solve(variant(scene, {"operation.shaft_speed_rpm": speed}))
+            at = {
+                "operation.shaft_speed_rpm": speed,
+                "operation.lowest_speed_rpm": min(lowest, speed),
+            }
+            result = solve(variant(scene, at))
             if result.status != "ok":
                 raise NotExported(f"{speed:g} r/min: {result.status}: {result.reason}")
             found.append(result.values["stiffness_matrix"].reshape(-1, 5, 5))

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
 import sys
 
@@ -19,12 +20,12 @@ if TYPE_CHECKING:
     from selectors import DefaultSelector
 
 _FOLDER = ".snakemake/bearingwear-{}"  # of Snakemake's process, in the folder of the study
+_SCRIPT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "run_module.py")
 _MOST_BYTES = 1 << 16
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 def run_job(snakemake: str, arguments: list[str]) -> int:
-    """Exit status of a command, by the server of a run of Snakemake or by this process."""
+    """Exit status of a command, by the server of a run of Snakemake or by a process of its own."""
     folder = _FOLDER.format(snakemake)
     try:
         with socket.socket(socket.AF_UNIX) as server:
@@ -32,11 +33,13 @@ def run_job(snakemake: str, arguments: list[str]) -> int:
             request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
             sent = socket.send_fds(server, [request], [1, 2])
             server.sendall(request[sent:])
-            return int(server.recv(16) or b"1")
+            if status := server.recv(16):
+                return int(status)
     except OSError:
         _start_server(folder, snakemake)
-    command = [sys.executable, "-P", __file__, "--alone", *arguments]
-    os.execv(sys.executable, command)
+    command = [sys.executable, "-P", _SCRIPT, "bearingwear", *arguments]
+    status = os.spawnv(os.P_WAIT, sys.executable, command)
+    return status if status >= 0 else 128 - status
 
 
 def _start_server(folder: str, snakemake: str) -> None:
@@ -55,8 +58,7 @@ def _start_server(folder: str, snakemake: str) -> None:
 
     nothing = subprocess.DEVNULL
     subprocess.Popen(
-        [sys.executable, "-P", __file__, "--serve", folder, snakemake],
-        env=os.environ | _ONE_THREAD,
+        [sys.executable, "-P", _SCRIPT, "bearingwear.studies.fork_server", folder, snakemake],
         stdin=nothing,
         stdout=nothing,
         stderr=nothing,
@@ -64,18 +66,30 @@ def _start_server(folder: str, snakemake: str) -> None:
     )
 
 
+def tell_of_silence(status: int) -> None:
+    """Say in the log how a job ended that failed without a word."""
+    try:
+        if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
+            by = f" (by signal {status - 128})" if status > 128 else ""
+            print(f"ended with status {status}{by} without a message", file=sys.stderr)
+    except OSError:
+        pass  # a full disk
+
+
+_RUNNING: set[int] = set()
+"""Jobs of the server."""
+
+
 def serve(folder: str, snakemake: int) -> None:
     """Fork for each command until Snakemake ends; import in between."""
     import gc
     import selectors
     import shutil
-    import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is for the jobs
     waiting = {"bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"}
     selector, listener = selectors.DefaultSelector(), socket.socket(socket.AF_UNIX)
-    ended = os.pidfd_open(snakemake)
-    selector.register(ended, selectors.EVENT_READ, _end)
+    selector.register(os.pidfd_open(snakemake), selectors.EVENT_READ, _end)
     listener.bind(f"{folder}/socket")
     listener.listen(128)
     selector.register(listener, selectors.EVENT_READ, lambda *_: _accept(selector, listener))
@@ -83,19 +97,21 @@ def serve(folder: str, snakemake: int) -> None:
     try:
         while True:
             for key, _ in selector.select(0.0 if waiting else None):
-                waiting |= key.data(selector, key) or set()
+                waiting |= key.data() or set()
             waiting -= learnt
             if waiting:
                 name = min(waiting)
                 learnt.add(name)
                 try:
                     __import__(name)
-                except Exception:  # whatever keeps it from being imported here does not matter
+                except BaseException:  # it is for the log of the job that needs the module
                     pass
                 if waiting == {name}:
                     gc.freeze()  # pages that no fork has to copy
     except _Ended:
         listener.close()
+        for job in _RUNNING:
+            os.kill(job, signal.SIGTERM)
         shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -103,7 +119,7 @@ class _Ended(Exception):
     """Snakemake is no more."""
 
 
-def _end(*_: object) -> None:
+def _end() -> None:
     raise _Ended
 
 
@@ -119,19 +135,18 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     if job == 0:
         listener.close()
         _run(folder, arguments, files, told)
+    _RUNNING.add(job)
     for file in (*files, told):
         os.close(file)
     read = 1  # selectors.EVENT_READ
-    selector.register(client, read, lambda *_: _gone(selector, client, job))
-    selector.register(learnt, read, lambda *_: _modules(selector, learnt))
+    selector.register(client, read, lambda: _gone(selector, client, job))
+    selector.register(learnt, read, lambda: _modules(selector, learnt))
     watched = os.pidfd_open(job)
-    selector.register(watched, read, lambda *_: _finished(selector, client, job, watched))
+    selector.register(watched, read, lambda: _finished(selector, client, job, watched))
 
 
 def _gone(selector: DefaultSelector, client: socket.socket, job: int) -> None:
-    """Nobody waits for a job any more."""
-    import signal
-
+    """End a job for which nobody waits any more."""
     os.kill(job, signal.SIGTERM)
     selector.unregister(client)
 
@@ -146,6 +161,7 @@ def _modules(selector: DefaultSelector, learnt: int) -> set[str]:
 def _finished(selector: DefaultSelector, client: socket.socket, job: int, watched: int) -> None:
     """Pass the status of a job on."""
     status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
+    _RUNNING.discard(job)
     selector.unregister(watched)
     os.close(watched)
     try:
@@ -158,7 +174,7 @@ def _finished(selector: DefaultSelector, client: socket.socket, job: int, watche
 
 def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None:
     """Run a command in this process, which ends with it."""
-    import signal
+    import runpy
     import traceback
 
     status, known = 1, set(sys.modules)
@@ -168,41 +184,29 @@ def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None
             os.dup2(file, place)
             os.close(file)
         os.chdir(folder)
-        status = alone(arguments)
+        sys.argv = ["bearingwear", *arguments]
+        runpy.run_module("bearingwear", run_name="__main__")
     except SystemExit as end:
-        status = end.code if isinstance(end.code, int) else 0
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
     except BaseException:
         traceback.print_exc()
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
-        os.write(told, " ".join(more).encode()[:_MOST_BYTES])
-        os._exit(status)
-
-
-def _find_package() -> None:
-    """Let Python find the package of this file, whichever else is installed."""
-    folder = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-    if folder not in sys.path:
-        sys.path.insert(0, folder)
-
-
-def alone(arguments: list[str]) -> int:
-    """Run a command of the package that this file is a part of."""
-    import runpy
-
-    _find_package()
-    sys.argv = ["bearingwear", *arguments]
-    runpy.run_module("bearingwear", run_name="__main__", alter_sys=True)
-    return 0
+        try:
+            sys.stdout.flush()
+            sys.stderr.flush()
+        finally:
+            more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
+            os.write(told, " ".join(more).encode()[:_MOST_BYTES])
+            os._exit(status)
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "--alone":
-        sys.exit(alone(sys.argv[2:]))
-    elif sys.argv[1] == "--serve":
-        _find_package()
-        serve(sys.argv[2], int(sys.argv[3]))
+    if __spec__:  # run as a module
+        serve(sys.argv[1], int(sys.argv[2]))
     else:
-        sys.exit(run_job(sys.argv[1], sys.argv[2:]))
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        ended = run_job(sys.argv[1], sys.argv[2:])
+        tell_of_silence(ended)
+        sys.exit(ended)

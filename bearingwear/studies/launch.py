@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-import pwd
 import signal
 import subprocess
 import sys
@@ -78,7 +77,6 @@ def _guarded(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     process = subprocess.Popen(
         [sys.executable, "-P", str(guard.__file__), *command],
         cwd=folder,
-        env=_environment(folder),
         stdin=subprocess.PIPE,
         pass_fds=files,
         start_new_session=True,
@@ -91,21 +89,6 @@ def _guarded(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
         process.stdin.close()
         process.wait()
         raise
-
-
-def _environment(folder: Path) -> dict[str, str]:
-    """Variables that Snakemake needs where a user has no home or no name, as in a container."""
-    environment = dict(os.environ)
-    home = environment.get("HOME", "")
-    if not (home and os.access(home, os.W_OK)):
-        environment["HOME"] = str((folder / ".snakemake").resolve())
-        for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"):
-            environment.pop(name, None)
-    try:
-        pwd.getpwuid(os.getuid())
-    except KeyError:
-        environment.setdefault("USER", "user")
-    return environment
 
 
 @contextlib.contextmanager

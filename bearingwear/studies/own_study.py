@@ -49,8 +49,8 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     """
     limits.check(scene, source)
     frictions = _frictions(scene, source)
+    axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     losses = _losses(scene)
-    axes = axes_around(scene, frictions, source)
     config: dict[str, Any] = {
         "studies": [
             {
@@ -71,7 +71,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     if scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
-    of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
+    of_scene = {"small_map": small_map, "limits": limits.stored, "beside": _beside(scene)}
     design = {"scenes": {name: of_scene}}
     plans = {"config/config.yaml": config, "config/design.yaml": design}
     asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None

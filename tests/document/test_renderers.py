@@ -8,8 +8,10 @@ import re
 
 import html5lib
 import numpy as np
+import pytest
 import xarray as xr
 
+from bearingwear.cli import main
 from bearingwear.document.data import as_csv, as_json
 from bearingwear.document.document import Block, Document, Row, load_document
 from bearingwear.document.html import as_html
@@ -97,6 +99,26 @@ def test_programs_get_every_number_under_a_key_of_its_own():
     keys = [(row["block"], row["name"], row["column"]) for row in rows]
     assert len(keys) == len(set(keys))
     assert ("what to take", "life_low", "fixed *") in keys
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
+def test_every_locale_prints_the_same_json_and_csv(encoding, tmp_path, monkeypatch):
+    text = "2.78\N{NO-BREAK SPACE}µm – 20\N{NO-BREAK SPACE}°C"
+    document = Document((text,), {"bearing": text}, (Block("said", lines=(text,)),))
+    monkeypatch.setattr("bearingwear.document.show.scene_sheet", lambda scene: document)
+    monkeypatch.setattr("bearingwear.scene.read.load_scene", lambda path: None)
+
+    def printed(*options: str) -> bytes:
+        with monkeypatch.context() as patch:
+            raw = io.BytesIO()
+            patch.setattr("sys.stdout", io.TextIOWrapper(raw, encoding=encoding))
+            assert main(["show", "scene.yaml", *options]) == 0
+            return raw.getvalue()
+
+    found = json.loads(printed("--json").decode("utf-8"))
+    assert found == {"bearing": text, "sentences": {"said": [text]}, "quantities": []}
+    assert f",bearing,,,,{text}" in printed("--csv").decode("utf-8")
+    assert printed().decode(encoding).startswith("2.78 um ")
 
 
 def test_what_is_stored_comes_back(tmp_path):

@@ -3,13 +3,22 @@
 import csv
 import io
 import json
+import math
 import re
 
 import netCDF4
 import pytest
-from support import scene_file
+from support import ROOT, scene_file
 
+import bearingwear
 from bearingwear.cli import main
+from bearingwear.document.rows import film_lines
+from bearingwear.document.show import sheet_of_result
+from bearingwear.lives.life import life
+from bearingwear.scene.changes import with_changes
+from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.solvers.bearing import thrust_problem
+from bearingwear.solvers.solve import solve
 
 SCENE = str(scene_file("gyro_s1"))
 FIXED = ["--set", "operation.preload_method=fixed_position"]
@@ -40,7 +49,7 @@ def test_a_case_says_what_was_solved(capsys):
         r"dynamic axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
-        r"total wear depth +um/1000 h +29\.7 +528",
+        r"total wear depth, mean of tracks +um/1000 h +29\.7 +528",
     ):
         assert re.search(rf"^  {line}$", text, re.M), line
     assert "residual  " not in text and "source_hash" not in text
@@ -65,7 +74,24 @@ def test_a_life_says_what_ends_it(capsys):
     assert re.search(r"^  ended by +residual preload$", text, re.M)
     assert re.search(r"^  residual preload +% +105 +40  criterion 40, reached first$", text, re.M)
     assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  criterion 50$", text, re.M)
-    assert re.search(r"^  total wear depth +um/1000 h +\d+ +\d+$", text, re.M)
+    assert re.search(r"^  total wear depth, mean of tracks +um/1000 h +\d+ +\d+$", text, re.M)
+
+
+def test_two_losses_have_two_labels(capsys):
+    """A state averages the grooves over their width; a life with worn grooves does not."""
+
+    def rates(command, label, *more):
+        text = printed(capsys, command, SCENE, "--set", *more)
+        (found,) = re.findall(rf"^  total wear depth, {label} +um/1000 h +(.*)$", text, re.M)
+        return [float(one) for one in found.split()], text
+
+    loss = "wear.end_of_life.ball_diameter_loss_um=0.3"
+    (_, state), _ = rates("solve", "mean of tracks", loss, "model.contact=hertz")
+    (start, _), text = rates("life", "mean of tracks", loss, "model.contact=hertz")
+    assert start == pytest.approx(state, rel=1e-6) and "equivalent" not in text
+    (start, _), text = rates("life", "equivalent", loss, "model.contact=worn")
+    assert abs(start / state - 1.0) > 0.02 and "mean of tracks" not in text
+    assert re.search(r"^  total wear depth, equivalent +um +0\.3$", text, re.M)
 
 
 @pytest.mark.parametrize("command", ["solve", "life"])
@@ -113,3 +139,68 @@ def test_a_failed_solve_says_so_and_no_more(capsys):
     out, err = capsys.readouterr()
     assert "status undetermined" in out and "\n\n" not in out
     assert err.count("\n") == 1 and "(see" not in err
+
+
+def test_an_unverified_number_is_not_printed(monkeypatch, scene):
+    """The file keeps what was found, for whoever looks for the reason; the sheet does not."""
+    monkeypatch.setattr(thrust_problem, "FRICTION_TOLERANCE", 1e-5)
+    changes = {"model.quadrature": "gauss", "bearing.bore_mm": 5.0, "operation.preload_N": 0.1}
+    found = solve(scene("gyro_s1", changes), "steady")
+    assert found.status == "unverified" and "total_qv" in found.values
+    document = sheet_of_result(found)
+    assert [row.name for block in document.blocks for row in block.rows] == ["growth_at_speed"]
+    assert document.facts["warnings"] == []
+
+
+DEEP_GROOVE = {
+    "bearing.ball_count": 8,
+    "bearing.ball_diameter_mm": 7.92,
+    "bearing.pitch_diameter_mm": 34.55,
+    "bearing.contact_angle_deg": 10.19,
+    "bearing.inner_groove_factor": 0.52,
+    "bearing.outer_groove_factor": 0.53,
+    "operation.shaft_speed_rpm": 2100,
+    "operation.radial_load_N": [12000, 0],
+}
+"""Of a bearing in a rig that loads it across its axis alone; its cage would not fit."""
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+def test_no_thrust_at_all_is_like_hardly_any(tmp_path, capsys, method):
+    """The limit of a small preload, and no warning of NumPy on the way to its sheet."""
+    plain = load_scene(SCENE, ["cage=null"]).to_dict()
+    file = tmp_path / "rig.yaml"
+    bearingwear.save(scene_from_dict(with_changes(plain, DEEP_GROOVE)), file)
+    changes = ["--set", f"operation.preload_method={method}", "operation.preload_N"]
+
+    def numbers(preload):
+        *head, last = changes
+        argv = ("solve", file, "--fidelity", "race_control", *head, f"{last}={preload}", "--json")
+        found = json.loads(printed(capsys, *argv))
+        assert found["status"] == "ok"
+        assert not [text for text in found["warnings"] if "e+" in text]
+        return {one["name"]: one.get("value") for one in found["quantities"]}
+
+    none, little = numbers(0), numbers(1e-3)
+    for name in ("quasistatic_axial_stiffness", "axial_stiffness", "shaft_torque"):
+        assert none[name] == pytest.approx(little[name], rel=1e-3)
+    # on a spring all contacts lie in the middle of the grooves, on spacers where they were mounted
+    middle = -1e3 * 0.05 * 7.92 * math.sin(math.radians(10.19))
+    expected = middle if method == "constant_force" else 0.0
+    assert none["axial_displacement"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_life_of_a_film_says_how_its_tests_ended(capsys):
+    """In the words of the page of tests; a dry bearing and a calibrated film do not say it."""
+    page = " ".join((ROOT / "docs" / "film_tests.md").read_text(encoding="utf-8").split())
+    assert "Only two of the six test results can be predicted; both predictions fail" in page
+    assert "too low by a factor of 40 or more" in page
+    said = "Film lives disagree with published tests: both predictions that can be checked fail"
+    film = str(sheet_of_result(life(load_scene(scene_file("mos2_gyro")))))
+    assert f"{said}, one by a factor of 40" in " ".join(film.split())
+    assert said not in printed(capsys, "life", SCENE, *FIXED)
+    scene = load_scene(scene_file("mos2_gyro")).to_dict()
+    assert film_lines(scene)
+    assert not film_lines(scene | {"calibrated": {"tests": "own.csv"}})
+    assert not film_lines(load_scene(SCENE).to_dict())

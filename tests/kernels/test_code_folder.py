@@ -103,3 +103,16 @@ def test_a_name_taken_in_the_folder_for_temporary_files(chosen, tmp_path, spoil)
     other, _ = chosen()
     assert other not in (folder, folder.resolve()) and is_private(other)
     assert mode_of(other) == 0o700
+
+
+def test_only_a_checkout_has_its_code_beside_the_sources(chosen, tmp_path, monkeypatch):
+    """What lies beside an installed package stays when pip removes it, and Python imports it."""
+    package, caches = tmp_path / "place" / "bearingwear", tmp_path / "caches"
+    package.mkdir(parents=True)
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(caches))
+    monkeypatch.setattr(place, "PACKAGE", package)
+    monkeypatch.setattr(place, "IN_CHECKOUT", False)
+    assert chosen()[0].parent == caches / "bearingwear" and not any(package.iterdir())
+    monkeypatch.setattr(place, "IN_CHECKOUT", True)
+    assert chosen()[0].parent == package / "__pycache__"

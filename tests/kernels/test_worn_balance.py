@@ -17,7 +17,7 @@ from bearingwear.kernels.worn.balance import (
     worn_force,
 )
 from bearingwear.kernels.worn.cells import contact_buffers
-from bearingwear.kernels.worn.pressure import contact_cells, worn_pressure
+from bearingwear.kernels.worn.pressure import FULL_WIDTH, contact_cells, worn_pressure
 from bearingwear.solvers.worn.films import AS_WITH_FILM
 
 worn_force = in_python(worn_force, worn_pressure)
@@ -41,7 +41,7 @@ def race_of(side, depth, cells=(48, 10), band=EVEN):
     """A race whose groove has the depth given by a function of x/a."""
     hertz = race_contact(G, side, D, math.cos(ALPHA), math.nan)
     a = hertz.c_a * (hertz.K * APPROACH**1.5) ** (1.0 / 3.0)
-    status, made = contact_cells(hertz.log_kappa, -1.9, 1.9, *cells)
+    status, made = contact_cells(hertz.log_kappa, -1.9, 1.9, FULL_WIDTH, *cells)
     assert status == code.OK
     x = np.linspace(-5.0, 5.0, 201)
     n = cells[0]

@@ -2,17 +2,25 @@
 
 import math
 
+import numpy as np
 import pytest
 from support import scene_file
 
 import bearingwear
 from bearingwear.document.margin import margin_document, worst_corner
-from bearingwear.lives.margin import friction_interval, least_margin, losses_at_end, torque_corners
+from bearingwear.kernels import status as code
+from bearingwear.lives import margin
+from bearingwear.lives.many import worse_states
+from bearingwear.lives.margin import friction_interval, least_margin, life_of, torque_corners
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.requirements import Drive
 from bearingwear.scene.scene import SceneError
 
 NONE = {"uncertainty": None}
+
+
+def loss_at_end(scene):
+    return life_of(scene).last.states[0].loss
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +44,7 @@ def corners(scene):
 def test_margin_by_hand(scene, corners):
     """T/(2 (3 T_b + 1.1 I) + T_L) - 1, T_b by a solve of the corner's own scene."""
     mu = 0.2 * math.exp(1.6448536269514722 * math.log(1.2))
-    loss = losses_at_end(scene.in_cases["cold"])[0]
+    loss = loss_at_end(scene.in_cases["cold"])
     hand = scene.in_cases["cold"].with_(
         {"friction.ball_race": mu, "wear.ball_diameter_loss_um": 1e6 * loss}
     )
@@ -61,8 +69,9 @@ def test_corners(scene, corners):
     }
     worst = worst_corner(corners)
     assert worst.case == "cold" and worst.friction == pytest.approx(0.2 * 1.2**1.64485, rel=1e-4)
-    losses = [(0.0,), losses_at_end(scene.in_cases["cold"])]
-    assert least_margin(scene.in_cases["cold"], losses) == pytest.approx(worst.margin, rel=1e-9)
+    cold = scene.in_cases["cold"]
+    states = worse_states(life_of(cold), cold)
+    assert least_margin(cold, states) == pytest.approx(worst.margin, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -107,10 +116,72 @@ def test_interval_of_the_friction(scene):
     assert friction_interval(film)[0] == "friction.film.shear_strength_MPa"
 
 
-def test_a_film_that_is_gone_is_a_corner():
-    film = load_scene(scene_file("mos2_gyro")).with_({"drive.torque_Nm": 0.01})
-    found = [one for one in torque_corners(film) if one.wear == "film worn off"]
-    assert found and all(one.torque > 0.0 for one in found)
+@pytest.fixture(scope="module")
+def filmed():
+    """Of a slow bearing with MoS2 at a fixed position, whose preload wears off with the film."""
+    made = bearingwear.new(
+        designation="7004C", film="mos2", speed=60.0, preload_method="fixed_position"
+    )
+    return made.with_({"friction.slip_regularisation_m_s": 1e-6, "drive.torque_Nm": 0.05})
+
+
+def bare_torque(scene, loss):
+    """Torque at a loss of ball diameter under the friction of the bare steel, by a plain solve."""
+    friction = scene.to_dict()["friction"]
+    plain = {"ball_race": friction["film"]["bare_ball_race"], "film": None}
+    plain |= {"slip_regularisation_m_s": friction["slip_regularisation_m_s"]}
+    worn = {"wear.ball_diameter_loss_um": 1e6 * loss, "wear.end_of_life": None}
+    bare = scene.with_({"friction": plain, "cage": None, "uncertainty": None} | worn)
+    return float(bearingwear.solve(bare).shaft_torque)
+
+
+def test_the_film_is_taken_away_when_it_is_worn_through(filmed):
+    """Margins fall with the preload, and are those of plain solves, composed by hand."""
+    margins = []
+    for preload in (45.0, 62.0, 80.0, 100.0):
+        scene = filmed.with_({"operation.preload_N": preload})
+        corners = torque_corners(scene)
+        assert [one.wear for one in corners[:3]] == ["new", "worn", "film worn off"]
+        assert not any(one.why for one in corners)
+        states = life_of(scene).states
+        thinnest = np.array([state["film_left"][:2].min() for state in states])
+        loss = np.array([state.loss for state in states])
+        gone = loss[-1]
+        if thinnest.min() <= 0.0:
+            k = int(np.argmax(thinnest <= 0.0))
+            gone = np.interp(0.0, thinnest[[k, k - 1]], loss[[k, k - 1]])
+            assert gone < loss[-1]
+        assert corners[2].torque == pytest.approx(bare_torque(scene, gone), rel=1e-6)
+        margins.append(worst_corner(corners).margin)
+        assert least_margin(scene, states) == pytest.approx(margins[-1], rel=1e-9)
+    assert margins == sorted(margins, reverse=True)
+    assert margins[0] > 6.0 and 0.0 < margins[-1] < 0.5
+
+
+def test_a_corner_that_is_not_computed_is_named(filmed, monkeypatch):
+    """A life that ends by its solver leaves no margin that is sufficient."""
+
+    def cut(scene):
+        found = life_of(scene)
+        gone = next(k for k, state in enumerate(found.states) if state["film_left"][0] <= 0.0)
+        found.nodes, found.status = found.nodes[: gone if is_early else None], code.NOT_CONVERGED
+        return found
+
+    scene, missing = filmed.with_({"operation.preload_N": 80.0}), {}
+    for is_early in (False, True):
+        with monkeypatch.context() as patch:
+            patch.setattr(margin, "life_of", cut)
+            corners = torque_corners(scene)
+        missing[is_early] = {one.wear for one in corners if one.why}
+        assert all(math.isnan(one.torque) == bool(one.why) for one in corners)
+        sheet = margin_document(scene, corners)
+        assert sheet.heading[1].startswith("torque margin unknown; it is at most")
+        assert "sufficient" not in " ".join(sheet.heading)
+        notes = [row.note for row in sheet.blocks[0].rows]
+        assert sum("not computed (wear life: the iteration" in note for note in notes) == 3 * len(
+            missing[is_early]
+        )
+    assert missing == {False: {"worn"}, True: {"worn", "film worn off"}}
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from bearingwear.atomic import OutputError
+from bearingwear.atomic import OutputError, write_text
 from bearingwear.document.show import sheet
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
@@ -281,6 +281,17 @@ def test_interrupted_writing_leaves_the_old_file(case, stop, tmp_path, monkeypat
     with pytest.raises(OutputError if isinstance(stop, RuntimeError) else stop):
         write_result(case, path)
     assert os.listdir(tmp_path) == ["x.nc"] and path.read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("command", ["write_result", "write_text"])
+def test_a_file_marked_read_only_stays(command, case, tmp_path):
+    path = tmp_path / "x.nc"
+    path.write_bytes(b"kept")
+    path.chmod(0o444)
+    with pytest.raises(OutputError) as caught:
+        write_result(case, path) if command == "write_result" else write_text(path, "new")
+    assert str(caught.value) == f"{path}: got a read-only file, expected a different file name"
+    assert os.listdir(tmp_path) == ["x.nc"] and path.read_bytes() == b"kept"
 
 
 def test_folder_that_cannot_be_made(case, tmp_path):

@@ -262,7 +262,7 @@ def test_life_needs_a_criterion(tmp_path, capsys):
         ("preload_N", "operation.preload_N"),
         ("bearing.preload_N", "operation.preload_N"),
         ("operation.preload", "preload_N or preload_method"),
-        ("operation.speed", "shaft_speed_rpm or outer_speed_rpm"),
+        ("operation.speed", "shaft_speed_rpm or lowest_speed_rpm or outer_speed_rpm"),
     ],
 )
 def test_a_key_of_another_block_is_named_whole(key, meant):

@@ -1,8 +1,20 @@
 """Designations of common bearings and the clearances of deep groove ones."""
 
+import re
+
 import pytest
 
-from bearingwear.scene.new.designations import ANGLES, CLEARANCES, clearance_range, designation_of
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.new.assumed import size_of
+from bearingwear.scene.new.designations import (
+    ANGLES,
+    CLEARANCES,
+    Designation,
+    clearance_range,
+    designation_of,
+)
+from bearingwear.scene.new.letters import Letters
+from bearingwear.scene.new.scene_file import checked_scene, scene_text
 
 CODES = [f"{code:02d}" for code in [*range(23), *range(24, 41, 2)]]
 SERIES = ["70", "72", "73", "719", "60", "62", "63"]
@@ -48,7 +60,7 @@ def test_spelling(text):
 
 
 def test_suffixes():
-    angles = {"": None, "C": 15, "AC": 25, "A5": 25, "E": 25, "A": 30, "B": 40}
+    angles = {"": None, "C": 15, "FB": 18, "FE": 18, "AC": 25, "A5": 25, "E": 25, "A": 30, "B": 40}
     assert set(angles) == {"", *ANGLES}
     for suffix, angle in angles.items():
         found = designation_of(f"7210{suffix}")
@@ -58,33 +70,110 @@ def test_suffixes():
 
 
 @pytest.mark.parametrize(
-    ("text", "name", "ignored"),
+    ("text", "name", "balls", "pair", "load", "ignored"),
     [
-        ("7008CD/P4A", "7008C", "D P4A"),  # SKF
-        ("S7008 ACE/HCP4A", "7008AC", "S E HCP4A"),
-        ("B7008-C-T-P4S", "7008C", "B T P4S"),  # FAG
-        ("HCB71908-E-T-P4S-UL", "71908E", "HCB T P4S UL"),
-        ("7010A5TYNSULP3", "7010A5", "TYNSULP3"),  # NSK
-        ("7308 BECBP", "7308B", "ECBP"),
-        ("7204-B-XL-TVP", "7204B", "XL TVP"),
-        ("7008-P4", "7008", "P4"),
-        ("B7008", "7008", "B"),
-        ("6204-2RSH/C3", "6204C3", "2RSH"),
-        ("608-2Z", "608", "2Z"),
-        ("608ZZ", "608", "ZZ"),
+        ("7008CD/P4A", "7008C", "", "", "", "D P4A"),  # SKF
+        ("S7008 ACE/HCP4A", "7008AC", "HC", "", "", "S E P4A"),
+        ("S7012 FB", "7012FB", "", "", "", "S"),
+        ("7012 CB", "7012C", "", "", "", "B"),
+        ("B7008-C-T-P4S", "7008C", "", "", "", "B T P4S"),  # FAG
+        ("HCB71908-E-T-P4S-UL", "71908E", "HCB", "U", "L", "T P4S"),
+        ("XCB7008-C-T-P4S-UM", "7008C", "XCB", "U", "M", "T P4S"),
+        ("HCS7008C", "7008C", "HCS", "", "", ""),
+        ("7010A5TYNSULP3", "7010A5", "", "SU", "L", "TYN P3"),  # NSK
+        ("7013CSN24TYNDBLP4", "7013C", "SN24", "DB", "L", "TYN P4"),
+        ("7308 BECBP", "7308B", "", "", "", "ECBP"),  # CB is a clearance of pairs here
+        ("CB71908C", "71908C", "CB", "", "", ""),  # IBC
+        ("5S-7008C", "7008C", "5S", "", "", ""),  # NTN
+        ("7204-B-XL-TVP", "7204B", "", "", "", "XL TVP"),
+        ("7008-P4", "7008", "", "", "", "P4"),
+        ("B7008", "7008", "", "", "", "B"),
+        ("S6005CTAP4DUL", "S6005C", "", "DU", "L", "TAP4"),  # GMN
+        ("6008ETXM", "S6008E", "", "", "", "TXM"),
+        ("S6205CTA", "S6205C", "", "", "", "TA"),
+        ("HY KH 61914 2RZ C TA P4 UM", "KH61914C", "HY", "U", "M", "TAP4"),
+        ("SM 61918 18 TA", "SM6191818", "", "", "", "TA"),
+        ("6204-2RSH/C3", "6204C3", "", "", "", "2RSH"),
+        ("6204-2RSLTN9/HC5C3WT", "6204C3", "HC5", "", "", "2RSLTN9 WT"),
+        ("HC6204", "6204", "HC", "", "", ""),
+        ("6204ZZC3", "6204C3", "", "", "", "ZZ"),
+        ("6204ZZ P63", "6204C3", "", "", "", "ZZ P6"),
+        ("6204DDU", "6204", "", "", "", "DDU"),  # seals, no pair
+        ("608-2Z", "608", "", "", "", "2Z"),
+        ("608ZZ", "608", "", "", "", "ZZ"),
     ],
 )
-def test_designations_of_other_makers(text, name, ignored):
+def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
     """What is not used is said, the rest is as without it."""
     found = designation_of(text)
-    assert (found.name, found.ignored) == (name, ignored)
-    assert found._replace(ignored="") == designation_of(name)
+    letters = found.letters
+    assert (found.name, letters.ball_letters, letters.pair, letters.load, letters.ignored) == (
+        name, balls, pair, load, ignored
+    )  # fmt: skip
+    assert letters.ball_material == ("silicon_nitride" if balls else None)
+    assert found._replace(letters=Letters()) == designation_of(name)
+
+
+@pytest.mark.parametrize(
+    ("text", "angle", "deep_groove"),
+    [("S6005C", 15, False), ("KH6014E", 25, False), ("SM600518", 18, False), ("6005", None, True)],
+)
+def test_spindle_bearings_with_numbers_of_deep_groove_ones(text, angle, deep_groove):
+    found = designation_of(text)
+    assert (found.angle, found.deep_groove) == (angle, deep_groove)
+    size = designation_of("70" + re.search(r"60(\d\d)", text)[1])
+    assert (found.bore, found.outside) == (size.bore, size.outside)
+
+
+def test_ceramic_balls_reach_the_scene():
+    text, told = scene_text("a", None, None, {}, designation="HCB71910-C-T-P4S")
+    assert checked_scene(text).bearing.ball_material == "silicon_nitride"
+    assert "ball_material: silicon_nitride  # from the designation (HCB)" in text
+    assert not any(line.startswith("bearing.ball_material") for line in told)
+    assert any("HCB: silicon nitride balls" in line for line in told)
+    with pytest.raises(SceneError, match="--ball-material: got bearing_steel, .* because of HCB"):
+        scene_text("a", None, None, {}, "bearing_steel", designation="HCB71910-C-T-P4S")
+
+
+@pytest.mark.parametrize(
+    ("text", "option", "preload"),
+    [
+        ("NSK7010C", {}, "class L"),
+        ("NSK 7010C TYN DB M P4", {}, "class M"),
+        ("NSK7010CTYNDBHP4", {}, "class H"),
+        ("7010C DBM", {"maker": "NSK"}, "class M"),
+        ("B7010-C-T-P4S-UM", {}, "medium,"),
+        ("B7010-C-T-P4S", {}, "light,"),
+        ("7010C DBM", {"preload_class": "heavy"}, "heavy,"),
+        ("SNFA SEA 60/NS 7CE1 DDF", {}, "class F"),
+    ],
+)
+def test_maker_and_class_of_preload(text, option, preload):
+    written, _ = scene_text("a", None, None, {}, designation=text, **option)
+    (line,) = re.findall("preload_N: .*", written)
+    assert preload in line
+
+
+def test_a_digit_of_snfa_is_the_angle():
+    assert [size_of(f"SNFA SEA 60 7CE{k}", None, None).angle for k in (1, 3)] == [15, 25]
+    with pytest.raises(SceneError, match="SNFA designation: got .* expected --contact-angle"):
+        size_of("SNFA EX 20 7CE2", None, None)
+
+
+def test_another_makers_name():
+    assert size_of("FAG B7008-C", None, None) == size_of("B7008-C", None, None)
+    assert isinstance(size_of("NSK 6204", None, None), Designation)
+    with pytest.raises(SceneError, match="--maker: got SNFA, expected NSK"):
+        size_of("NSK 7010C", None, None, maker="SNFA")
 
 
 @pytest.mark.parametrize(
     "text",
     ["", "7", "7008D", "7508", "6204C", "7008C3", "681", "603", "622", "691", "7023", "7042",
-     "70008", "7008D/P4", "7008-C3", "ABCDE7008", "7" * 500, "7008\0", "608B", "6204C4"],
+     "70008", "7008D/P4", "7008-C3", "ABCDE7008",
+     # letters that could say angle, balls or type, and are not known
+     "ABC7008C", "7008-P4-C", "7008F", "S6005", "6005C", "6204DDUCM", "6204ZZC4", "16008",
+     "7" * 500, "7008\0", "608B", "6204C4"],
 )  # fmt: skip
 def test_what_is_not_known_takes_one_line(text):
     with pytest.raises(ValueError, match="designation: got .*, expected ") as error:

@@ -1,6 +1,7 @@
 """Heat, speed and fits against published forms, closed forms and limits."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad
 from bearingwear.lives.life import life
+from bearingwear.results.warnings import warnings_in
+from bearingwear.scene.new.scene_file import checked_scene, scene_text
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.growth import (
     Expansion,
@@ -19,6 +22,7 @@ from bearingwear.solvers.bearing.growth import (
 )
 from bearingwear.solvers.bearing.mounted import mounted_geometry
 from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.effects.growth import change_at_speed, change_by_warm_ring
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of
@@ -258,3 +262,62 @@ def test_every_model_sees_it(scene):
     approach = np.hypot(*lines.T) - (system.bearing.g.r_i - 0.5 * system.bearing.D)
     sines = lines[:, 0] / np.hypot(*lines.T)
     assert_allclose((balls.factors[:, 0, 0] * approach**1.5 * sines).sum(), steady, rtol=1e-6)
+
+
+@pytest.fixture
+def rigid_spindle():
+    """7910C as `new` writes it: 60 N at rest, 24 000 r/min."""
+    held = {"operation.shaft_speed_rpm": 24_000.0, "operation.preload_N": 60.0}
+    text, _ = scene_text("a", None, None, held, None, "fixed_position", designation="7910C")
+    return checked_scene(text)
+
+
+def test_the_preload_of_usual_fits_is_told(rigid_spindle):
+    """At rest within 2 %, at speed within 5 % of a solve with the fit; loose where a solve is."""
+    told = {one["id"]: one["sentence"] for one in warnings_in(solve(rigid_spindle).attrs)}
+    found = re.findall(
+        r"(\d+) um about (\d+) and (\d+) N \(loose from (\d+) r/min\)", told["fit_left_out"]
+    )
+    assert [um for um, *_ in found] == ["5", "12"]
+    for um, at_rest, running, loose in found:
+        fitted = rigid_spindle.with_({"fits.shaft_interference_um": float(um)})
+        at_speed = solve(fitted).values["residual_preload"]
+        still = solve(fitted.with_({"operation.shaft_speed_rpm": 0.0}), "race_control").values
+        assert_allclose(float(at_rest), still["residual_preload"], rtol=0.02)
+        assert_allclose(float(running), at_speed, rtol=0.05)
+        for share, is_lost in ((0.97, False), (1.03, True)):
+            turned = fitted.with_({"operation.shaft_speed_rpm": share * float(loose)})
+            assert growth_of(turned).inner.seat_lost == is_lost
+        assert "fit_left_out" not in solve(fitted).attrs["warnings"]
+
+
+def test_every_fit_has_a_line_before_the_solve(rigid_spindle):
+    def lines(changes):
+        reasons = choice(rigid_spindle.with_(changes)).reasons
+        return [line for line in reasons if line.startswith("fits: ")]
+
+    (none,), (zero,) = lines({"fits": None}), lines({})
+    assert "none given, so no interference is assumed" in none and "12 um about" in none
+    assert zero == none.replace("none given, so no interference is assumed", "no interference")
+    (tight,) = lines({"fits.shaft_interference_um": 12.0})
+    assert "included" in tight and "the inner ring is loose from 31000 r/min" in tight
+    force = {"operation.preload_method": "constant_force"}
+    assert lines(force | {"fits": None}) == [] and "second-order" in lines(force)[0]
+
+
+def test_no_fit_is_wider_than_a_scene_may_have(scene):
+    """A bore of 0.6 mm takes 6 um at most."""
+    tiny = scene("gyro_s1", HELD | {"bearing.bore_mm": 0.6, "bearing.outside_diameter_mm": 13.0})
+    (line,) = (line for line in choice(tiny).reasons if line.startswith("fits: "))
+    assert "5 um about" in line and "12 um" not in line
+
+
+def test_a_worn_bearing_is_told_of_the_fit_when_new(rigid_spindle):
+    def told(values_of, scene):
+        found = {one["id"]: one["sentence"] for one in warnings_in(values_of(scene).attrs)}
+        return re.search(r"about \d+ and (\d+) N \(loose", found["fit_left_out"])[1]
+
+    new = float(told(solve, rigid_spindle))
+    worn = rigid_spindle.with_({"wear.ball_diameter_loss_um": 1.0})
+    for values_of, scene in ((solve, worn), (life, rigid_spindle)):
+        assert_allclose(float(told(values_of, scene)), new, rtol=0.15)

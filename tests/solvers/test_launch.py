@@ -10,8 +10,10 @@ from support import benchmark
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.document.launch import launch_document
+from bearingwear.lives.margin import launched_by_wear
 from bearingwear.scene.read import scene_from_dict
-from bearingwear.scene.scene import SceneError
+from bearingwear.scene.scene import PRELOAD_METHODS, SceneError
 from bearingwear.solvers.bearing.arrangement import natural_frequencies
 from bearingwear.solvers.bearing.at_rest import RestingPair
 from bearingwear.solvers.bearing.launch import (
@@ -22,6 +24,8 @@ from bearingwear.solvers.bearing.launch import (
     launched,
     miles,
 )
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.recommend import mapped
 
 CASES = json.loads(Path(__file__).with_name("launch_cases.json").read_text())["cases"]
 SPRING = {"arrangement.kind": "spring_pair", "operation.preload_method": "constant_force"}
@@ -184,6 +188,62 @@ def test_what_limits_look_at(pair):
     assert found["launch_pressure_share"] == pytest.approx(1859.437676 / 4200.0, rel=1e-6)
     lost = launch_values(pair.with_(SPRING | {"launch.axial_g": 100.0}))
     assert lost["launch_gap"] == 1.0 and lost["opening_acceleration"] < 3.0 * GRAVITY
+
+
+def test_a_launch_is_judged_new_and_worn(pair):
+    """The worse of both, and no more wear than the scene says that there is before a launch."""
+    asked = pair.with_({"launch.axial_g": 100.0})
+    worn = launched(asked.with_({"wear.ball_diameter_loss_um": 0.5}))
+    new = launched(asked)
+    assert worn.opening_g < 0.9 * new.opening_g and worn.gap > new.gap
+    found = launch_values(asked, [(0.0,), (0.5e-6,)])
+    assert found["opening_acceleration"] == pytest.approx(GRAVITY * worn.opening_g, rel=1e-12)
+    assert found["denting_acceleration"] == pytest.approx(
+        GRAVITY * min(new.denting_g, worn.denting_g), rel=1e-12
+    )
+    assert found["launch_gap"] == pytest.approx(worn.gap, rel=1e-12)
+    early = launch_values(asked.with_({"launch.after_wear_um": 0.0}), [(0.0,), (0.5e-6,)])
+    assert early == launch_values(asked)
+
+
+def test_the_sheet_of_a_launch_says_new_and_worn(pair):
+    asked = pair.with_(
+        {"launch.axial_g": 100.0, "wear.end_of_life.ball_diameter_loss_um": 0.5,
+         "wear.end_of_life.preload_fraction": 0.01}
+    )  # fmt: skip
+    found = launched_by_wear(asked)
+    assert list(found) == ["new", "worn"]
+    by_hand = launched(asked.with_({"wear.ball_diameter_loss_um": 0.5})).opening_g
+    # within what a life's end is found to
+    assert found["worn"].opening_g == pytest.approx(by_hand, rel=1e-3)
+    sheet = launch_document(asked, found)
+    assert sheet.blocks[0].columns == ("new", "worn")
+    assert any("gaps by" in line and line.endswith(", worn") for line in sheet.heading)
+    assert list(launched_by_wear(asked.with_({"wear.end_of_life": None}))) == ["new"]
+    early = launched_by_wear(asked.with_({"launch.after_wear_um": 0.2}))
+    assert list(early) == ["new", "after 0.2 um of wear"]
+    assert by_hand < early["after 0.2 um of wear"].opening_g < found["new"].opening_g
+
+
+def test_a_required_acceleration_at_launch_holds_worn():
+    """The preload of docs/launch.md: 30 g in the balance of a rotor on balls worn as at its end."""
+    plain = bearingwear.new(designation="7001C", maker="NSK", preload_class="L", speed=600.0,
+        preload_method="fixed_position")  # fmt: skip
+    scene = plain.with_(
+        {"arrangement.kind": "rigid_pair", "arrangement.rotor_mass_kg": 0.5,
+         "arrangement.span_mm": 25.0, "launch.axial_g": 30.0, "model.contact": "hertz"}
+    )  # fmt: skip
+    limits = DesignLimits(launch_g=30.0)
+    axes = axes_around(scene, [scene.friction.coefficient], "scene", COARSE)
+    found = mapped(scene, axes, limits, quick=True)[1].sel(
+        preload_method=PRELOAD_METHODS.index("fixed_position")
+    )
+    worn = scene.with_(
+        {"operation.preload_N": float(found["preload"]),
+         "wear.ball_diameter_loss_um": 1e6 * float(found["loss_at_end"])}
+    )  # fmt: skip
+    assert launched(worn).opening_g == pytest.approx(30.0, rel=0.01)
+    assert launched(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0
 
 
 def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):

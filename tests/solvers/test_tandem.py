@@ -5,9 +5,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from bearingwear.document.bearing_line import operation_lines
 from bearingwear.lives.life import life
+from bearingwear.scene.arrangement import set_over_pair
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.solve import solve
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -68,3 +71,33 @@ def test_heaviest_share_limits(scene):
     F = np.asarray(found.values["history_residual_preload"])[:, -1]
     assert_allclose((F / [7.0 / 3.0, 7.0]).min(), 0.5, rtol=1e-6)
     assert "residual preload 50 %" in found.attrs["ended_by"]
+
+
+@pytest.mark.parametrize(
+    ("tandem", "printed"),
+    [((1, 1), 1.0), ((2, 1), 1.36), ((3, 1), 1.57), ((2, 2), 2.0), ((3, 2), 2.42)],
+)
+def test_a_set_of_bearings_matched_as_a_pair(scene, tandem, printed):
+    """The same offset at the faces, by the root of the exact static displacements."""
+    one, pair = scene("gyro_s1", REST), 7.0
+
+    def place(F):
+        return parameters.static_place(one.with_({"operation.preload_N": F}))
+
+    def offset(F):
+        return sum(place(F / n) for n in tandem) - 2.0 * place(pair)
+
+    force = brentq(offset, 0.5 * pair, 4.0 * pair)
+    assert_allclose(set_over_pair(tandem), force / pair, rtol=5e-3)
+    assert_allclose(set_over_pair(tandem), printed, atol=6e-3)
+
+
+def test_a_set_says_what_its_preload_is_the_force_of(scene):
+    rigid = scene("gyro_s1", RIGID | {"arrangement.tandem": [2, 1], "operation.preload_N": 100.0})
+    (said,) = (line for line in choice(rigid).reasons if line.startswith("tandem: "))
+    assert "100 N, is the force of each side" in said and "a pair of 73.6 N give it" in said
+    assert "set 136 N" in said
+    sheet = " ".join(operation_lines(rigid.to_dict()))
+    assert "100 N on each side, as bearings matched for a pair of 73.6 N give" in sheet
+    spring = scene("gyro_s1", SPRING | {"arrangement.tandem": [2, 1]})
+    assert "matched" not in " ".join((*choice(spring).reasons, *operation_lines(spring.to_dict())))

@@ -108,8 +108,8 @@ def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
     ):
         with pytest.raises(SceneError, match=text):
             call()
-    with pytest.raises(NotExported, match=r"^1000 r/min: \w+: the "):
-        StiffnessOverSpeed.of(pair.with_({"operation.preload_N": 0.0}), [1000.0])
+    with pytest.raises(NotExported, match=r"^1000 r/min: undetermined: without friction, "):
+        StiffnessOverSpeed.of(pair.with_({"friction.ball_race": 0.0}), [1000.0])
     scene, out = str(files / "pair.yaml"), str(files / "a.json")
     assert main(["export", scene, "--speeds", "1000,2000", "-o", out]) == 2
     assert "expected a name that ends in .csv or .toml" in capsys.readouterr().err

@@ -9,6 +9,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -73,13 +74,18 @@ def finished(project):
     return {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in paths}
 
 
-def solver_processes(process):
-    """Processes below one that solve a case."""
+def jobs_below(process, step):
+    """Processes below one that run a step."""
     try:
         below = psutil.Process(process.pid).children(recursive=True)
-        return [child for child in below if {"solve", "--each"} <= {*child.cmdline()}]
+        return [child for child in below if step in child.cmdline()]
     except psutil.Error:
         return []
+
+
+def solver_processes(process):
+    """Processes below one that solve a case."""
+    return jobs_below(process, "--each")
 
 
 def whole_lines(paths):
@@ -124,12 +130,14 @@ def test_a_job_is_killed(project, undisturbed):
 
 
 @pytest.mark.faults
-def test_snakemake_is_killed_and_its_jobs_run_on(project, undisturbed):
+def test_snakemake_is_killed(project, undisturbed):
+    """Its jobs end, too; one may have been at its last lines."""
     process = project.start()
     wait(lambda: finished(project) and solver_processes(process))
     left = solver_processes(process)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
+    psutil.wait_procs(left, timeout=60)
     before = finished(project)
     assert 1 <= len(before) < len(CASES)
     refused = project.run()
@@ -138,7 +146,6 @@ def test_snakemake_is_killed_and_its_jobs_run_on(project, undisturbed):
     assert "--rerun-incomplete" in refused.text or "--unlock" in refused.text
     assert project.run("--unlock").status == 0
     resumes(project, before, undisturbed, "--rerun-incomplete", ran_on=len(left))
-    psutil.wait_procs(left, timeout=60)
 
 
 @pytest.mark.faults
@@ -225,6 +232,98 @@ def test_the_disk_is_full(project, undisturbed, room):
     kept = whole_lines(Path(name) for name in full if "/cases/" in name)
     assert project.last_jobs.get("solve", 0) == len(LINES) - len(kept) / 2
     assert files("with_room") == expected
+
+
+@pytest.mark.faults
+def test_the_disk_of_a_study_is_full(tmp_path, undisturbed):
+    """Configuration, logs and what Snakemake notes lie there, too; each run has more room."""
+    if not can_mount():
+        pytest.skip("needs the right to mount a small file system of its own")
+    (tmp_path / "config/scenes").mkdir(parents=True)
+    for name in ("config.yaml", "scenes/gyro_s1.yaml"):
+        shutil.copy(undisturbed.root / "config" / name, tmp_path / "config" / name)
+    rooms = ["20k", "36k", "60k", "120k", "250k", "500k", "800k", "20m"]
+    script = f"""
+        mkdir study
+        mount -t tmpfs -o size={rooms[0]} none study
+        cp -r config study
+        for room in {" ".join(rooms)}; do
+            mount -o remount,size=$room study
+            (cd study; {sys.executable} -m bearingwear study -j2) > $room.txt 2>&1 || touch $room
+            cp -a study study-$room
+        done
+    """
+    done = subprocess.run(
+        ["unshare", "-m", "sh", "-e", "-c", script],
+        cwd=tmp_path, env=undisturbed.environment, capture_output=True, text=True, timeout=900,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    expected = {k: data for k, data in undisturbed.results().items() if "report/" not in k}
+    for room in rooms:
+        text, folder = (tmp_path / f"{room}.txt").read_text(), tmp_path / f"study-{room}"
+        failed = (tmp_path / room).exists()
+        logs = "".join(path.read_text() for path in folder.glob("logs/**/*.log"))
+        assert "Traceback" not in text + logs, (room, text, logs)
+        assert ("No space left on device" in text + logs) >= failed, (room, text)
+        found = type(undisturbed)(folder).results()
+        found = {name: data for name, data in found.items() if "report/" not in name}
+        assert found.items() <= expected.items()
+    assert (tmp_path / rooms[0]).exists() and not (tmp_path / rooms[-1]).exists()
+    assert {name for name in found if "/cases/" in name} == {
+        name for name in expected if "/cases/" in name
+    }
+
+
+DEATHS = {
+    "import nothing_of_that_name": "No module named 'nothing_of_that_name'",
+    "raise RuntimeError('broken')": "RuntimeError: broken",
+    "raise SystemExit('gone')": "gone",
+    "import os; os._exit(5)": "ended with status 5 without a message",
+    "import os; os.kill(os.getpid(), 9)": "ended with status 137 (by signal 9)",
+}
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("death", DEATHS)
+def test_a_module_that_ends_its_process_as_it_is_imported(project, death):
+    """By whatever: the log that the study names says it, as does the terminal."""
+    line = "from bearingwear.scene.friction import changes_as_it_wears\n"
+    project.edit("bearingwear/studies/solve.py", line, f"{death}\n{line}")
+    case = f"results/gyro_s1/cases/{CASES[0]}.nc"
+    run = project.run(case)
+    assert run.status == 1
+    log = project.root / f"logs/solve/gyro_s1/{LINES[0]}.log"
+    assert DEATHS[death] in log.read_text(encoding="utf-8").splitlines()[-1]
+    assert DEATHS[death] in run.text
+
+
+@pytest.mark.faults
+@pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="elsewhere jobs have no server")
+def test_a_command_is_killed_alone(tmp_path):
+    """However and whenever that is, all that it started ends, and the next run goes on."""
+    shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", tmp_path / "mine.yaml")
+    command = [sys.executable, "-m", "bearingwear", "study", "mine.yaml", "--stiffness", "3"]
+
+    def starts(run):
+        return jobs_below(run, "snakemake")
+
+    def has_jobs(run):
+        return jobs_below(run, "uncertainty")
+
+    def is_in_the_map(run):
+        return jobs_below(run, "bearingwear.studies.design.recommend.small_map")
+
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL):
+        for moment in (starts, has_jobs, is_in_the_map):
+            nothing = subprocess.DEVNULL
+            run = subprocess.Popen(command, cwd=tmp_path, stdout=nothing, stderr=nothing)
+            wait(lambda run=run, moment=moment: run.poll() is not None or moment(run), 600.0)
+            assert run.poll() is None, (number, moment)
+            below = psutil.Process(run.pid).children(recursive=True)
+            run.send_signal(number)
+            run.wait()
+            _, alive = psutil.wait_procs(below, timeout=60)
+            assert below and not alive, (number, moment, alive)
 
 
 @pytest.mark.faults

@@ -69,6 +69,13 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     status, told = study("-j2", "--stiffness", "3")
     assert status == 0 and "Nothing to be done" in told
 
+    # a deleted result, of whatever the page or a table is made from
+    (case, *_) = sorted((folder / "results/mine").glob("cases/*.nc"))
+    before = case.read_bytes()
+    case.unlink()
+    status, told = study("-j2", "--stiffness", "3")
+    assert status == 0 and case.read_bytes() == before, told
+
     # other limits: no case is solved again
     status, told = study("-j2", "--stiffness", "900")
     assert status == 0 and not {"solve", "solve_chunk", "spread"} & rules(told)

@@ -336,8 +336,8 @@ def test_a_configuration_is_whole(first_run):
 @pytest.mark.skipif(not is_solved_in_time("gyro_s1"), reason="no dynamic model in this version")
 def test_cases_solved_in_time(new_project):
     project = new_project()
-    with (project.root / "config/scenes/gyro_s1.yaml").open("a") as scene:
-        scene.write("model: {strips: 4}\n")
+    paper = "model: {contact: paper"
+    project.edit("config/scenes/gyro_s1.yaml", paper, f"{paper}, strips: 4")
     figures = {"worn_loss_um": 0.5, "friction": [0.02], "running_averages": {"gyro_s1": {}}}
     dynamic = [{**ONE_CASE, "model": {"simulated_turns": 0.5}}]
     project.configure({"studies": [ONE_CASE], "dynamic": dynamic, "figures": figures})
@@ -349,7 +349,7 @@ def test_cases_solved_in_time(new_project):
     assert number(folder / f"dynamic/{case}.nc", "simulated_turns") == pytest.approx(0.5)
     for name in ("dynamic", f"fig06_running_average-{case}"):
         assert (folder / f"figures/{name}.svg").exists()
-    assert "dynamic from steady" in (folder / "tables/dynamic.md").read_text(encoding="utf-8")
+    assert "dynamic versus steady" in (folder / "tables/dynamic.md").read_text(encoding="utf-8")
     # a case, a life, and the dynamic case
     assert project.results()["verdict.txt"] == b"all 3 solved and verified\n"
     dynamic[0]["model"] = {"simulated_turns": 1}

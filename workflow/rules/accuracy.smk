@@ -16,8 +16,8 @@ rule sweep:
     input:
         plan=ancient("config/accuracy.yaml"),
         scene=lambda wildcards: ancient(scene_of_trade(wildcards)),
-        lives=ancient("logs/compiled/worn"),
-        dynamic=ancient("logs/compiled/dynamic"),
+        lives=f"logs/compiled/{KERNELS}/worn",
+        dynamic=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/accuracy/points/{trade_scene}-{sweep}.nc",
     log:
@@ -82,7 +82,7 @@ rule trade_ensemble:
     """An ensemble of a cage with short or long runs, or with another tolerance."""
     input:
         scene=ancient(f"config/scenes/{ACCURACY['cages']['file']}.yaml"),
-        compiled=ancient("logs/compiled/dynamic"),
+        compiled=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/accuracy/cages/{ensemble}.nc",
     log:

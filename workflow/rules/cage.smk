@@ -1,5 +1,8 @@
 # Which motions a cage takes and what they wear, a map of cages: `snakemake -j2 cage` (config/cage.yaml).
 
+from bearingwear.studies.cage import plan as cage_plan
+
+CAGE = checked("cage", cage_plan.check_cage)
 CAGE_SCENE = f"config/scenes/{CAGE.get('scene')}.yaml"
 CAGES = cage_plan.cage_points(CAGE)
 CAGE_KEYS = {key for point in CAGES.values() for key in point.changes}
@@ -9,7 +12,7 @@ rule cage_ensemble:
     """Runs of one cage of the map: which motions it takes, how often, and their work."""
     input:
         scene=ancient(CAGE_SCENE),
-        compiled=ancient("logs/compiled/dynamic"),
+        compiled=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/cage/points/{cage}.nc",
     log:

@@ -7,34 +7,33 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import validate
 
+from bearingwear.process import set_environment
 from bearingwear.provenance import kernels_hash
 from bearingwear.provenance import result_hash as sources
 from bearingwear.studies import configuration
 from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.cage import plan as cage_plan
 from bearingwear.studies.configuration import loss_name, mu_name, scene_values, settings
+
+set_environment()  # for all jobs
 
 
 def checked(name, check, data=None):
     """A configuration with the defaults of its schema; one line says what is wrong with it."""
+    path = f"config/{name}.yaml"
     try:
-        data = configuration.read(f"config/{name}.yaml") if data is None else data
+        data = configuration.read(path) if data is None else data
         validate(data, f"../schemas/{name}.schema.yaml")
         check(data)
-    except WorkflowError as error:
-        fault = configuration.fault(error)
-        raise WorkflowError(f"config/{name}.yaml: {fault}") from None
-    except ValueError as error:
-        raise WorkflowError(str(error)) from None
+    except (WorkflowError, ValueError) as error:
+        raise WorkflowError(configuration.fault(path, error)) from None
     return data
 
 
 checked("config", configuration.check_config, config)
 DESIGN = checked("design", configuration.check_design)
-UNCERTAINTY = checked("uncertainty", configuration.check_sampled)
-LIVES = checked("lives", configuration.check_lives)
-CAGE = checked("cage", cage_plan.check_cage)
 
+# In the name of what `rule compile` makes, so that an edited kernel is compiled anew.
+KERNELS = kernels_hash()
 # The grid of each scene: its methods, friction coefficients and losses, in order.
 GRIDS = configuration.grids(config)
 DYNAMIC = configuration.grids(config, "dynamic")

@@ -1,12 +1,32 @@
 # Functions of wildcards: what a scene or the configuration decides that a rule requires. No rule stands here.
 
+from types import SimpleNamespace
+
 
 def solved_cases(wildcards):
     """Files that hold every case of a scene: one for each, or chunks of many lines."""
-    grid = GRIDS[wildcards.scene]
+    scene, grid = wildcards.scene, GRIDS[wildcards.scene]
     if parts := grid.chunks(config["points_per_job"]):
-        return expand("results/{scene}/chunks/{part}.nc", part=parts, **wildcards)
-    return expand("results/{scene}/cases/{case}.nc", case=grid.cases(), **wildcards)
+        return expand("results/{scene}/chunks/{part}.nc", scene=scene, part=parts)
+    return expand("results/{scene}/cases/{case}.nc", scene=scene, case=grid.cases())
+
+
+def dynamic_cases(wildcards):
+    """Files of all cases of a scene that are solved dynamically."""
+    cases = DYNAMIC[wildcards.scene].cases()
+    return expand(
+        "results/{scene}/dynamic/{case}.nc", scene=wildcards.scene, case=cases
+    )
+
+
+def every_case(wildcards):
+    """Files of all cases of the main study, steady and dynamic."""
+    steady = [SimpleNamespace(scene=scene) for scene in GRIDS]
+    dynamic = [SimpleNamespace(scene=scene) for scene in DYNAMIC]
+    return [
+        *(path for one in steady for path in [*solved_cases(one), *slip_cases(one)]),
+        *(path for one in dynamic for path in dynamic_cases(one)),
+    ]
 
 
 def spreads(wildcards):

@@ -1,12 +1,14 @@
 # Wear lives and their spread: of the grids of config/config.yaml, and with the dynamic model (config/lives.yaml).
 
+LIVES = checked("lives", configuration.check_lives)
+
 
 rule wear_life:
     """Wear life for each preload method and friction coefficient of a scene, by two routes."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
         study="results/{scene}/study.nc",
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/wear_life.nc",
     log:
@@ -29,7 +31,7 @@ rule spread:
     """Spread in life at one friction coefficient, due to the uncertain values of the scene."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/spread/mu{mu}.nc",
     log:
@@ -73,7 +75,7 @@ rule dynamic_life:
     """A life of config/lives.yaml: wear is followed with the dynamic model, with the cage, to the end of life."""
     input:
         scene=lambda wildcards: ancient(scene_of_life(wildcards)),
-        compiled=ancient("logs/compiled/dynamic"),
+        compiled=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/lives/{life}.nc",
     log:

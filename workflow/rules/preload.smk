@@ -12,7 +12,7 @@ rule small_map:
     """Lives over a few preloads, and the preload to take by the requirements of config/design.yaml."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/preload/design.nc",
         "results/{scene}/preload/recommendation.nc",
@@ -158,7 +158,7 @@ rule map_part:
     """Lives over preload and speed, for one preload method and friction coefficient of a map."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/design/map/{method}-mu{mu}.nc",
     log:
@@ -297,7 +297,7 @@ rule solve_check:
     """A preload at or beside the recommended one, solved by one model."""
     input:
         scene="results/{scene}/design/check/{times}.yaml",
-        compiled=ancient("logs/compiled/{fidelity}"),
+        compiled=f"logs/compiled/{KERNELS}/{{fidelity}}",
     output:
         "results/{scene}/design/check/{times}-{fidelity}.nc",
     log:

@@ -12,8 +12,8 @@ rule random_scenes:
     input:
         plan=ancient("config/robustness.yaml"),
         scene=ancient(BASE_SCENE),
-        steady=ancient("logs/compiled/worn"),
-        dynamic=ancient("logs/compiled/dynamic"),
+        steady=f"logs/compiled/{KERNELS}/worn",
+        dynamic=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/robustness/scene_classes/{name}.nc",
     log:
@@ -37,7 +37,7 @@ rule state_map:
     input:
         plan=ancient("config/robustness.yaml"),
         scene=ancient(BASE_SCENE),
-        compiled=ancient("logs/compiled/steady"),
+        compiled=f"logs/compiled/{KERNELS}/steady",
     output:
         "results/robustness/maps/{name}.nc",
     log:
@@ -63,7 +63,7 @@ rule branch:
     input:
         plan=ancient("config/robustness.yaml"),
         scene=ancient(BASE_SCENE),
-        compiled=ancient("logs/compiled/steady"),
+        compiled=f"logs/compiled/{KERNELS}/steady",
     output:
         "results/robustness/branches/{name}.nc",
     log:

@@ -4,7 +4,7 @@
 rule compile:
     """Compile the kernels of a model once, before many jobs need them."""
     output:
-        touch("logs/compiled/{model}"),
+        touch(f"logs/compiled/{KERNELS}/{{model}}"),
     log:
         "logs/compile/{model}.log",
     wildcard_constraints:
@@ -20,7 +20,7 @@ rule solve:
     """Cases of one preload method and friction coefficient, in all states of wear."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/steady"),
+        compiled=f"logs/compiled/{KERNELS}/steady",
     output:
         expand("results/{{scene}}/cases/{{method}}-mu{{mu}}-loss{loss}.nc", loss=LOSSES),
     log:
@@ -45,7 +45,7 @@ rule solve_chunk:
     """Cases of many lines of a large grid in one file, without profiles across the contacts."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/steady"),
+        compiled=f"logs/compiled/{KERNELS}/steady",
     output:
         "results/{scene}/chunks/{method}-mu{first}-to-mu{last}.nc",
     log:
@@ -86,7 +86,7 @@ rule solve_dynamic:
     """A case solved dynamically: every ball, the races and the cage, integrated over time."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
-        compiled=ancient("logs/compiled/dynamic"),
+        compiled=f"logs/compiled/{KERNELS}/dynamic",
     output:
         "results/{scene}/dynamic/{method}-mu{mu}-loss{loss}.nc",
     log:
@@ -113,11 +113,7 @@ rule solve_dynamic:
 rule gather_dynamic:
     """The cases of a scene that were solved dynamically, as one file."""
     input:
-        lambda wildcards: expand(
-            "results/{scene}/dynamic/{case}.nc",
-            case=DYNAMIC[wildcards.scene].cases(),
-            **wildcards,
-        ),
+        dynamic_cases,
     output:
         "results/{scene}/dynamic.nc",
     log:

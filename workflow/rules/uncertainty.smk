@@ -1,12 +1,14 @@
 # Sampled lives at a scene's own preload and at the recommended one: `snakemake -j2 uncertainty` (config/uncertainty.yaml).
 
+UNCERTAINTY = checked("uncertainty", configuration.check_sampled)
+
 
 rule sample_lives:
     """A part of the sampled lives of one preload method at one preload."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
         recommendation=recommended_preload,
-        compiled=ancient("logs/compiled/worn"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/design/samples/{method}-{choice}-{chunk}.nc",
     log:

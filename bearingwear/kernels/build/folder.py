@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 from bearingwear.kernels.build.versions import is_plain
-from bearingwear.provenance import PACKAGE, kernels_hash
+from bearingwear.provenance import IN_CHECKOUT, PACKAGE, kernels_hash
 
 _ROOT = 0  # may do everything anyway
 
@@ -26,8 +26,12 @@ _ROOT = 0  # may do everything anyway
 def code_folder() -> str:
     """The first of these that is private.
 
-    Below `NUMBA_CACHE_DIR` if the user set it, else beside the package, else below the user's cache
-    folder; else in the folder for temporary files. At worst a new one, for this process alone.
+    Below `NUMBA_CACHE_DIR` if the user set it, else beside the sources in a checkout, else below
+    the user's cache folder; else in the folder for temporary files. At worst a new one, for this
+    process alone.
+
+    Never beside an installed package: pip, which does not know of it, would leave the folder there
+    when it removes the package, and Python would go on to import that folder.
     """
     name = f"numba-{kernels_hash()}" + ("-plain" if is_plain() else "")
     given = os.environ.get("NUMBA_CACHE_DIR")
@@ -35,7 +39,11 @@ def code_folder() -> str:
     caches = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
     # Who can write to these can change what Python itself runs.
     trusted = (PACKAGE / "__pycache__", home.resolve())
-    parents = [Path(given)] if given else [PACKAGE / "__pycache__", caches / "bearingwear"]
+    parents = [caches / "bearingwear"]
+    if given:
+        parents = [Path(given)]
+    elif IN_CHECKOUT:
+        parents.insert(0, PACKAGE / "__pycache__")
     folders = [parent.resolve() / name for parent in parents if given or parent.is_absolute()]
     folders.append(Path(tempfile.gettempdir()).resolve() / f"bearingwear-{os.geteuid()}-{name}")
     for folder in folders:

@@ -32,13 +32,15 @@ FULL_WIDTH = 3.0  # of the cells together, in semi-minor axes
 
 
 @jit
-def contact_cells(log_kappa, low, high, n, m):
+def contact_cells(log_kappa, low, high, width, n, m):
     """Cells of an ellipse with ln(a/b) = log_kappa, unworn pressure included.
 
     Parameters
     ----------
     low, high : float
         Ends along the major axis, over a.
+    width : float
+        Of the cells on both sides together, over b.
     n, m : int
         Cells along it, and on each side of it.
 
@@ -48,7 +50,7 @@ def contact_cells(log_kappa, low, high, n, m):
     """
     kappa = math.exp(log_kappa)
     K, _, s = elliptic_integrals(1.0 / kappa)
-    dX, dY = (high - low) / n, 0.5 * FULL_WIDTH / m
+    dX, dY = (high - low) / n, 0.5 * width / m
     X, Y = low + dX * (np.arange(n) + 0.5), dY * (np.arange(m) + 0.5)
     gap, fresh = np.empty((m, n)), np.empty((m, n))
     for j in range(m):

@@ -16,11 +16,37 @@ from bearingwear.scene.new.catalogue import (
     SOURCES,
     CatalogueBearing,
     entry_of,
+    has_bearing,
 )
 from bearingwear.scene.new.designations import Designation, clearance_range, designation_of
+from bearingwear.scene.new.letters import CLASS_OF_LETTER, PAIR, letters_of, maker_of
 
 GROOVES = (0.52, 0.53)
 """Groove radius of the inner and the outer race over the ball diameter that is assumed."""
+
+SMALL_BORE = 10.0
+"""Bore [mm] below which makers' groove factors differ widely."""
+
+SMALL_GROOVES = (0.52, 0.58)
+"""Least and largest groove factor of small bearings. The series S of GMN has 0.52 to 0.53 there."""
+
+INSTRUMENT_GROOVES = (0.57, 0.57)
+"""Those assumed of a deep groove bearing below `SMALL_BORE` without an ISO designation: an
+instrument bearing R168 (6.35 x 9.525 mm, radial play 8 um) then has the stiffness of its maker."""
+
+SEAT_CLASS = "js4"
+"""Tolerance of the shaft that makers recommend for spindle bearings: GMN, catalogue 4000 0813 EN,
+p. 71, prints +-2 to +-5 um, which is js4 rounded down; above 1.5 million mm r/min it wants more."""
+
+HOUSING_CLASS = "H4"
+"""That of the housing: SNFA, general catalogue, assembly tolerances, for ABEC 7 and 9."""
+
+# Diameter up to [mm]: width of the tolerance IT4 (ISO 286), and how far a bore and an outside
+# diameter of class P4 may lie below their nominal size (ISO 492), all [um].
+_SEATS = (
+    (3, 3, 4, 4), (10, 4, 4, 4), (18, 5, 4, 4), (30, 6, 5, 5), (50, 7, 6, 6), (80, 8, 7, 7),
+    (120, 10, 8, 8), (150, 12, 10, 9), (180, 12, 10, 10), (250, 14, 12, 11),
+)  # fmt: skip
 
 SPEED_FACTOR = 1.0e6
 """Speed times pitch diameter [mm r/min] that is assumed: a fast spindle."""
@@ -81,12 +107,16 @@ def size_of(
                 raise refused_option(
                     option, given, f"only allowed without a designation (here, {designation})"
                 )
-        if maker is None:
-            return designation_of(designation)
-        entry, ignored = entry_of(maker, designation, angle)
+        named, rest = maker_of(designation, tuple(MAKERS))
+        if maker is not None and named not in ("", maker):
+            raise refused_option("--maker", maker, f"{named}, as in the designation {designation}")
+        if maker is None and not (named in MAKERS and has_bearing(named, rest)):
+            return designation_of(rest)
+        entry, ignored = entry_of(maker or named, rest, angle)
         size = entry.bore, entry.outside, entry.width
+        letters = letters_of("", ignored, PAIR)
         return Designation(
-            *size, entry.designation, angle=entry.angle, ignored=ignored, entry=entry
+            *size, entry.designation, angle=entry.angle, letters=letters, entry=entry
         )
     for option, given in (("--bore", bore), ("--outside", outside)):
         if given is None:
@@ -121,6 +151,9 @@ def numbers_of(
         given = {key: value for key, value in given.items() if key != angle_key}
     if preload_class is not None and preload_key in given:
         raise refused_option("--preload-class", preload_class, "only allowed without --preload")
+    if preload_class is None and preload_key not in given and (load := size.letters.load):
+        own = size.entry is not None and size.entry.preloads
+        preload_class = load if own else CLASS_OF_LETTER.get(load, load)
     found: dict[str, Origin] = {}
 
     def decide(key: str, value: float, rule: str, assumed: bool = True) -> float:
@@ -142,12 +175,17 @@ def numbers_of(
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
+    grooves, groove_rule, assumed = grooves_of(size, deep_groove)
+    inner = decide("bearing.inner_groove_factor", grooves[0], groove_rule, assumed)
+    outer = decide("bearing.outer_groove_factor", grooves[1], groove_rule, assumed)
     if entry is not None:
         Z = decide("bearing.ball_count", entry.balls, SOURCES[entry.source], False)
         angle = decide(angle_key, entry.angle, SOURCES["printed"], False)
     else:
         Z = decide("bearing.ball_count", *_usual_balls(D, dm, deep_groove))
-        angle = decide(angle_key, *_free_angle(size, D, clearance, deep_groove))
+        angle = decide(
+            angle_key, *_free_angle(size, (inner + outer - 1.0) * D, clearance, deep_groove)
+        )
     if preload_class is not None or preload_key not in given:
         preload = _preload(entry, preload_class, Z * D**2 * math.sin(math.radians(angle)))
     else:
@@ -190,16 +228,30 @@ def _usual_speed(
     return rounded_to(factor * entry.speed_grease, 3), rule
 
 
-def grooves_of(entry: CatalogueBearing | None) -> tuple[tuple[float, float], str]:
-    """Inner and outer groove factor, and where they come from."""
-    known = entry and MAKERS[entry.maker].grooves
+def grooves_of(size: Designation, deep_groove: bool) -> tuple[tuple[float, float], str, bool]:
+    """Inner and outer groove factor, where they come from, and whether they are assumed."""
+    known = size.entry and MAKERS[size.entry.maker].grooves
     if known:
-        return known, "inferred from the printed rigidities"
-    return GROOVES, "assumed: the largest factor for which ISO 281 load ratings apply"
+        return known, "inferred from the printed rigidities", False
+    if deep_groove and not size.name and size.bore < SMALL_BORE:
+        return INSTRUMENT_GROOVES, f"instrument bearing; {_SMALL}", True
+    rule = "the largest factor for which ISO 281 load ratings apply"
+    return GROOVES, f"{rule}; {_SMALL}" if grooves_vary(size) else rule, True
+
+
+_SMALL = "makers of small bearings use {:g} to {:g}".format(*SMALL_GROOVES)
+
+
+def grooves_vary(size: Designation) -> bool:
+    """Whether the groove factors of a bearing are too uncertain for one assumption."""
+    return size.bore < SMALL_BORE and not (size.entry and MAKERS[size.entry.maker].grooves)
 
 
 def _is_deep_groove(size: Designation, angle: float | None, clearance: str | float | None) -> bool:
     """Whether the free contact angle comes from a radial clearance."""
+    if angle == 0.0 and size.name and not size.deep_groove:
+        problem = f"a number > 0, because {size.name} is an angular contact bearing"
+        raise refused_option("--contact-angle", angle, problem)
     if clearance is None:
         return size.deep_groove or angle == 0.0
     option = "--clearance" if isinstance(clearance, str) else "--radial-clearance-um"
@@ -227,12 +279,13 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
 
 
 def _free_angle(
-    size: Designation, D: float, clearance: str | float | None, deep_groove: bool
+    size: Designation, distance: float, clearance: str | float | None, deep_groove: bool
 ) -> tuple[float, str]:
     """Free contact angle [degree], and the rule.
 
     Of a deep groove bearing it is what the radial clearance leaves (Harris):
-    cos(angle) = 1 - clearance / (2 (inner + outer groove radius - ball diameter)).
+    cos(angle) = 1 - clearance / (2 distance), where `distance` [mm] of the groove centres is inner
+    plus outer groove radius less ball diameter.
     """
     if not deep_groove:
         if size.angle is not None:
@@ -248,12 +301,30 @@ def _free_angle(
         um, rule = 0.5 * sum(ends), f" (mean of {group}, before mounting)"
     else:
         um, rule = clearance, ""
-    play = 2e3 * (sum(GROOVES) - 1.0) * D
+    play = 2e3 * distance
     widest = play * (1.0 - math.cos(math.radians(LARGEST_ANGLE_DEG)))
     if not 0.0 < um <= widest:
         raise refused_option("--radial-clearance-um", um, f"a number > 0 and <= {widest:.4g}")
     angle = math.degrees(math.acos(1.0 - um / play))
-    return rounded_to(angle, 4), f"from a radial clearance of {um:g} um{rule}"
+    return rounded_to(angle, 4), (
+        f"from a radial clearance of {um:g} um{rule}; 0 is only the nominal angle"
+    )
+
+
+def seat_interference(bore: float) -> tuple[float, float] | None:
+    """Least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
+    seat = _seat(bore)
+    return None if seat is None else (-0.5 * seat[1], 0.5 * seat[1] + seat[2])
+
+
+def housing_clearance(outside: float) -> float | None:
+    """Mean clearance [um] of an outside diameter [mm] of class P4 in `HOUSING_CLASS`."""
+    seat = _seat(outside)
+    return None if seat is None else 0.5 * (seat[1] + seat[3])
+
+
+def _seat(diameter: float) -> tuple[int, ...] | None:
+    return next((seat for seat in _SEATS if diameter <= seat[0]), None)
 
 
 def refused_option(option: str, value: float | str, what: str) -> SceneError:

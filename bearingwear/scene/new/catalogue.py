@@ -50,6 +50,10 @@ SOURCES = {
 """Where number and diameter of the balls come from."""
 
 
+_SNFA_ANGLES = {"1": 15.0, "3": 25.0}
+"""Contact angle [degree] by the last digit of SNFA's code of accuracy, cage and angle (7CE1)."""
+
+
 class CatalogueBearing(NamedTuple):
     """A bearing of a catalogue; lengths in mm, speeds in r/min of one under a light spring."""
 
@@ -129,14 +133,27 @@ def entry_of(
         raise SceneError(
             "", f"got {shown(designation)}, expected {expected}", source=f"{maker} designation"
         )
+    if angle is None and (code := re.search(r"\d[A-Z]+([0-3])", ignored)) and maker == "SNFA":
+        angle = _SNFA_ANGLES.get(code[1])
+        if angle not in {entry.angle for entry in found}:
+            angles = " or ".join(dict.fromkeys(f"{entry.angle:g}" for entry in found))
+            problem = f"got {shown(designation)}, whose code {code[0]} is none of {angles} degrees"
+            raise SceneError(
+                "", f"{problem}, expected --contact-angle", source=f"{maker} designation"
+            )
     if angle is None:
         return found[0], ignored
     return min(found, key=lambda entry: abs(entry.angle - angle)), ignored
 
 
+def has_bearing(maker: str, designation: str) -> bool:
+    """Whether a maker's catalogue has a bearing of a designation."""
+    return bool(_found(maker, designation)[0])
+
+
 def makers_with(designation: str) -> list[str]:
     """The makers whose catalogue has a bearing of that designation."""
-    return [maker for maker in MAKERS if _found(maker, designation)[0]]
+    return [maker for maker in MAKERS if has_bearing(maker, designation)]
 
 
 @functools.cache

@@ -13,6 +13,16 @@ from typing import NamedTuple
 
 from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.new.catalogue import CatalogueBearing, makers_with
+from bearingwear.scene.new.letters import (
+    CERAMIC_PREFIX,
+    GMN_CAGES,
+    GMN_SERIES,
+    PAIR,
+    PAIR_ALONE,
+    STEEL_PREFIX,
+    Letters,
+    letters_of,
+)
 
 LONGEST_DESIGNATION = 40  # characters of a designation
 
@@ -44,8 +54,10 @@ _SMALL = {
     "69": (2, "6x2.3 8x3 11x4 13x4 15x5 17x5 19x6 20x6"),
 }
 
-ANGLES = {"C": 15.0, "AC": 25.0, "A5": 25.0, "E": 25.0, "A": 30.0, "B": 40.0}
-"""Contact angle [degree] by the suffix of an angular contact bearing."""
+ANGLES = {
+    "C": 15.0, "FB": 18.0, "FE": 18.0, "AC": 25.0, "A5": 25.0, "E": 25.0, "A": 30.0, "B": 40.0
+}  # fmt: skip
+"""Contact angle [degree] by the suffix of an angular contact bearing. FB and FE are SKF's."""
 
 _MAKERS_DIFFER = "EA"
 """Suffixes that are not every maker's: 25 degrees are E, AC, A5 or AD, and 30 degrees A or none."""
@@ -72,9 +84,9 @@ _CLEARANCE_TABLE = (
 )
 
 ALLOWED = (
-    "70xx, 72xx, 73xx, 719xx (suffix C, AC, A5, E, A or B), 60xx, 62xx, 63xx (suffix C2, CN or "
-    "C3), xx from 00 to 22 or an even number from 24 to 40, 604 to 609, 623 to 629, 682 to 689, "
-    "692 to 699"
+    "70xx, 72xx, 73xx, 719xx (suffix C, FB, FE, AC, A5, E, A or B), 60xx, 62xx, 63xx "
+    "(suffix C2, CN or C3), xx from 00 to 22 or an even number from 24 to 40, 604 to 609, 623 to "
+    "629, 682 to 689, 692 to 699"
 )
 
 
@@ -90,60 +102,117 @@ class Designation(NamedTuple):
     angle: float | None = None  # of an angular contact bearing [degree], where a suffix says it
     angle_rule: str = ""  # why the angle is assumed, where makers mean different ones by the suffix
     clearance: str = ""  # group of radial clearance, where a suffix says it
-    ignored: str = ""  # prefixes and suffixes that are not used: cage, seals, tolerance
+    letters: Letters = Letters()  # what other letters say: balls, preload, pair
     entry: CatalogueBearing | None = None  # the bearing of a maker's catalogue
+
+
+_PREFIX = rf"(?:{CERAMIC_PREFIX}|{STEEL_PREFIX})?"
+
+_NUMBER = r"(?P<series>(?:7[0239]|719|6[023])(?=\d\d(?!\d))|6[0289](?=\d(?!\d)))(?P<code>\d+)"
+
+_GMN = (
+    rf"(?P<hybrid>HY)?(?P<form>{GMN_SERIES})?(?P<series>6[02]|619)(?P<code>\d\d)(?:2RZ)?"
+    rf"(?P<angle>C|E|18)(?P<rest>(?:{GMN_CAGES})?.*)"
+)
+_GMN_ANGLES = {"C": 15.0, "18": 18.0, "E": 25.0}
 
 
 def designation_of(text: str) -> Designation:
     """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
     plain = text.strip().upper()
-    match = re.fullmatch(
-        r"([A-Z]{0,4})[\s/_-]*((?:7[0239]|719|6[023])(?=\d\d(?!\d))|6[0289](?=\d(?!\d)))"
-        r"(\d+)([A-Z\d\s/_.-]*)",
-        plain,
-    )
-    size = match and len(plain) <= LONGEST_DESIGNATION and _size(match[2], match[3])
+    if len(plain) > LONGEST_DESIGNATION:
+        raise _unknown(text, ALLOWED)
+    if (spindle := _gmn_spindle(plain)) is not None:
+        return spindle
+    match = re.fullmatch(rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", plain)
+    size = match and _size(match["series"], match["code"])
     if not match or not size:
         raise _unknown(text, ALLOWED)
-    prefix, series, code, rest = match.groups()
+    prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
+    if not re.fullmatch(_PREFIX, prefix):
+        known = "B, S, HS, HSS, RS, W, SS, HC.., XC.., HY, CB, 5S or 3NC before the number"
+        raise _unknown(text, f"no letters or {known}")
     deep_groove = series.startswith("6")
+    if deep_groove and prefix in ("S", "SS") and not rest.strip(" /_-."):
+        raise _unknown(
+            text,
+            f"{series}{code} (deep groove), or {prefix}{series}{code} C or E (GMN spindle bearing)",
+        )
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
     suffix, ignored = _suffix(rest, suffixes, deep_groove)
     if ignored is None:
         raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}")
     name = f"{series}{code}{suffix}"
-    unused = " ".join(filter(None, (prefix, ignored)))
+    letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
-        return Designation(*size, name, deep_groove, clearance=suffix, ignored=unused)
+        return Designation(*size, name, deep_groove, clearance=suffix, letters=letters)
     rule = (
         f"suffix {suffix}, whose meaning depends on the maker"
         if suffix in tuple(_MAKERS_DIFFER)
         else ""
     )
-    return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, ignored=unused)
+    return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, letters=letters)
 
 
-def _suffix(rest: str, known: tuple[str, ...], anywhere: bool) -> tuple[str, str | None]:
+def _gmn_spindle(plain: str) -> Designation | None:
+    """A spindle bearing of GMN, whose numbers are those of deep groove bearings: S 6005 C TA P4.
+
+    The series S, SM, KH or the cage after the angle tell it; None where neither is there.
+    """
+    match = re.fullmatch(_GMN, re.sub(r"[\s/_.-]", "", plain))
+    if not match or not (match["form"] or re.match(GMN_CAGES, match["rest"])):
+        return None
+    series, code, angle = match.group("series", "code", "angle")
+    size = _size({"60": "70", "62": "72", "619": "719"}[series], code)
+    if size is None:
+        return None
+    name = f"{match['form'] or 'S'}{series}{code}{angle}"
+    letters = letters_of(match["hybrid"] or "", match["rest"], PAIR)
+    rule = "" if angle == "C" else f"GMN's suffix {angle}"
+    return Designation(*size, name, False, _GMN_ANGLES[angle], rule, letters=letters)
+
+
+def _suffix(rest: str, known: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:
     """The known suffix of a designation, and what else is there; None for what it cannot be.
 
     An angle is the first suffix, with letters of the cage behind it (CD, ACD, BECBP), or after a
-    separator. A clearance is a suffix of its own anywhere. What follows the number without a
-    separator and is neither angle nor clearance is refused.
+    separator. A clearance stands anywhere (6204-2RSH/C3, 608ZZC3, P63). What follows the number
+    without a separator and is neither angle nor clearance is refused, and so is an angle or a
+    clearance of another kind anywhere.
     """
     words = [word for word in re.split(r"[\s/_.-]+", rest) if word]
     if not words:
         return "", ""
-    for k, word in enumerate(words if anywhere else words[:1]):
-        if word in known:
-            return word, " ".join(words[:k] + words[k + 1 :])
-    first = words[0]
-    if not anywhere:
-        for name in sorted(known, key=len, reverse=True):
-            if first.startswith(name) and first[len(name)].isalpha():
-                return name, " ".join([first[len(name) :], *words[1:]])
+    if deep_groove:
+        return _clearance_suffix(words)
+    first, others = words[0], words[1:]
+    for name in sorted(known, key=len, reverse=True):
+        if first.startswith(name):
+            behind = first[len(name) :]
+            if not behind or behind[0].isalpha():
+                return name, " ".join([behind, *others] if behind else others)
     attached = rest[0].isalnum()
-    clearance = re.fullmatch(r"[A-E]\d?|CN", first)  # an angle, or a clearance of another kind
-    return "", None if clearance or (attached and not anywhere) else " ".join(words)
+    other_kind = re.fullmatch(r"[A-F]\d?|CN", first)  # an angle, or a clearance of another kind
+    late = any(word in known for word in others)
+    return "", None if other_kind or attached or late else " ".join(words)
+
+
+def _clearance_suffix(words: list[str]) -> tuple[str, str | None]:
+    """The clearance among the suffixes of a deep groove bearing, as `_suffix`."""
+    for k, word in enumerate(words):
+        balls = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
+        found = re.compile(r"C([1-5NM])(?!\d)").search(word, balls.end() if balls else 0)
+        found = found or re.compile(r"(?<=^P[56])([2-5])$").search(word)
+        if found is None:
+            continue
+        group = f"C{found[1]}"
+        if group not in CLEARANCES:
+            return "", None
+        left = f"{word[: found.start()]} {word[found.end() :]}".split()
+        return group, " ".join([*words[:k], *left, *words[k + 1 :]])
+    if re.fullmatch(r"[A-E]\d?", words[0]):
+        return "", None
+    return "", " ".join(words)
 
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:

@@ -20,13 +20,18 @@ from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.coefficients import Rubbing, rubbing
 from bearingwear.scene.new.assumed import (
+    HOUSING_CLASS,
+    SEAT_CLASS,
+    SMALL_GROOVES,
     Designation,
     Origin,
-    grooves_of,
+    grooves_vary,
+    housing_clearance,
     numbers_of,
     race_conductance,
     refused_option,
     rounded_to,
+    seat_interference,
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
@@ -39,11 +44,19 @@ if TYPE_CHECKING:
 
 BALL_MATERIALS = ("bearing_steel", "silicon_nitride")
 
+BALLS_ASSUMED = "bearing.ball_material: bearing_steel"
+
 OPTIONS = (
     ("--balls", "bearing.ball_count", "Z", "number of balls"),
     ("--ball-diameter", "bearing.ball_diameter_mm", "MM", "ball diameter"),
     ("--pitch-diameter", "bearing.pitch_diameter_mm", "MM", "pitch diameter"),
-    ("--contact-angle", "bearing.contact_angle_deg", "DEG", "free contact angle"),
+    (
+        "--contact-angle",
+        "bearing.contact_angle_deg",
+        "DEG",
+        "free contact angle (0: a deep groove "
+        "bearing, whose free angle follows from its clearance)",
+    ),
     ("--speed", "operation.shaft_speed_rpm", "RPM", "shaft speed"),
     ("--preload", "operation.preload_N", "N", "initial axial preload"),
     ("--friction", "friction.ball_race", "MU", "Coulomb ball-race friction coefficient"),
@@ -95,12 +108,16 @@ def scene_text(
     """
     angle = given.get("bearing.contact_angle_deg")
     size = size_of(designation, bore, outside, maker, angle)
+    letters = size.letters
+    if letters.ball_material is not None and ball_material not in (None, letters.ball_material):
+        expected = f"{letters.ball_material}, because of {letters.ball_letters} in the designation"
+        raise refused_option("--ball-material", ball_material or "", expected)
     for key in given:
         _check_range(key, given[key])
     # a maker's class of preload is that of a rigid pair
     rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
     method = preload_method or ("fixed_position" if rigid else "constant_force")
-    rubs = _rubbing(pair, film, given, ball_material)
+    rubs = _rubbing(pair, film, given, ball_material or letters.ball_material)
     numbers = numbers_of(size, given, clearance, preload_class, method)
     if rubs.rule and _BALL_RACE not in given:
         numbers[_BALL_RACE] = Origin(rubs.friction, rubs.rule, assumed=False)
@@ -138,21 +155,18 @@ def _assumed(
     method: str,
 ) -> list[str]:
     """A line for each thing that was not given."""
-    (inner, outer), groove_rule = grooves_of(size.entry)
     lines = []
-    if size.ignored:
-        lines.append(f"designation: interpreted as {size.name}; ignored: {size.ignored}")
-        if "HC" in size.ignored:
-            lines.append(
-                "designation: HC stands for ceramic balls; use --ball-material silicon_nitride"
-            )
+    said = size.letters.meanings
+    if size.letters.ignored:
+        said.append(f"ignored: {size.letters.ignored}")
+    if said:
+        lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
-        f"bearing.inner_groove_factor, bearing.outer_groove_factor: {inner:g}, {outer:g}, "
-        + groove_rule.removeprefix("assumed: "),
-        *(["bearing.ball_material: bearing_steel"] if ball_material is None else []),
+        *([] if ball_material or size.letters.ball_material else [BALLS_ASSUMED]),
         *([f"operation.preload_method: {method}"] if preload_method is None else []),
-        "materials, cage, friction.cage, operation.gravity_m_s2, wear.end_of_life, uncertainty: "
+        "materials, cage, friction.cage, operation.gravity_m_s2, fits, wear.end_of_life, "
+        "uncertainty: "
         "see the file",
     ]
     if size.entry is None:
@@ -236,7 +250,6 @@ def _filled(
     """The template of a scene, filled in."""
     steel = MATERIALS["bearing_steel"].replace("5.0e-6", yaml_number(rubs.steel))
     D, dm, Z = _balls(numbers)
-    grooves, groove_rule = grooves_of(size.entry)
     room = dm * math.sin(math.pi / Z) - D
     return _template().render(
         name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
@@ -246,21 +259,57 @@ def _filled(
         D=D,
         dm=dm,
         ball_race=race_conductance(numbers),
-        grooves=grooves,
-        groove_rule=groove_rule,
+        groove_ends=SMALL_GROOVES if grooves_vary(size) else None,
         speed=numbers["operation.shaft_speed_rpm"],
         # pockets that leave something of the cage between them, rounded down to three decimals
         pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * room)) / 1e3),
-        ball_material=ball_material,
+        ball_material=ball_material or size.letters.ball_material or "bearing_steel",
+        ball_note=_ball_note(ball_material, size),
         preload_method=method,
         method_given=preload_method is not None,
         pair_kind=PAIRS[method],
-        materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
+        seat_range=_seat_range(size.bore),
+        housing=_housing_line(size.outside) if size.outside > dm + D else "0.0",
+        materials=dict.fromkeys(
+            (
+                ball_material or size.letters.ball_material or "bearing_steel",
+                "bearing_steel",
+                "phenolic",
+            )
+        ),
         MATERIALS=MATERIALS | {"bearing_steel": steel},
         film=rubs.film,
         spread=rubs.spread,
         dry_rule=rubs.rule,
     )
+
+
+def _seat_range(bore: float) -> str:
+    """Interference of the usual seat of a spindle bearing; empty for a bore beyond the table."""
+    ends = seat_interference(bore)
+    if ends is None:
+        return ""
+    low, high = ends
+    return (
+        f"; a shaft {SEAT_CLASS} in a bore of class P4 gives {low:+g} to {high:+g} um, "
+        f"{0.5 * (low + high):g} in the mean (ISO 286, ISO 492), and fast spindles need more"
+    )
+
+
+def _housing_line(outside: float) -> str:
+    """Clearance in the housing, which closes where the outer ring is warmer, and its source."""
+    gap = housing_clearance(outside)
+    if gap is None:
+        return "0.0"
+    return f"{-gap:.1f}  # assumed: a housing {HOUSING_CLASS} round class P4, in the mean"
+
+
+def _ball_note(ball_material: str | None, size: Designation) -> str:
+    """Where the material of the balls comes from."""
+    if ball_material:
+        return "given"
+    letters = size.letters.ball_letters
+    return f"from the designation ({letters})" if letters else "assumed"
 
 
 def _balls(numbers: Mapping[str, Origin]) -> tuple[float, float, int]:

@@ -50,6 +50,8 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
     if a.rotor_mass_kg is None or a.span_mm is None:
         return None
     K = rotor_stiffness(a, sides)[np.ix_(_PLANE, _PLANE)]
+    if not np.isfinite(K).all():  # the stiffness of a worn bearing is not always known
+        return None
     return plane_frequencies(a, axial, K)
 
 

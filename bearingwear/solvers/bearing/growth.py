@@ -127,29 +127,56 @@ def ring_of(material: Material, inside: float, outside: float, rpm: float) -> Ri
     )
 
 
-def inner_growth(scene: Scene, heat: Expansion, bore: float | None) -> RingGrowth:
-    """Growth of the inner ring by speed and fit, a plane annulus from bore [m] to track."""
+def inner_growth(
+    scene: Scene, heat: Expansion, bore: float | None, fits: Fits | None, rpm: float
+) -> RingGrowth:
+    """Growth of the inner ring by speed [r/min] and fit, a plane annulus from bore [m] to track."""
     if bore is None:
         return RingGrowth()
-    b, fits = scene.bearing, scene.fits
-    rpm, seat, track = scene.operation.shaft_speed_rpm, 0.5 * bore, track_radius(scene, -1.0)
-    ring = ring_of(scene.materials[b.race_material], seat, track, rpm)
+    seat, track = 0.5 * bore, track_radius(scene, -1.0)
+    ring = ring_of(scene.materials[scene.bearing.race_material], seat, track, rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
         return RingGrowth(speed=speed)
-    material = fits.shaft_material or b.race_material
-    shaft = ring_of(scene.materials[material], 0.5 * MM * fits.shaft_bore_mm, seat, rpm)
-    t = temperatures(scene)
-    warmer = heat.shaft
-    if t.shaft_C is None and t.inner_ring_C is not None:  # a shaft as warm as its ring
-        warmer = expansion(scene, material) * (t.inner_ring_C - t.reference_C)
-    at_rest = 0.5 * UM * fits.shaft_interference_um
-    overlap = at_rest + seat * (warmer - heat.inner_ring)
-    overlap += shaft.growth_at_speed(seat) - ring.growth_at_speed(seat)
+    shaft = _shaft(scene, fits, seat, rpm)
+    slow, fast = _overlaps(scene, fits, heat, ring, shaft)
+    overlap = slow + fast
     soft = ring.growth_under(1.0, 0.0, seat) - shaft.growth_under(0.0, 1.0, seat)
     pressure = max(overlap, 0.0) / soft
     fit = ring.growth_under(pressure, 0.0, track)
-    return RingGrowth(speed, fit, pressure, seat_lost=at_rest > 0.0 and overlap <= 0.0)
+    lost = fits.shaft_interference_um > 0.0 and overlap <= 0.0
+    return RingGrowth(speed, fit, pressure, seat_lost=lost)
+
+
+def _shaft(scene: Scene, fits: Fits, seat: float, rpm: float) -> Ring:
+    material = scene.materials[fits.shaft_material or scene.bearing.race_material]
+    return ring_of(material, 0.5 * MM * fits.shaft_bore_mm, seat, rpm)
+
+
+def _overlaps(
+    scene: Scene, fits: Fits, heat: Expansion, ring: Ring, shaft: Ring
+) -> tuple[float, float]:
+    """Overlap of shaft and inner ring in radius without rotation, and its change by speed [m]."""
+    seat, t, warmer = ring.inside, temperatures(scene), heat.shaft
+    if t.shaft_C is None and t.inner_ring_C is not None:  # a shaft as warm as its ring
+        material = fits.shaft_material or scene.bearing.race_material
+        warmer = expansion(scene, material) * (t.inner_ring_C - t.reference_C)
+    slow = 0.5 * UM * fits.shaft_interference_um + seat * (warmer - heat.inner_ring)
+    return slow, shaft.growth_at_speed(seat) - ring.growth_at_speed(seat)
+
+
+def speed_that_takes_the_fit(scene: Scene, bore: float, fits: Fits) -> float:
+    """Speed [r/min] at which the inner ring leaves its seat on the shaft, at its temperatures.
+
+    By its bore [m]. 0 without interference, infinite where the shaft grows as much as the ring.
+    """
+    seat, material = 0.5 * bore, scene.materials[scene.bearing.race_material]
+    ring = ring_of(material, seat, track_radius(scene, -1.0), 1.0)
+    shaft = _shaft(scene, fits, seat, 1.0)
+    slow, per_square = _overlaps(scene, fits, thermal_expansion(scene), ring, shaft)
+    if slow <= 0.0:
+        return 0.0
+    return math.sqrt(slow / -per_square) if per_square < 0.0 else math.inf
 
 
 def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
@@ -188,8 +215,13 @@ def growth_of(scene: Scene) -> Growth:
 
 def growth_with_bore(scene: Scene, bore: float | None) -> Growth:
     """`growth_of` with a bore of the inner ring [m], which is rigid without one."""
-    heat = thermal_expansion(scene)
-    return Growth(heat, inner_growth(scene, heat, bore), outer_growth(scene, heat))
+    return growth_with_fits(scene, bore, scene.fits)
+
+
+def growth_with_fits(scene: Scene, bore: float | None, fits: Fits | None) -> Growth:
+    """`growth_with_bore` with other fits of the inner ring than the scene's."""
+    heat, rpm = thermal_expansion(scene), scene.operation.shaft_speed_rpm
+    return Growth(heat, inner_growth(scene, heat, bore, fits, rpm), outer_growth(scene, heat))
 
 
 def axial_change(

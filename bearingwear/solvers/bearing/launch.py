@@ -6,6 +6,7 @@ the rotor. The balance is where it is least.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -172,15 +173,19 @@ class RotorAtRest:
     spring: PreloadSpring | None
 
     @classmethod
-    def of(cls, scene: Scene) -> "RotorAtRest":
+    def of(cls, scene: Scene, losses: Sequence[float] | None = None) -> "RotorAtRest":
+        """Rotor of a scene, its balls as worn as the scene says.
+
+        losses: of ball diameter, of each bearing, in place of the scene's [m].
+        """
+        worn = (None, None) if losses is None else (tuple(losses) * 2)[:2]
         a = scene.arrangement or Arrangement()
-        still = [
-            one.with_({"operation.shaft_speed_rpm": 0.0, "operation.outer_speed_rpm": 0.0})
-            for one in scene.sides
-        ]
+        speeds = ("shaft_speed_rpm", "lowest_speed_rpm", "outer_speed_rpm")
+        at_rest = {f"operation.{name}": 0.0 for name in speeds}
+        still = [one.with_(at_rest) for one in scene.sides]
         outwards = -1.0 if a.orientation == "back_to_back" else 1.0
         seats = []
-        for k, (one, n) in enumerate(zip((still * 2)[:2], a.tandem, strict=True)):
+        for k, (one, n, loss) in enumerate(zip((still * 2)[:2], a.tandem, worn, strict=True)):
             g, own = geometry(one), 1.0 - 2.0 * k
             # place on the rotor of the inner groove centres, at which the balls' forces act
             arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
@@ -189,6 +194,8 @@ class RotorAtRest:
                 [[own, 0.0, 0.0, k], [0.0, 1.0, -position, 0.0], [0.0, 0.0, own, 0.0]]
             )
             D, preload = worn_diameters(one, g), float(one.operation.preload_N)
+            if loss is not None:
+                D = np.full_like(D, g.D0 - loss)
             mounted = place_as_mounted(mounted_geometry(one), preload)
             contact = series_contact(g, D)
             seats.append(RestingSide(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
@@ -354,7 +361,7 @@ def check_launch(scene: Scene, source: str) -> None:
     """Refuse a scene of whose rotor too little is known."""
     a, asked = scene.arrangement, scene.launch or Launch()
     needed = ["rotor_mass_kg"]
-    if asked != Launch(axial_g=asked.axial_g):
+    if asked != Launch(axial_g=asked.axial_g, after_wear_um=asked.after_wear_um):
         needed.append("span_mm")
     for name in needed:
         if a is None or getattr(a, name) is None:
@@ -362,12 +369,14 @@ def check_launch(scene: Scene, source: str) -> None:
             raise SceneError(f"arrangement.{name}", problem, ("launch",), source)
 
 
-def launched(scene: Scene) -> Launched:
+def launched(scene: Scene, losses: Sequence[float] | None = None) -> Launched:
     """Launch loads and gaps of the bearings of a scene with the mass of its rotor.
 
     Along both ways of the axis, across it, and along and across together.
+
+    losses: as of `RotorAtRest.of`. Race wear counts as that of balls: both part their surfaces.
     """
-    a, asked, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene)
+    a, asked, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene, losses)
     assert a is not None and a.rotor_mass_kg is not None
     weight = a.rotor_mass_kg * GRAVITY
     frequencies = rest.frequencies(a) if a.span_mm is not None else None
@@ -397,18 +406,37 @@ def launched(scene: Scene) -> Launched:
     )
 
 
-def launch_values(scene: Scene) -> dict[str, float]:
-    """Limited quantities of a launch [SI]; empty without the rotor's mass."""
+def wear_at_launch(
+    scene: Scene, new: Sequence[float], end: Sequence[float] | None
+) -> tuple[float, ...] | None:
+    """Most wear of each bearing before a launch [m]: at the end of life, or less as the scene says.
+
+    new, end: losses of each bearing when new and at the end of life, None where that is not known.
+    """
+    limit = (scene.launch or Launch()).after_wear_um
+    most = None if limit is None else tuple(one + limit * UM for one in new)
+    if end is None or most is None:
+        return most if end is None else tuple(end)
+    return tuple(map(min, most, end))
+
+
+def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[str, float]:
+    """Limited quantities of a launch [SI], new and worn the worst; empty without the rotor's mass.
+
+    wear: losses of each bearing when new and at the end of life, or when new alone [m].
+    """
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None:
         return {}
     if scene.launch is not None and a.span_mm is None:
-        scene = replace(scene, launch=None)
-    found = launched(scene)
+        scene = replace(scene, launch=replace(Launch(), after_wear_um=scene.launch.after_wear_um))
+    states = [*wear[:1], *(wear_at_launch(scene, wear[0], end) for end in wear[1:])] or [None]
+    found = [launched(scene, losses) for losses in states]
     values = {
-        "opening_acceleration": GRAVITY * min(found.opening_g, FARTHEST_G),
-        "denting_acceleration": GRAVITY * min(found.denting_g, FARTHEST_G),
+        "opening_acceleration": GRAVITY * min(FARTHEST_G, *(one.opening_g for one in found)),
+        "denting_acceleration": GRAVITY * min(FARTHEST_G, *(one.denting_g for one in found)),
     }
-    if found.loads:
-        values |= {"launch_gap": min(found.gap, 1.0), "launch_pressure_share": found.pressure_share}
+    if found[0].loads:
+        values["launch_gap"] = min(max(one.gap for one in found), 1.0)
+        values["launch_pressure_share"] = max(one.pressure_share for one in found)
     return values

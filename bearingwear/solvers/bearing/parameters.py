@@ -16,7 +16,7 @@ from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Arrangement, Scene, once
 from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
-from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of
+from bearingwear.solvers.bearing.growth import Growth, axial_change, grown, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
 from bearingwear.solvers.bearing.mounted import RPM as RPM
@@ -35,13 +35,20 @@ def static_place(scene: Scene) -> float:
 
     It is what a fixed position keeps, whatever grows or wears afterwards.
     """
+    if not scene.operation.preload_N:  # any place with play is one, and the solver finds a far one
+        return 0.0
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
 @once
 def geometry(scene: Scene) -> Geometry:
     """Groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
-    g, growth = mounted_geometry(scene), growth_of(scene)
+    return running_geometry(scene, growth_of(scene))
+
+
+def running_geometry(scene: Scene, growth: Growth) -> Geometry:
+    """`geometry` with a growth of the bearing that may be another than the scene's."""
+    g = mounted_geometry(scene)
     if growth.nothing:
         return g
     axial = 0.0

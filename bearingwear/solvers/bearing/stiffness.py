@@ -40,21 +40,20 @@ def _maps_across(R_i: float, n: int) -> np.ndarray:
     return np.einsum("tjdp,j->tpd", maps[..., 1:], np.exp(1j * psi))
 
 
-def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
+def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | None:
     """Quasi-static stiffness (5, 5) of a steady state, as `stiffness_of_loads` [N/m, N, N m].
 
     Displacements across the axis are fixed in space: a ball meets them once an orbit, and answers
-    at that rate. NaN across the axis where the balls do not orbit.
+    at that rate. None where the balls do not orbit.
     """
+    Omega = case.u[3]
+    if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
+        return None
     k, N, m = len(case.response) - 2, g.n_balls, ball_mass(g.rho, D)
     J, B = case.response[:k, :k], case.response[:k, k:]
     C, S = case.response[k:, :k], case.response[k:, k:]
     K = np.zeros((DOF, DOF))
     K[0, 0] = N * case.S_quasistatic
-    Omega = case.u[3]
-    if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
-        K[1:, 1:] = np.nan
-        return K
     inert = -J.astype(complex)
     inertia = [ball_inertia(m, D)] * 3 + [m * case.r * case.r]
     inert.flat[: 4 * (k + 1) : k + 1] += 1j * Omega * np.array(inertia)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import part_temperatures
 from bearingwear.solvers.effects.choice import Choice
@@ -19,11 +20,12 @@ Finding = dict[str, Any]
 other; neither of a fact."""
 
 _UNKNOWN = (math.nan, math.nan)
+_UNKNOWN_STATUS = -1
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A scene and a state of it; only its temperatures are known where it was not solved."""
+    """A scene and a state of it; only its temperatures are known where it was not verified."""
 
     scene: Scene
     chosen: Choice
@@ -50,11 +52,13 @@ _SOLVED = (
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
     """A case, or the first and the last state of a life."""
-    status = int(values.get("status", -1))
+    status = int(values.get("status", _UNKNOWN_STATUS))
     prefix = "history_" if "end_criterion" in values else ""
     found = values.get(prefix + "part_temperature", part_temperatures(scene))
     warmth = {"part_temperature": np.atleast_2d(found)[-1]}
-    if not all(np.size(values.get(prefix + name, ())) for name in _SOLVED):
+    solved = all(np.size(values.get(prefix + name, ())) for name in _SOLVED)
+    unverified = not prefix and status not in (_UNKNOWN_STATUS, code.OK)
+    if not solved or unverified:
         yield Evidence(scene, chosen, State(status, warmth))
     elif not prefix:
         yield Evidence(scene, chosen, State(status, warmth | dict(values)), case=values)

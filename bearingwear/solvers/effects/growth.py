@@ -2,11 +2,12 @@
 
 import functools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.scene.warmth import expansion
+from bearingwear.scene.warmth import LARGEST_STRAIN, Fits, expansion
 from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_preload
 from bearingwear.solvers.bearing.growth import (
     Expansion,
@@ -16,11 +17,15 @@ from bearingwear.solvers.bearing.growth import (
     grown,
     growth_of,
     growth_with_bore,
+    growth_with_fits,
+    inner_growth,
     is_held,
+    speed_that_takes_the_fit,
 )
-from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
+from bearingwear.solvers.bearing.mounted import MM, UM, mounted_geometry
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding
+from bearingwear.solvers.effects.motion import rolling_rates
 
 USUAL_BORE = 1.75
 """Pitch diameter less bore, over ball diameter; assumed where no bore is given."""
@@ -30,6 +35,10 @@ MOST_LEFT_OUT = 0.1
 
 WARMER = 5.0
 """Temperature of the inner ring above the rest [K] in the warning, assumed."""
+
+TRIED_UM = (5.0, 12.0)
+"""Interference on the shaft [um] whose effect is told where none is given: a light fit, and a fit
+of a fast spindle."""
 
 _STILL, _COLD = RingGrowth(), Expansion()
 
@@ -121,11 +130,122 @@ def temperature(chosen: Choice) -> Iterator[str]:
 
 
 def seats(chosen: Choice) -> Iterator[str]:
-    scene = chosen.scene
-    if scene.fits is not None:
+    """What a fit makes of a preload at a fixed position; of any other preload only a given fit."""
+    scene = chosen.scene.sides[0]
+    if has_interference(scene):
         growth = growth_of(scene)
         alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
-        yield f"fits: included; {_effect(scene, lambda one: preload_change(one, alone))}"
+        effect = _effect(scene, lambda one: preload_change(one, alone))
+        assert scene.fits is not None
+        leaves = _leaving(speed_that_takes_the_fit(scene, assumed_bore(scene), scene.fits))
+        yield f"fits: included; {effect}; the inner ring is loose from {leaves}"
+    elif is_held(scene):
+        given = "no interference" if scene.fits else "none given, so no interference is assumed"
+        found = tried_fits(scene, estimated_preload)
+        size = f": {interference_sizes(found, found[0].running)}" if found[1:] else ""
+        bore = f" (a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate)"
+        assumed = scene.bearing.bore_mm is None and found[1:]
+        yield f"fits: {given}{size}{bore if assumed else ''}"
+    elif scene.fits is not None:
+        yield f"fits: no interference; {_effect(scene, change_at_speed)}"
+
+
+def has_interference(scene: Scene) -> bool:
+    """Whether a scene has a fit that is tight."""
+    fits = scene.fits or Fits()
+    return fits.shaft_interference_um > 0.0 or fits.housing_interference_um > 0.0
+
+
+@dataclass(frozen=True)
+class TriedFit:
+    """What an interference on the shaft makes of a fixed-position preload, estimated."""
+
+    um: float
+    at_rest: float  # preload at mounting temperature [N]
+    running: float  # preload of the running bearing [N]
+    leaves_rpm: float  # speed at which the ring leaves its seat
+
+
+def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) -> list[TriedFit]:
+    """No interference, and each of `TRIED_UM` that the bore allows; none without a preload.
+
+    running_preload: of the bearing of a scene with its growth [N].
+    """
+    F, bore = scene.operation.preload_N, assumed_bore(scene)
+    if not (F > 0.0 and bore > 0.0):
+        return []
+    warm = scene.temperature is not None or scene.thermal is not None
+    cold = replace(scene, temperature=None, thermal=None) if warm else scene
+    found = []
+    for um in (0.0, *TRIED_UM):
+        if um * UM > LARGEST_STRAIN * bore:
+            continue
+        fits = replace(scene.fits or Fits(), shaft_interference_um=um)
+        still = Growth(_COLD, inner_growth(cold, _COLD, bore, fits, 0.0), _STILL)
+        running = running_preload(scene, growth_with_fits(scene, bore, fits))
+        leaves = speed_that_takes_the_fit(scene, bore, fits)
+        found.append(TriedFit(um, F * (1.0 + preload_change(cold, still)), running, leaves))
+    return found
+
+
+def estimated_preload(scene: Scene, growth: Growth) -> float:
+    """Preload of the running bearing by its contacts at rest, before any solve [N]."""
+    return scene.operation.preload_N * (1.0 + preload_change(scene, growth))
+
+
+def frictionless_preload(scene: Scene, growth: Growth) -> float:
+    """Preload of the running bearing by its contacts under centrifugal force, without friction [N].
+
+    It needs kernels, which are compiled after a solve.
+    """
+    from bearingwear.solvers.bearing.at_rest import Mechanics
+    from bearingwear.solvers.bearing.parameters import running_geometry, static_place
+
+    g = running_geometry(scene, growth)
+    return Mechanics(g, g.D0, rolling_rates(scene)[1]).force(static_place(scene))
+
+
+def interference_sizes(found: Sequence[TriedFit], running: float) -> str:
+    """What fits of usual size make of the preload, as a clause; `running` is it without one [N]."""
+    without, *fits = found
+    made = []
+    for one in fits:
+        at_speed = _three_digits(running + one.running - without.running)
+        loose = f"loose from {_leaving(one.leaves_rpm)}"
+        made.append(f"{one.um:g} um about {_three_digits(one.at_rest)} and {at_speed} N ({loose})")
+    now = (
+        f"{_three_digits(without.at_rest)} N at rest and about {_three_digits(running)} N at speed"
+    )
+    return f"{now}; on the shaft, {', '.join(made)}"
+
+
+def _three_digits(value: float) -> str:
+    return f"{float(f'{value:.3g}'):.12g}"
+
+
+def _leaving(rpm: float) -> str:
+    return f"{float(f'{rpm:.2g}'):.0f} r/min" if math.isfinite(rpm) else "no speed"
+
+
+def fit_left_out(e: Evidence) -> Finding | None:
+    """No interference on the shaft of a bearing at a fixed position whose bore is known."""
+    scene = e.scene
+    if has_interference(scene) or not is_held(scene) or scene.bearing.bore_mm is None:
+        return None
+    solved = float(e.state["residual_preload"])
+    is_solved = math.isfinite(solved)
+    found = tried_fits(scene, frictionless_preload if is_solved else estimated_preload)
+    if not found[1:]:
+        return None
+    is_new = is_solved and not e.mean("ball_diameter_loss") > 0.0
+    running = solved if is_new else found[0].running  # what is told is of a new bearing
+    held = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
+    change = max(
+        (one.running - found[0].running) / running if running > 0.0 else math.inf for one in found
+    )
+    change = max(change, max(one.at_rest for one in found) / found[0].at_rest - 1.0)
+    sizes = interference_sizes(found, running)
+    return {"excess": change / MOST_LEFT_OUT, "held": held, "sizes": sizes}
 
 
 def growth_left_out(e: Evidence) -> Finding | None:

@@ -3,7 +3,9 @@
 import math
 from collections.abc import Iterator
 
+from bearingwear.measures import plain
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
+from bearingwear.scene.arrangement import Arrangement, set_over_pair
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
@@ -20,7 +22,7 @@ def centrifugal_share(scene: Scene) -> float:
     b, operation = scene.bearing, scene.operation
     D, dm = MM * b.ball_diameter_mm, MM * b.pitch_diameter_mm
     alpha = math.radians(b.contact_angle_deg)
-    _, orbit = _rolling(scene)
+    _, orbit = rolling_rates(scene)
     mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
     load = operation.preload_N / (b.ball_count * math.sin(alpha)) if alpha > 0.0 else 0.0
     return mass * 0.5 * dm * orbit**2 / load if load > 0.0 else math.nan
@@ -35,7 +37,7 @@ def gyroscopic_share(scene: Scene) -> float:
     b, operation = scene.bearing, scene.operation
     D, alpha = MM * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
     gamma = b.ball_diameter_mm / b.pitch_diameter_mm
-    relative, orbit = _rolling(scene)
+    relative, orbit = rolling_rates(scene)
     beta = math.atan2(math.sin(alpha), math.cos(alpha) - gamma)
     w_R = relative * (1.0 + gamma * math.cos(alpha)) / (gamma * math.cos(beta - alpha))
     mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
@@ -44,7 +46,7 @@ def gyroscopic_share(scene: Scene) -> float:
     return 2.0 * moment / D / load if load > 0.0 else math.nan
 
 
-def _rolling(scene: Scene) -> tuple[float, float]:
+def rolling_rates(scene: Scene) -> tuple[float, float]:
     """Orbit rates relative to the outer race and in space, rolling at the free contact angle."""
     b, operation = scene.bearing, scene.operation
     omega_i, omega_o = (RPM * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm))
@@ -67,7 +69,7 @@ def spin_across_share(scene: Scene) -> float:
 def slip(chosen: Choice) -> Iterator[str]:
     model = chosen.scene.model
     share = 100.0 * spin_across_share(chosen.scene)
-    size = f"about {share:.2g} % of the friction of a spinning contact"
+    size = f"about {plain(share, 2)} % of the friction of a spinning contact"
     if model.slip_is_over == "line":
         who = "model.slip_over" if model.slip_over else "model.contact: paper"
         yield f"slip: evaluated on the centre line of the ellipse ({who}), which neglects {size}"
@@ -80,7 +82,9 @@ def slip(chosen: Choice) -> Iterator[str]:
 
 def traction_borne(chosen: Choice) -> Iterator[str]:
     model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
-    share_of = "an unknown share" if math.isnan(share) else f"up to about {100.0 * share:.2g} %"
+    share_of = (
+        "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
+    )
     status = "included in the balance of normal forces"
     if chosen.fidelity == "race_control":
         status += " at the controlling race"
@@ -106,7 +110,7 @@ def pair(chosen: Choice) -> Iterator[str]:
         counts = " and ".join(map(str, a.tandem))
         yield (
             f"tandem: {counts} identical bearings on the two sides; bearings on the same side "
-            "share its load equally"
+            f"share its load equally; {_set_preload(chosen.scene, a)}"
         )
     if asymmetries(chosen.scene):
         yield "radial load and tilt: the values in the scene apply to each bearing"
@@ -115,6 +119,20 @@ def pair(chosen: Choice) -> Iterator[str]:
         if a.rotor_transverse_inertia_kg_mm2:
             rod = ""
         yield f"natural frequencies: for a rigid rotor at standstill{rod} (assumed)"
+
+
+def _set_preload(scene: Scene, a: Arrangement) -> str:
+    """What the preload of a set is the force of, and what it would be from a maker's pair."""
+    preload = scene.operation.preload_N
+    of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
+    if a.kind != "rigid_pair":
+        return of_side
+    times = set_over_pair(a.tandem)
+    return (
+        f"{of_side}; bearings matched for a pair of {preload / times:.3g} N give it, because a set "
+        f"has {times:.3g} times the preload of the pair (if {preload:g} N is that of a pair, set "
+        f"{preload * times:.3g} N)"
+    )
 
 
 def no_cage(chosen: Choice) -> Iterator[str]:
@@ -150,7 +168,7 @@ def _forces(scene: Scene) -> Iterator[str]:
     """Always included, because neglecting one saves no time (benchmarks/reductions.py)."""
     share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
     if not math.isnan(share):
-        times = f"{100.0 * share:.2g} % of" if share < 1.0 else f"{share:.2g} times"
+        times = f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"
         size = f"about {times} the contact load due to the preload at rest"
     yield f"centrifugal force: included; {size}"
     yield "gyroscopic moment: included"

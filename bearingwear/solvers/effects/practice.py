@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
 from bearingwear.solvers.effects.choice import Choice
@@ -171,14 +172,14 @@ def inner_load(e: Evidence) -> Finding | None:
     known = e.state.values.get("unloaded_share", load == 0.0)
     lifted = float(np.max(known[:, INNER_SIDE]))
     if lifted > LONGEST_LIFTED:
-        time = f"{100.0 * lifted:.2g} % of the time"
+        time = f"{plain(100.0 * lifted, 2)} % of the time"
         most = f"rule of thumb: at most {100.0 * LONGEST_LIFTED:g} %"
         said = f"a ball is out of contact with the inner race for {time} ({most})"
         return {"excess": lifted / LONGEST_LIFTED, "said": said}
     least = f"{100.0 * LIGHTEST_INNER:g} %"
     said = (
-        f"a ball's inner contact load is only {100.0 * share:.2g} % of its outer contact load "
-        f"(rule of thumb: at least {least})"
+        f"a ball's inner contact load is only {plain(100.0 * share, 2)} % of its outer contact "
+        f"load (rule of thumb: at least {least})"
     )
     return {"excess": LIGHTEST_INNER / share, "said": said}
 

@@ -11,19 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bearingwear.measures import ENDS
+from bearingwear.kernels import status as code
+from bearingwear.measures import ENDS, plain
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
 from bearingwear.solvers.effects.choice import Choice, unwatched
 from bearingwear.solvers.effects.criterion import criteria_passed, criterion_met
 from bearingwear.solvers.effects.evidence import Evidence, Finding
+from bearingwear.solvers.estimates import COULOMB_SLIP, ROUNDED_SLIP
 
 FLAT_GROOVE = 0.1
 """Loss over the gap at the ellipse's edge above which a worn groove's contact is not Hertzian."""
-
-ROUNDED_SLIP = 0.25
-"""Slip below which friction is regularised, over the mean slip of the balls. Above this ratio the
-friction torque is a few per cent too small (docs/warnings.md)."""
 
 SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 """Part of a scene's description while its speed is the one that `new` assumed."""
@@ -70,10 +68,10 @@ def _rounded(e: Evidence) -> Finding | None:
     slip = e.contacts("qv").sum() / load if load else math.nan
     if not slip > 0.0:
         return None
-    v_r, error = e.scene.friction.slip_regularisation_m_s, e.state["shaft_torque_error_estimate"]
-    error_text = f", by about {100.0 * error:.2g} %" if error < 1.0 else ""
-    excess = v_r / (ROUNDED_SLIP * slip)
-    return {"v_r": v_r, "slip": slip, "by": error_text, "better": 0.01 * slip, "excess": excess}
+    v_r, lost = e.scene.friction.slip_regularisation_m_s, e.state["torque_lost_to_regularisation"]
+    by = f", the torque by {plain(100.0 * lost)} %" if math.isfinite(lost) else ""
+    excess, better = v_r / (ROUNDED_SLIP * slip), COULOMB_SLIP * slip
+    return {"v_r": v_r, "slip": slip, "by": by, "better": better, "excess": excess}
 
 
 def _unwatched(e: Evidence) -> Finding | None:
@@ -103,6 +101,13 @@ def _when_new(e: Evidence) -> Finding | None:
     return {"said": met.words, "new": new, "advice": met.measure.advice, "excess": excess}
 
 
+def _nothing_wears(e: Evidence) -> Finding | None:
+    """Why a life at rest does not end."""
+    op = e.scene.operation
+    at_rest = e.chosen.of_life and op.shaft_speed_rpm == op.outer_speed_rpm
+    return {} if at_rest and e.state.status == code.CRITERION_NOT_REACHED else None
+
+
 def _limit_passed(e: Evidence) -> Finding | None:
     """Criteria that a case violates, the one exceeded most first."""
     found = [] if e.case is None else criteria_passed(e.scene, e.case)
@@ -114,6 +119,12 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 EFFECTS = (
     Effect("over_limit_when_new", _when_new, "end-of-life criterion met {new}: {said}", "{advice}"),
+    Effect(
+        "nothing_wears",
+        _nothing_wears,
+        "nothing wears, because the races turn at the same speed: no criterion ends the life",
+        "set operation.shaft_speed_rpm",
+    ),
     Effect(
         "limit_passed",
         _limit_passed,
@@ -267,6 +278,12 @@ EFFECTS = (
         modelled=growth.temperature,
     ),
     Effect(
+        "fit_left_out",
+        growth.fit_left_out,
+        "no interference fit is included in the preload ({held}), {sizes}",
+        "set fits.shaft_interference_um",
+    ),
+    Effect(
         "fit_lost",
         growth.fit_lost,
         "the ring is loose on its seat ({seats}): heat and speed have eliminated the interference",
@@ -294,7 +311,7 @@ EFFECTS = (
         _rounded,
         "friction is regularised at slip speeds below {v_r:g} m/s, but the mean slip speed is only "
         "{slip:.2g} m/s: the computed friction torque and power are too low{by}",
-        "set friction.slip_regularisation_m_s to {better:.0e} or less",
+        "leave out friction.slip_regularisation_m_s, or set it to {better:.0e} or less",
         modelled=motion.slip,
     ),
     Effect("traction", modelled=motion.traction_borne),

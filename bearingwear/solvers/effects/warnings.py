@@ -1,15 +1,30 @@
 """Warnings of a result, or of a scene before any solve, from the table of effects."""
 
+import re
+import string
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from bearingwear.measures import plain
 from bearingwear.scene.scene import Scene
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding, evidence_of
 from bearingwear.solvers.effects.table import WARNINGS, Effect
+
+
+class _Sentences(string.Formatter):
+    """Sentences whose numbers have no powers of ten."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if (match := re.fullmatch(r"(\+?)\.(\d)g", format_spec)) is None:
+            return str(super().format_field(value, format_spec))
+        return plain(value, int(match[2]), match[1])
+
+
+_SENTENCES = _Sentences()
 
 LARGEST_EXCESS = 1e6
 """Stands for a ratio whose denominator is zero."""
@@ -66,8 +81,8 @@ def _beyond(effect: Effect, every: Iterable[Evidence]) -> Iterator[tuple[float |
 def _said(effect: Effect, excess: float | None, found: Finding) -> dict[str, Any]:
     return {
         "id": effect.id,
-        "sentence": effect.sentence.format(**found),
-        "advice": effect.advice.format(**found),
+        "sentence": _SENTENCES.format(effect.sentence, **found),
+        "advice": _SENTENCES.format(effect.advice, **found),
         "impractical": effect.impractical,
         "excess": None if excess is None else float(f"{min(excess, LARGEST_EXCESS):.3g}"),
     }

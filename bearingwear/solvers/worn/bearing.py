@@ -3,20 +3,22 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.contact.points import most_points
 from bearingwear.kernels.contact.profile import contact_approach, middle_height, profile
-from bearingwear.kernels.contact.summary import ANGLE, MAJOR
+from bearingwear.kernels.contact.summary import ANGLE, LOAD, MAJOR
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.kernels.worn.balance import Arc, WornRace, latitude
 from bearingwear.kernels.worn.cells import contact_buffers
 from bearingwear.kernels.worn.friction import FrictionWork, friction_work
-from bearingwear.kernels.worn.pressure import contact_cells
+from bearingwear.kernels.worn.pressure import FULL_WIDTH, contact_cells
 from bearingwear.kernels.worn.state import WornSeat, pitch, state_work, worn_state
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.check import WornCheck
@@ -38,11 +40,20 @@ BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
+ROWS = 2  # more cells across, likewise
+LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
+_GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
+_ACROSS = np.linspace(-0.95, 0.95, 20)
+_SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
+"""Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
+_FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
+"""Steps from an even groove to one as it is worn, over what they differ by, and how many."""
+_ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
 SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
@@ -68,11 +79,13 @@ class WornBearing:
         films: WornFilms | None = None,
     ):
         self.films, self.on_the_way = films, False
+        self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.bands, self.wander = bands, wander
         self.D = problem.g.D0 - loss
         self.status, c = case.status, case.contacts  # of the cells, too
         self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
+        self.least_load = LOAD_GONE * float(c[:, LOAD].max())
         self.arc_step = ARC_STEP * self.major
         steps = round(ARC_END / ARC_STEP)
         self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
@@ -80,9 +93,11 @@ class WornBearing:
         count = round(BAND_END / self.band_step) if self.bands else 0
         self.latitude = self.band_step * np.arange(-count, count + 1)[: 2 * count + self.bands]
         self.ends = np.full(2, CELLS_END)
+        self.rows_added = [0, 0]  # to the cells on each side of the major axes
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
+        self.solved_by = problem.op
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
         self.state = state_work()
@@ -92,17 +107,17 @@ class WornBearing:
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
         n, m = self.cell_numbers
-        n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
+        n, rows = 2 * round(0.5 * n * self.ends[k] / CELLS_END), m + self.rows_added[k]
         hertz = race_contact(
             self.problem.g, SIDES[k], self.D, float(np.cos(self.angle[k])), float("nan")
         )
         end = float(self.ends[k])
-        status, cells = contact_cells(hertz.log_kappa, -end, end, n, m)
+        status, cells = contact_cells(hertz.log_kappa, -end, end, FULL_WIDTH * rows / m, n, rows)
         if status != code.OK:
             self.status = status
         return WornRace(
             cells=cells,
-            work=contact_buffers(n, m),
+            work=contact_buffers(n, rows),
             pressure=cells.fresh.copy(),
             wear=np.zeros(n),
             x=np.zeros(n),
@@ -122,25 +137,34 @@ class WornBearing:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
-        kept = self.seat, self.u
+        kept = self.seat, self.u, self.reference
+        even, wider = code.OK, _MOST_WIDENINGS * [self._with_rows]
+        if self.wears:
+            starts = self._on_other_motion, self._counted_anew, *wider, self._after_less_grip
+        else:  # the last state may be at another speed, far away
+            even = self._start_where_worn(p, wear)
+            starts = self._as_much_faster, self._led_to, *wider
         seat, u, races, work = self._settled(p, D, wear)
-        if seat.status == code.NOT_CONVERGED:
-            # The last state has none nearby: the motion goes over to another one.
-            even = p.solve(D - self.reference.sum())
-            if even.status == code.OK:
-                self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        for start in starts:
+            if seat.status not in _FAR:
+                break
+            self.seat, self.u = kept[:2]
+            if start(seat.status, p, D, wear):
                 seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
+        if status in _FAR and even not in (code.OK, code.NOT_CONVERGED):
+            status = even  # nothing holds the balls, however they are worn
         if status != code.OK:
-            self.seat, self.u = kept
-            for race in races:  # nothing to start from
-                np.copyto(race.pressure, race.cells.fresh)
-            self.state.slope.fill(0.0)
+            self.seat, self.u, self.reference = kept
+            self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
+        self.solved_by = p.op
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
-        if not self._within(seat, D):
+        if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
+            return WornPoint(code.PRELOAD_GONE, wear, p)
+        if self.wears and not self._within(seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
@@ -167,6 +191,129 @@ class WornBearing:
             ),
             D=D,
         )
+
+    def _on_other_motion(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start from the even state, where the last state has none nearby."""
+        if status != code.NOT_CONVERGED:
+            return False
+        return self._start_evenly(p, D).status == code.OK
+
+    def _counted_anew(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Count depths so that the contacts of the start give way as under their loads.
+
+        They were counted from those of another state, maybe farther worn, and scale the cells.
+        """
+        forces = self.seat.inner, self.seat.outer
+        if not all(force.Q > 0.0 for force in forces):
+            return False
+        given = [contact_approach(force.hertz.K, force.Q) for force in forces]
+        self.reference = self._lengths(self.seat, p.g, D) - given
+        self._forget()
+        return True
+
+    def _with_rows(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Add cells across contacts that have grown to the edges of theirs."""
+        kept = list(self.races)
+        for k, race in enumerate(self.races):
+            if race.pressure[-2:].any():
+                self.rows_added[k] += ROWS
+                kept[k] = self._race(k)
+        is_wider = any(new is not old for new, old in zip(kept, self.races, strict=True))
+        self.races = tuple(kept)
+        if is_wider:
+            self._forget()
+        return is_wider
+
+    def _after_less_grip(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start where the state goes as friction grips ever faster, from hardly any.
+
+        Friction decides which of several states there are: past a fold the next one lies far off.
+        """
+        self._forget()
+        for level in range(_GRIPS, 0, -1):
+            less = replace(p, op=p.op._replace(v_r=p.op.v_r * _LESS_GRIP**level))
+            seat, u, _, _ = self._settled(less, D, wear)
+            if seat.status in (code.OK, code.NOT_CONVERGED):  # that is on its way
+                self.seat, self.u = seat, u
+        return True
+
+    def _forget(self) -> None:
+        """Keep nothing of a solve that failed."""
+        for race in self.races:
+            np.copyto(race.pressure, race.cells.fresh)
+        self.state.slope.fill(0.0)
+
+    def _as_much_faster(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start from the last state, at another speed, with its motion as much faster."""
+        then = self.solved_by.omega_i - self.solved_by.omega_o
+        if then:
+            self.u = (p.op.omega_i - p.op.omega_o) / then * self.u
+        else:  # of the last one nothing moves
+            seat = self.seat
+            self._start_where_worn(p, wear)
+            self.seat = seat
+        self.reference = self.worn_reference
+        self._forget()
+        return True
+
+    def _led_to(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
+        """Start where grooves lead that differ from even ones by more and more."""
+        self._start_where_worn(p, wear)
+        self._forget()
+        mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
+        for _ in range(_MOST_ON_THE_WAY):
+            to = min(share + step, 1.0)
+            pressures = [race.pressure.copy() for race in self.races]
+            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
+            if found[0].status not in _FAR:
+                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
+                if share == 1.0:
+                    break
+                continue
+            step *= 0.5
+            if step < _LEAST_ON_THE_WAY:
+                break
+            for race, pressure in zip(self.races, pressures, strict=True):
+                if race.pressure.shape == pressure.shape:
+                    np.copyto(race.pressure, pressure)
+        return True
+
+    def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
+        """State of balls that have lost as much evenly, from which the next solve starts."""
+        even = p.solve(D - self.reference.sum())
+        if even.status == code.OK:
+            self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+        return even
+
+    def _start_where_worn(self, p: ThrustProblem, wear: WornDepths) -> int:
+        """Let the next solve start from grooves that are everywhere as deep as they are in the mean
+        where the contacts run, with the load of Hertz; a status.
+
+        Where nothing holds the balls of such a bearing, it starts from grooves half as deep.
+        """
+        D, arcs, depths = p.g.D0 - self.loss - wear.ball, self._arcs(wear), np.zeros(2)
+        self.reference, status = depths, code.OK
+        for k in range(_ROUNDS):
+            even = self._start_evenly(p, D)
+            if even.status != code.OK:
+                if k == 0:
+                    return even.status
+                status, self.reference = even.status, 0.5 * (self.reference + depths)
+                continue
+            if status != code.OK:
+                break
+            depths = self.reference
+            self.reference = np.array([self._mean_depth(p, arcs, even, k) for k in range(2)])
+        self._start_evenly(p, D)
+        return status
+
+    def _mean_depth(
+        self, p: ThrustProblem, arcs: tuple[Arc, Arc, Arc], even: ThrustCase, k: int
+    ) -> float:
+        """Depth of groove k in a contact, by the load of Hertz [m]."""
+        major, angle = even.contacts[k, [MAJOR, ANGLE]].tolist()
+        places = major * _ACROSS + self.shift(k, angle, p.g)
+        return float(_SHAPE @ arc_values(arcs[k], places))
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Let the next solve start where the way of two states leads, by a share of it."""
@@ -249,9 +396,10 @@ class WornBearing:
         return inner, outer, depth_spline(self.latitude, self.band_step, wear.band)
 
     def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
-        size = (max(race.x.size for race in races), most_points(p.rule), p.rule.across.size)
+        n, rows = (max(race.pressure.shape[k] for race in races) for k in (1, 0))
+        size = n, rows, most_points(p.rule), p.rule.across.size
         if self._work is None or size != self._work[0]:
-            self._work = size, friction_work(p.rule, size[0], self.cell_numbers[1])
+            self._work = size, friction_work(p.rule, n, rows)
         return self._work[1]
 
     @property
@@ -325,7 +473,11 @@ class WornBearing:
 
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
-        g, seat, R = point.problem.g, point.seat, 0.5 * point.D
+        return self._lengths(point.seat, point.problem.g, point.D)
+
+    @staticmethod
+    def _lengths(seat: WornSeat, g: Geometry, D: float) -> np.ndarray:
+        R = 0.5 * D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
         return np.array([inner, np.hypot(seat.X1, seat.X2) - (g.r_o - R)])

@@ -1,5 +1,6 @@
 """One bearing whose grooves are followed as they wear (section 21)."""
 
+import copy
 import functools
 import math
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import friction_used
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.condition import Condition, SolvedBearing
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
@@ -56,6 +58,14 @@ class Worn(Steady):
             films=WornFilms.of(scene) if filmed else None,
         )
         self.memory = _Memory(unworn.steepness)
+
+    def elsewhere(self, scene: Scene) -> "Worn":
+        """The same bearing with its grooves at another speed or temperature, where none wears."""
+        other = copy.copy(self)
+        other.scene, other.problem = scene, ThrustProblem.of(scene).without_finer
+        other.mounted = other.problem.preload.delta_a
+        other.bearing.wears = False
+        return other
 
     @staticmethod
     def condition(wear: WornDepths) -> Condition:

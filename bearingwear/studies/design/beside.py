@@ -51,7 +51,7 @@ def lives_beside(
         ):
             held = held_by(other, PRELOAD_METHODS[int(flag)], float(np.nan_to_num(preload)))
             known = math.isfinite(preload)
-            points.append(followed_point(held, limits.gyroscopic_slip_share) if known else {})
+            points.append(followed_point(held, limits) if known else {})
     names = Variable(_KIND, (_KIND,), "", "changed assumption", dtype="i1", flags=tuple(cases))
     methods = {MAP_AXES["preload_method"]: found["preload_method"].values}
     made = filled_points({names: None, **methods, LOSS_BASIS: None}, points)
@@ -100,7 +100,7 @@ def passed(one: xr.Dataset) -> str:
     if int(one["status"]) != OK:
         return f"not solved: {in_words(STATUS_NAMES[int(one['status'])])}"
     limits = limits_of(one)
-    margins = zip(limits.given, limit_margins(one, limits), strict=True)
+    margins = zip(limits.held, limit_margins(one, limits), strict=True)
     beyond = [LIMIT_WORDS[name] for name, left in margins if not left >= -SAME]
     if number := int(one["impractical"]):
         beyond.append(f"impractical design: {in_words(IMPRACTICAL[number - 1])}")

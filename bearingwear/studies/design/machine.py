@@ -11,13 +11,11 @@ import xarray as xr
 from bearingwear.document.document import Block
 from bearingwear.document.launch import launch_verdict
 from bearingwear.document.margin import margin_block, margin_sentences
-from bearingwear.lives.margin import Corner, torque_corners
+from bearingwear.lives.margin import Corner, launched_by_wear, torque_corners
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.words import scene_of
-from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.solvers.bearing.launch import launched
 
 MACHINE = "machine"
 """Attribute of a recommendation: for each method, sentences and the corners of the torque."""
@@ -32,16 +30,10 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
         said += margin_sentences(scene, corners)
     a = scene.arrangement
     if scene.launch is not None and a is not None and a.rotor_mass_kg and a.span_mm:
-        each = {name: launched(one) for name, one in scene.in_cases.items()}
-        for name, found in (
-            max(each.items(), key=lambda one: one[1].gap),
-            max(each.items(), key=lambda one: one[1].pressure_share),
-        ):
-            first, *_, last = launch_verdict(found)
-            sentence = first if not said or "launch" not in said[-1] else last
-            where = "" if name == NOMINAL else f" ({name})"
-            g = f"{found.axial_g:.3g} g axial, {found.radial_g:.3g} g radial"
-            said.append(f"launch, {g}{where}: {sentence}")
+        states = launched_by_wear(scene)
+        one = next(iter(states.values()))
+        g = f"{one.axial_g:.3g} g axial, {one.radial_g:.3g} g radial"
+        said += [f"launch, {g}: {text}" for text in launch_verdict(states)]
     return {"said": said, "corners": [asdict(one) for one in corners]} if said else {}
 
 

@@ -17,26 +17,38 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.kernels.status import OK
-from bearingwear.lives.ends import Criteria, with_end
-from bearingwear.lives.follow import Life
+from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
+from bearingwear.lives.ends import NO_CRITERION, Criteria, with_end
+from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.many import HertzianLives, worn_life, worse_states
+from bearingwear.lives.many import HertzianLives, worn_life, worse_state, worse_states
 from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
-from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.bearing.launch import launch_values
 from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import LOSS_BASIS, filled
+from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
+from bearingwear.studies.design.everywhere import (
+    Everywhere,
+    Solve,
+    along,
+    frequency,
+    merged,
+    new_states,
+    state_extremes,
+    worn_states,
+)
+from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.solve import life_scene
 
 SLIP_SHARE = "gyroscopic_slip_share"
@@ -123,8 +135,15 @@ WARNED = "warnings"
 """What a point has that is no variable of a map: warnings of an exact life with worn grooves."""
 
 
+CASE_POINTS = "points"
+"""What a point of several cases has that is no variable: the point of each of them."""
+
+NOT_SOLVED_AT = "unsolved"
+"""What a point has that is no variable: where, and with which status, something was not solved."""
+
+
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
-    """One life by the steady model, and the extremes along it.
+    """One life by the steady model at the scene's own speed, and the extremes along it.
 
     slip_limit: gyroscopic slip share whose passing is timed.
 
@@ -133,6 +152,11 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
         (2,) [s], by both ways of counting wear; the latter is infinite where the share stays below
         its limit.
     """
+    return _hertzian_life(scene, slip_limit)[0]
+
+
+def _hertzian_life(scene: Scene, slip_limit: float | None) -> tuple[dict[str, Any], Life]:
+    """`life_point`, and the life that it is of."""
     lives = HertzianLives(scene)
     one = lives(scene)
     found: dict[str, Any] = {"status": one.status, "end_criterion": one.criterion}
@@ -145,44 +169,69 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
                 limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
                 found["time_to_slip_limit"] = lives(limited).last.time
     found["solves"], found["failed_solves"] = lives.states.solves, lives.states.failed
-    return found
+    return found, one
 
 
-def new_point(scene: Scene) -> dict[str, Any]:
-    """Limited quantities of the new bearing (SI); only its status if not ok."""
+def new_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
+    """Limited quantities of the new bearing (SI), wherever limits look; only its status and where
+    it was not solved, if not ok.
+    """
     if scene.cases:
-        return worst_point([new_point(one) for one in scene.in_cases.values()])
+        each = {name: new_point(one, limits) for name, one in scene.in_cases.items()}
+        return worst_point(each)
     limited = with_end(scene, MET_WHEN_NEW)
     one = HertzianLives(limited)(limited)
-    found: dict[str, Any] = {"status": one.status}
-    return found | _extremes_of(scene, worse_states(one, scene)) if one.status == OK else found
+    if one.status != OK:
+        return {"status": one.status, NOT_SOLVED_AT: _unsolved_at(scene, one.status, NEW)}
+    values = {"status": one.status} | _extremes_of(scene, worse_states(one, scene))
+    return _everywhere(scene, values, one, limits, exactly=False)
 
 
-def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) -> dict[str, Any]:
+def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> dict[str, Any]:
     """`life_point` of the groove that `life` follows, and the life with the Hertzian one.
 
-    Where races do not count, they do not wear: that life is the same with both.
+    Where races do not count, they do not wear: that life is the same with both. Extremes are those
+    wherever limits look, new and worn.
 
     quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
         life with the Hertzian ones is left out.
     """
-    if scene.cases:
-        each = scene.in_cases.values()
-        return worst_point([followed_point(one, slip_limit, quick) for one in each])
+    each = {name: _case_point(one, limits, quick) for name, one in scene.in_cases.items()}
+    found = worst_point(each) if scene.cases else each[NOMINAL]
+    if np.isinf(found.get("life", 0.0)).all():
+        found["status"] = CRITERION_NOT_REACHED
+    return found
+
+
+def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:
+    """`followed_point` of one case; its life is infinite where nothing turns."""
+    if not scene.operation.turns:
+        return _still_point(scene, limits)
+    found, life = _followed_life(scene, limits.gyroscopic_slip_share, quick)
+    if life.status != OK:
+        return found | {NOT_SOLVED_AT: _unsolved_at(scene, life.status, AT_END_OF_LIFE)}
+    return _everywhere(scene, found, life, limits, exactly=not quick)
+
+
+def _followed_life(
+    scene: Scene, slip_limit: float | None, quick: bool
+) -> tuple[dict[str, Any], Life]:
+    """Values of a life at the scene's own speed, and that life."""
     only_worn = quick and grooves_followed(scene, "steady")[0] is not None
-    found = dict(NO_LIFE) if only_worn else life_point(scene, slip_limit)
+    found, even = (dict(NO_LIFE), None) if only_worn else _hertzian_life(scene, slip_limit)
     hertzian = found.get("life", np.full(2, np.nan))
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
-    if hertzian[1] == 0.0:
-        return found  # beyond a limit when new, whatever the groove
+    if even is not None and hertzian[1] == 0.0:
+        return found, even  # beyond a limit when new, whatever the groove
     worn = worn_life(scene, quick)
     if worn is None:
-        return found
+        assert even is not None
+        return found, even
     kept = {"hertzian_life": hertzian, "groove": WORN_GROOVE, "status": worn.status}
     kept |= {"end_criterion": worn.criterion, "solves": found["solves"] + worn.solves}
     kept["failed_solves"] = found["failed_solves"]
     if worn.status != OK:
-        return kept
+        return kept, worn
     if not quick:
         kept[WARNED] = json.dumps(_warnings_along(scene, worn))
     kept["life"] = np.array([hertzian[0], worn.last.time[1]])
@@ -193,48 +242,108 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
             share = EndOfLife(gyroscopic_slip_share=slip_limit)
             reached = worn.first(Criteria(with_end(scene, share)))
         kept["time_to_slip_limit"] = np.array([ball, reached])
-    return kept
+    return kept, worn
 
 
-def worst_point(points: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Limited quantities of the worst of several cases, and the shortest life.
+def _still_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
+    """A point of a scene in which nothing turns: its life is infinite, or over when new."""
+    states = new_states(scene)
+    status = next((state.status for state in states if state.status != OK), OK)
+    found: dict[str, Any] = NO_LIFE | {"status": status, "solves": 1}
+    if status != OK:
+        return found | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
+    met = np.flatnonzero(Criteria(scene).margins(states) <= 0.0)
+    life = np.full(2, 0.0 if met.size else np.inf)
+    found |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
+    found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
+    if limits.gyroscopic_slip_share is not None:
+        found["time_to_slip_limit"] = np.full(2, np.inf)
+    found |= gone_through(scene, [worse_state(states, scene)] * 2)
+    node = Node(0.0, None, states, life)
+    return _everywhere(scene, found, Life([node], None, status=OK), limits, exactly=True)
+
+
+def _everywhere(
+    scene: Scene, values: dict[str, Any], life: Life, limits: DesignLimits, exactly: bool
+) -> dict[str, Any]:
+    """Values of a life at the scene's own speed with the extremes wherever limits look."""
+    here = OperatingCondition(scene)
+    own = along(scene, life.nodes, here.where())
+    at_rest = {
+        name: here.where(wear=NEW, value=values[name])
+        for one in LIMITED.values()
+        if one.resting
+        for name in one.extremes
+    }
+    worn = len(life.nodes) > 1
+    each = [own]
+    if not limits.at_speed_only and (worn or "life" not in values or values["life"].any()):
+        looked = Everywhere(scene, limits.held, exactly)
+        sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
+        sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
+        for solve, wear, node in sides:
+            at_speed = state_extremes(scene, node.states, here.where(wear=wear))
+            beside = looked.beside(at_speed, solve, wear)
+            if "solves" in values:
+                values["solves"] += beside.solves
+            if beside.status != OK:
+                return values | {"status": beside.status, NOT_SOLVED_AT: beside.unsolved}
+            each.append(beside.extremes)
+    deciding = merged(each)
+    values |= {name: one["value"] for name, one in deciding.items()}
+    if "life" in values:
+        shortest = float(np.min(values["life"]))
+        deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=shortest)
+    return values | {DECIDING: deciding | at_rest}
+
+
+def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
+    """Where a life was not solved: at the scene's own speed."""
+    return OperatingCondition(scene).where(wear=wear, status=STATUS_NAMES[status])
+
+
+def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Limited quantities of the worst of several cases by their names, and the shortest life.
 
     The first one that was not solved, where there is such a one.
     """
+    each = list(points.values())
     counts = {
-        name: sum(point[name] for point in points)
+        name: sum(point[name] for point in each)
         for name in ("solves", "failed_solves")
-        if name in points[0]
+        if name in each[0]
     }
-    failed = next((point for point in points if point["status"] != OK), None)
-    if failed is not None:
-        return {**failed, **counts}
-    lives = [point.get("life", (math.inf,)) for point in points]
-    found = {**points[int(np.argmin([min(life) for life in lives]))], **counts}
+    for name, point in points.items():
+        if point["status"] != OK:
+            return {**point, **counts, NOT_SOLVED_AT: {**point[NOT_SOLVED_AT], "case": name}}
+    lives = [float(min(point.get("life", (math.inf,)))) for point in each]
+    shortest = int(np.argmin(lives))
+    found = {**each[shortest], **counts}
     for name in ("life", "hertzian_life", "time_to_slip_limit"):
         if name in found:
-            found[name] = np.min([point[name] for point in points], axis=0)
+            found[name] = np.min([point[name] for point in each], axis=0)
     for one in LIMITED.values():
         for name in one.extremes:
             for end in (name, f"{name}_at_start", f"{name}_at_end"):
                 if end in found:
-                    found[end] = one.extreme([point[end] for point in points])
+                    found[end] = one.extreme([point[end] for point in each])
     if "impractical" in found:
-        found["impractical"] = max(point["impractical"] for point in points)
-    return found
+        found["impractical"] = max(point["impractical"] for point in each)
+    named = [
+        {quantity: {**one, "case": name} for quantity, one in point[DECIDING].items()}
+        for name, point in points.items()
+    ]
+    lived = {"life": named[shortest]["life"]} if "life" in named[shortest] else {}
+    for of_case in named:
+        of_case.pop("life", None)
+    return found | {DECIDING: merged(named) | lived, CASE_POINTS: dict(points)}
 
 
-def worst_cases(points: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """Of the life and each measure, the case that is the worst; of those in all cases solved."""
-    names = list(points)
-    found = {"life": names[int(np.argmin([min(one["life"]) for one in points.values()]))]}
-    for one in LIMITED.values():
-        for name in one.extremes:
-            each = np.array([point[name] for point in points.values()])
-            if np.isfinite(each).all():
-                worst = np.argmin(each) if one.falls else np.argmax(np.abs(each))
-                found[name] = names[int(worst)]
-    return found
+def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:
+    """Of the life and each measure that is known, the case that is the worst."""
+    return {
+        name: one["case"] for name, one in point[DECIDING].items() if math.isfinite(one["value"])
+    }
 
 
 def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
@@ -255,17 +364,23 @@ def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
 
 def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Of all that may be limited, the worst of some states."""
-    found, at_rest = {}, launch_values(scene)
+    # each bearing's wear when new and at the end
+    wear = [state.values.get("losses", (state.loss,)) for state in states]
+    wear = [wear[0], wear[-1]][: len(wear)]
+    found, at_rest = {}, launch_values(scene, wear)
     if scene.drive is not None:
-        known = [state.values.get("losses", (state.loss,)) for state in states]
-        at_rest = {**at_rest, "torque_margin": least_margin(scene, [known[0], known[-1]])}
+        at_rest = {**at_rest, "torque_margin": least_margin(scene, states)}
     histories = [
-        state.with_values({"lowest_frequency": _frequency(scene, state), **at_rest})
+        state.with_values({"lowest_frequency": frequency(scene, state), **at_rest})
         for state in states
     ]
     for one in LIMITED.values():
         for name, variable in zip(one.extremes, one.variables, strict=True):
-            extreme = one.extreme([state[variable] for state in histories])
+            ends = histories[0][variable], histories[-1][variable]
+            between = [state[variable] for state in histories[1:-1]]
+            # what is not known between is between what is known
+            known = [value for value in between if not np.isnan(value).any()]
+            extreme = one.extreme([*ends, *known])
             found[name] = extreme / scene.operation.preload_N if one.over_preload else extreme
     return found
 
@@ -289,15 +404,10 @@ def _warnings_along(scene: Scene, life: Life) -> list[dict[str, Any]]:
     return warnings_of(scene, choice_for_life(scene), values)
 
 
-def _frequency(scene: Scene, state: State) -> float:
-    """From a state that has it, or from one that stands for both bearings."""
-    found = state["lowest_frequency"]
-    return found if math.isfinite(found) else lowest_frequency(scene, (state, state))
-
-
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
     """The scene at a point of the map."""
-    made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm)
+    lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
+    made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
     return replace(made, friction=replace(scene.friction, ball_race=mu))
 
 
@@ -311,12 +421,15 @@ def map_part(
 ) -> xr.Dataset:
     """Step: lives over preload and speed, for one method and one friction coefficient.
 
+    Each is looked at at its own speed alone.
+
     slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
     axes = [method], [friction], shaft_speed_rpm, preload_N
     base = life_scene(scene)
-    points = [followed_point(one, slip_limit) for one in scenes_of_map(base, axes)]
-    return map_of(base, axes, slip_limit, points)
+    limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
+    points = [followed_point(one, limits) for one in scenes_of_map(base, axes)]
+    return map_of(base, axes, limits, points)
 
 
 def scenes_of_map(base: Scene, axes: Sequence[Sequence[Any]]) -> list[Scene]:
@@ -327,11 +440,12 @@ def scenes_of_map(base: Scene, axes: Sequence[Sequence[Any]]) -> list[Scene]:
 def map_of(
     base: Scene,
     axes: Sequence[Sequence[Any]],
-    slip_limit: float | None,
+    limits: DesignLimits,
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """A map from what `followed_point` gives for its scenes."""
+    """A map from what `followed_point` gives for its scenes; of limits the slip share is kept."""
     methods, *numbers = axes
+    others: dict[str, Any] = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
     return filled_points(
         {**dict(zip(MAP_AXES.values(), values, strict=True)), LOSS_BASIS: None},
@@ -339,8 +453,12 @@ def map_of(
         title=f"Design map: {base.name}",
         kind="design map",
         scene=base,
-        limits=json.dumps({} if slip_limit is None else {SLIP_SHARE: slip_limit}),
+        limits=json.dumps(replace(limits, **others).stored),
     )
+
+
+NO_VARIABLES = (WARNED, DECIDING, NOT_SOLVED_AT, CASE_POINTS)
+"""What points have that is no variable of a file."""
 
 
 def filled_points(
@@ -350,7 +468,7 @@ def filled_points(
     **attributes: Any,
 ) -> xr.Dataset:
     """`filled` with what `followed_point` gives, and further variables."""
-    points = [{name: p[name] for name in p if name != WARNED} for p in points]
+    points = [{name: p[name] for name in p if name not in NO_VARIABLES} for p in points]
     timed = any("time_to_slip_limit" in point for point in points)
     known = {name: one for name, one in POINT.items() if timed or name != "time_to_slip_limit"}
     return filled({**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes)

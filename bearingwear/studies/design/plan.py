@@ -33,6 +33,10 @@ def _limit(one: Measure) -> Key:
     return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, bounds)
 
 
+LEAST_KEPT = 0.01
+"""Share of its initial preload that each bearing must keep, so that its balls roll: below it, it
+counts as lifted off."""
+
 _LIMITS: Any = optional_numbers({name: _limit(one) for name, one in LIMITED.items()})
 
 
@@ -42,6 +46,11 @@ class DesignLimits(_LIMITS):
 
     Its keys are those of `bearingwear.measures.LIMITED`.
     """
+
+    # fmt: off
+    at_speed_only: bool = setting("Whether requirements hold at the speed of each case alone, not "
+        "from its lowest speed to that", default=False)
+    # fmt: on
 
     def check(self, scene: Scene, source: str) -> None:
         """Refuse a limit of what a scene does not have. Raises SceneError."""
@@ -57,8 +66,22 @@ class DesignLimits(_LIMITS):
 
     @property
     def given(self) -> dict[str, float]:
-        """The limits that there are."""
+        """The limits that are asked for."""
         return {name: limit for name in LIMITED if (limit := getattr(self, name)) is not None}
+
+    @property
+    def held(self) -> dict[str, float]:
+        """The limits that there are: no bearing may lift off between the lowest speed and the full
+        one.
+        """
+        standing = {} if self.at_speed_only else {"preload_kept": LEAST_KEPT}
+        all_of_them = standing | self.given
+        return {name: all_of_them[name] for name in LIMITED if name in all_of_them}
+
+    @property
+    def stored(self) -> dict[str, Any]:
+        """What is asked for, as plain data."""
+        return self.given | ({"at_speed_only": True} if self.at_speed_only else {})
 
 
 @keyed
@@ -86,6 +109,11 @@ def most_preload() -> float:
     return preload.key.ends[1]
 
 
+def round_factor(factor: float, own: float) -> float:
+    """A preload of a map around a scene's own, by the factor over that [N]."""
+    return own if factor == 1.0 else float(f"{factor * own:.3g}")
+
+
 def axes_around(
     scene: Scene,
     frictions: Sequence[float],
@@ -100,7 +128,7 @@ def axes_around(
     if own <= 0.0:
         problem = f"got {own:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
-    around = {float(f"{factor * own:.3g}") for factor in factors if factor != 1.0}
+    around = {round_factor(factor, own) for factor in factors}
     return MapAxes(
         preload_method=PRELOAD_METHODS,
         friction=RisingAxis(frictions),

@@ -165,7 +165,7 @@ def _room(values: Mapping[str, Any], limits: DesignLimits) -> np.ndarray:
     """
     margins = limit_margins(values, limits)
     found = []
-    for name, margin in zip(limits.given, np.array(margins, dtype=float), strict=True):
+    for name, margin in zip(limits.held, np.array(margins, dtype=float), strict=True):
         sign = 1.0 if LIMITED[name].falls else -1.0
         found.append(sign * np.log1p(np.maximum(sign * margin, _LEAST)))
     return np.array(found)
@@ -173,12 +173,12 @@ def _room(values: Mapping[str, Any], limits: DesignLimits) -> np.ndarray:
 
 def _margins(tried: Sequence[Tried], limits: DesignLimits) -> np.ndarray:
     """`Tried.margins` of each (limits + 1, n); -1 where its life was not solved."""
-    extremes = {extreme for limit in limits.given for extreme in LIMITED[limit].extremes}
+    extremes = {extreme for limit in limits.held for extreme in LIMITED[limit].extremes}
     values = {name: np.array([t.values.get(name, math.nan) for t in tried]) for name in extremes}
     practical = [-1.0 if t.values.get("impractical") else 1.0 for t in tried]
     found = np.array([*_room(values, limits), practical])
     found[:, [not t.solved for t in tried]] = -1.0
-    return found
+    return np.nan_to_num(found, nan=-1.0)  # what is not known is not within a limit
 
 
 def round_number(target: float, low: float, high: float) -> float:
@@ -360,11 +360,11 @@ class PreloadLine:
     def _new_room(self, limits: DesignLimits, x: np.ndarray) -> np.ndarray:
         """How far the limits (limits, n) are as new at logarithms of preloads (n,)."""
         if self.new is None:
-            return np.zeros((len(limits.given), len(x)))
+            return np.zeros((len(limits.held), len(x)))
         solved = self.new["status"] == OK
         log_preloads = np.log(self.new["preload"])[solved]
         if not log_preloads.size:
-            return np.zeros((len(limits.given), len(x)))
+            return np.zeros((len(limits.held), len(x)))
         return np.array(
             [np.interp(x, log_preloads, row[solved]) for row in _room(self.new, limits)]
         )

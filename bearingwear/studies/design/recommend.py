@@ -23,8 +23,9 @@ from bearingwear.lives.life import life
 from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
-from bearingwear.results.warnings import gathered_warnings
+from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, counted
@@ -38,14 +39,22 @@ from bearingwear.studies.design.choice import (
     NOT_PRACTICAL,
     OTHER_END,
     UNLIMITED,
+    least_violations,
     limit_margins,
     limits_of,
     why_none,
     with_choices,
 )
+from bearingwear.studies.design.conditions import (
+    AT_SPEED_ONLY,
+    CONDITIONS,
+    DECIDING,
+    conditions_of,
+)
 from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
+    CASE_POINTS,
     MAP_AXES,
     NO_LIFE,
     POINT,
@@ -57,7 +66,13 @@ from bearingwear.studies.design.map import (
     scenes_of_map,
     worst_cases,
 )
-from bearingwear.studies.design.plan import DesignLimits, MapAxes, most_preload
+from bearingwear.studies.design.plan import (
+    COARSE,
+    DesignLimits,
+    MapAxes,
+    most_preload,
+    round_factor,
+)
 from bearingwear.studies.design.preload_line import PreloadLine, denser
 from bearingwear.studies.design.room import (
     Assumption,
@@ -70,7 +85,14 @@ from bearingwear.studies.design.room import (
     longer,
     verdict_on,
 )
-from bearingwear.studies.design.search import Asking, Found, Request, answered, search
+from bearingwear.studies.design.search import (
+    Asking,
+    Found,
+    Request,
+    answered,
+    search,
+    settable,
+)
 from bearingwear.studies.pool import (
     Tell,
     TimeLeft,
@@ -104,6 +126,12 @@ BEYOND_RANGE = table(
         "preload far outside the range in which the recommended preload lies"),
     Variable("beyond_life", (), "h", "wear life at beyond_preload", scale=HOURS_PER_SECOND),
     Variable("beyond_running_preload", (), "N", "running preload at beyond_preload, when new"),
+)  # fmt: skip
+SETTABLE = table(
+    Variable("least_preload", (), "N", "least preload that may be set in place of the recommended "
+        "one: requirements hold, and the life is at least 90 % as long"),
+    Variable("most_preload", (), "N", "most preload that may be set in place of the recommended "
+        "one: requirements hold, and the life is at least 90 % as long"),
 )  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
@@ -145,7 +173,7 @@ def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
 
 
 def small_map(
-    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, float], workers: int = 1
+    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, Any], workers: int = 1
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Step: a map and the preload to take of it.
 
@@ -174,7 +202,6 @@ def mapped(
     quick: whether the lives of the map are but a guide to the best preload within limits. They are
         solved where these need them, and none is in the map.
     """
-    slip_limit = limits.gyroscopic_slip_share
     scenes = scenes_of_map(scene, axes.values)
     unlike = len(scene.one_of_alike.sides) == 2
     if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
@@ -184,14 +211,14 @@ def mapped(
     with processes(workers, "recommend", some_here=True) as each:
         lives: Iterator[dict[str, Any]] = iter([{}] * len(scenes))
         if not quick:
-            lives = each(_followed, [(one, slip_limit, False) for one in scenes])
+            lives = each(_followed, [(one, limits, False) for one in scenes])
         if not quick and tell is not None:
             line, timed = "{} of {} lives in the map", waiting is not None
             lives = told_in_lines(
                 lives, len(scenes), line, tell=tell, kind=_MAP, left=left, timed=timed
             )
-        design = map_of(scene, axes.values, slip_limit, list(lives))
-        design = with_choices(design.assign_attrs(limits=json.dumps(limits.given)))
+        design = map_of(scene, axes.values, limits, list(lives))
+        design = with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
         if waiting is not None:
             waiting.left = left
         return design, recommendation(scene, design, each, tell, left)
@@ -232,6 +259,9 @@ def recommendation(
         found.attrs[MACHINE] = json.dumps([row.get(MACHINE, {}) for row in rows])
     if scene.cases:
         found.attrs[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
+    found.attrs[DECIDING] = json.dumps([row.get(DECIDING, {}) for row in rows])
+    found.attrs[CONDITIONS] = json.dumps(conditions_of(scene, search.limits.at_speed_only))
+    found.attrs[AT_SPEED_ONLY] = int(search.limits.at_speed_only)
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
 
@@ -264,13 +294,25 @@ class Search:
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):
             if one is None:
-                none[line.method] = why_none(self._of_map(line), self.limits, self.basis)
+                none[line.method] = self._why_none(line)
             else:
                 rows[k] = _row(line, one, self.limits)
+        self._set_ranges(known, rows)
         if self.limits.given:
             self.tell("robustness of the choice")
         held_so, beside = self._held(known, rows)
         return [row | more for row, more in zip(rows, beside, strict=True)], none, held_so
+
+    def _set_ranges(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> None:
+        """Add to the row of the best method the range in which its preload may be set."""
+        lives = [float(row["life"][self.basis]) if "life" in row else 0.0 for row in rows]
+        if not max(lives) > 0.0:
+            return
+        k = int(np.argmax(lives))
+        best = lines[k].tried[rows[k]["preload"]]
+        asking = [settable(lines[k], best, self.limits)]
+        ((low, high),) = answered(asking, partial(self._solve, _SEARCH))
+        rows[k] |= {"least_preload": low, "most_preload": high}
 
     def _searched(self, line: PreloadLine) -> Asking:
         """`search`, beyond an end of the map while that makes the longest life longer."""
@@ -311,16 +353,40 @@ class Search:
             line.add(preload, values, exact=True)
         return line
 
-    def _of_map(self, line: PreloadLine) -> xr.Dataset:
-        """Lives at the preloads of the map, over these alone; those not tried are solved."""
-        missing = [(line, preload, False) for preload in line.ahead if preload not in line.tried]
-        for (_, preload, exact), values in zip(missing, self._solve(_SEARCH, missing), strict=True):
+    def _why_none(self, line: PreloadLine) -> str:
+        """Why no preload of a line is allowed, and how near one comes, whatever map it is from.
+
+        At the coarse preloads that every map around the scene has, by exact lives where it counts.
+        """
+        preloads = list(line.ahead)
+        if (own := self.scene.operation.preload_N) > 0.0:
+            coarse = [p for f in COARSE if (p := round_factor(f, own)) in preloads]
+            preloads = coarse if len(coarse) == len(COARSE) else preloads
+        for _ in preloads:
+            of_line = self._at_preloads(line, preloads)
+            failed, _ = least_violations(of_line, self.limits, self.basis)
+            named = {preloads[k] for k in failed.values()}
+            rough = [p for p in sorted(named) if DECIDING not in line.tried[p].values]
+            rough = rough or [p for p in sorted(named) if not line.is_exact(p)]
+            if not rough:
+                break
+            self._add(line, rough, exact=True)
+        points = [line.tried[preload].values for preload in preloads]
+        cases = bool(self.scene.cases)
+        return why_none(of_line, self.limits, self.basis, points, cases)
+
+    def _add(self, line: PreloadLine, preloads: Sequence[float], exact: bool) -> None:
+        requests = [(line, preload, exact) for preload in preloads]
+        for preload, values in zip(preloads, self._solve(_SEARCH, requests), strict=True):
             line.add(preload, values, exact)
-        points = [line.tried[preload].values for preload in line.ahead]
+
+    def _at_preloads(self, line: PreloadLine, preloads: Sequence[float]) -> xr.Dataset:
+        """Lives at some preloads, over these alone; those not tried are solved."""
+        self._add(line, [p for p in preloads if p not in line.tried], exact=False)
+        points = [line.tried[preload].values for preload in preloads]
         operation = self.scene.operation
-        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], line.ahead
-        slip_limit = self.limits.gyroscopic_slip_share
-        made = map_of(self.scene, ([line.method], *place), slip_limit, points)
+        place = [self.scene.friction.coefficient], [operation.shaft_speed_rpm], preloads
+        made = map_of(self.scene, ([line.method], *place), self.limits, points)
         return made.isel(preload_method=0, friction=0, shaft_speed=0)
 
     def _new(self, method: str, low: float, high: float) -> dict[str, np.ndarray] | None:
@@ -332,10 +398,10 @@ class Search:
         points: dict[float, dict[str, Any]] = {}
         more = np.geomspace(low, high, 1 + math.ceil(math.log(high / low) / NEW_APART)).tolist()
         while more:
-            points |= {preload: new_point(self._at(method, preload)) for preload in more}
+            points |= {p: new_point(self._at(method, p), self.limits) for p in more}
             preloads = sorted(points)
             names = {name for point in points.values() for name in point}
-            names |= {name for limit in self.limits.given for name in LIMITED[limit].extremes}
+            names |= {name for limit in self.limits.held for name in LIMITED[limit].extremes}
             found = {
                 name: np.array([points[p].get(name, math.nan) for p in preloads]) for name in names
             }
@@ -343,9 +409,8 @@ class Search:
         return found | {"preload": np.array(preloads)}
 
     def _solve(self, kind: str, requests: Sequence[Request]) -> list[dict[str, Any]]:
-        slip_limit = self.limits.gyroscopic_slip_share
         jobs = [
-            (self._at(line.method, preload), slip_limit, not exact)
+            (self._at(line.method, preload), self.limits, not exact)
             for line, preload, exact in requests
         ]
         solved = []
@@ -409,7 +474,7 @@ class Search:
         ]
 
 
-def _followed(job: tuple[Scene, float | None, bool]) -> dict[str, Any]:
+def _followed(job: tuple[Scene, DesignLimits, bool]) -> dict[str, Any]:
     return followed_point(*job)
 
 
@@ -428,13 +493,13 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     Of several cases the largest error, the warnings of all, and which is the worst.
     """
     if scene.cases:
-        each = scene.in_cases
-        points = {name: followed_point(one, None) for name, one in each.items()}
-        parts = [_as_printed(one, points[name]) for name, one in each.items()]
+        points = point[CASE_POINTS]
+        parts = {name: _as_printed(one, points[name]) for name, one in scene.in_cases.items()}
+        errors = [parts[name]["life_error_estimate"] for name in cases_that_wear(scene)]
         return {
-            "life_error_estimate": np.max([part["life_error_estimate"] for part in parts], axis=0),
-            "warnings": gathered_warnings(parts),
-            WORST_CASES: worst_cases(points),
+            "life_error_estimate": np.max(errors, axis=0),
+            "warnings": _with_cases(gathered_warnings(parts.values()), parts),
+            WORST_CASES: worst_cases(point),
         }
     grooves, _ = grooves_followed(scene, "steady")
     if grooves is not None and WARNED in point:
@@ -444,6 +509,18 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     answer = life(scene)
     error = answer.values.get("life_error_estimate", NO_ERRORS)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
+
+
+def _with_cases(gathered: str, parts: Mapping[str, Mapping[str, Any]]) -> str:
+    """Warnings of all cases, each with the names of those in which it stands."""
+    found = json.loads(gathered)
+    for one in found:
+        one["in_cases"] = [
+            name
+            for name, part in parts.items()
+            if any(one["id"] == other["id"] for other in warnings_in(part))
+        ]
+    return json.dumps(found)
 
 
 def _row(line: PreloadLine, found: Found, limits: DesignLimits) -> dict[str, Any]:
@@ -467,12 +544,15 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
     known, best = line.in_order, found.best
     k = known.index(best)
     neighbours = [known[n] for n in (k - 1, k + 1) if 0 <= n < len(known)]
-    names = [*limits.given, ACTIVE[NOT_PRACTICAL]]
+    names = [*limits.held, ACTIVE[NOT_PRACTICAL]]
     margins = best.margins(limits)
     passed = [t.margins(limits) for t in neighbours if t.solved and t.life > best.life]
     passed = [m for m in passed if m.min() < 0.0]
     if passed:
-        return ACTIVE.index(names[int(np.argmin(min(passed, key=lambda m: m.min())))])
+        by_most = int(np.argmin(min(passed, key=lambda m: m.min())))
+        # of several that a neighbour passes, one that is met here
+        is_met = margins.min() < AT_LIMIT <= margins[by_most]
+        return ACTIVE.index(names[int(np.argmin(margins)) if is_met else by_most])
     near = [*neighbours, *([found.cliff] if found.cliff else [])]
     if any(not t.solved for t in near):
         return NEXT_NOT_SOLVED
@@ -493,6 +573,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
         LIFE_ERROR,
         *CLIFF.values(),
         *BEYOND_RANGE.values(),
+        *SETTABLE.values(),
     )
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]

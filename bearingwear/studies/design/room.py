@@ -10,6 +10,7 @@ from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,7 @@ from bearingwear.lives.many import HertzianLives, lives_by_end, worn_life
 from bearingwear.measures import ENDS
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
+from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
 from bearingwear.solvers.roots import brent_root
@@ -184,7 +186,8 @@ def limit_end(
     factors = (FARTHEST if up else 1.0 / FARTHEST) ** np.linspace(0.0, 1.0, _LIMITS + 1)[1:]
 
     def moved(factor: float) -> DesignLimits:
-        return replace(limits, **{name: factor * now})
+        changed: Any = {name: factor * now}
+        return replace(limits, **changed)
 
     def ahead(factor: float) -> float:
         return advantage([line.interpolated_best(moved(factor))[0] for line in lines], first)
@@ -375,7 +378,7 @@ def _most_friction(scene: Scene) -> float:
 def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
     """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
     if scene.cases:
-        each = [printed_life(one, basis, quick) for one in scene.in_cases.values()]
+        each = [printed_life(one, basis, quick) for one in cases_that_wear(scene).values()]
         return float(np.min(each))
     life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
     return float(life.last.time[basis]) if life.status == OK else math.nan

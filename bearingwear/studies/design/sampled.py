@@ -7,6 +7,7 @@ import xarray as xr
 from bearingwear.document.document import Block, Row
 from bearingwear.document.study import rough_value, spread_rows
 from bearingwear.document.table import flag_names
+from bearingwear.measures import plain
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
@@ -85,8 +86,8 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
         return []
     return [
         f"{int(followed.sum())} of the sampled lives were computed with worn grooves. The others "
-        f"were interpolated: all but {100.0 * float(share.max()):.2g} % of them have an error of "
-        f"at most {100.0 * float(uncertainty['groove_error'].max()):.2g} %."
+        f"were interpolated: all but {plain(100.0 * float(share.max()), 2)} % of them have an "
+        f"error of at most {plain(100.0 * float(uncertainty['groove_error'].max()), 2)} %."
     ]
 
 

@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
@@ -28,6 +29,12 @@ FALL = 0.9
 
 COST = 0.995  # share of the longest life that is kept to stand farther from a cliff
 CLIFF_FOUND = 0.005  # width in log preload to which a cliff is found
+SIMILAR = 0.9
+"""Least share of the longest life at which a preload may be set in place of the recommended one."""
+
+END_FOUND = 0.1
+"""Width in log preload to which the ends of these preloads are found."""
+
 _MOST = 80  # exact lives of one search
 
 Request = tuple[PreloadLine, float, bool]
@@ -156,6 +163,35 @@ def _cliff(line: PreloadLine, best: Tried, side: float) -> Asking:
             near = abs(math.log(low.preload / best.preload)) <= math.log(BESIDE)
             return low if near else None
         yield [(line, round_number(math.sqrt(ends[0] * ends[1]), *ends), True)]
+
+
+def settable(line: PreloadLine, best: Tried, limits: DesignLimits) -> Asking:
+    """Ask for the lives that show how far the preload may be off; returns the least and the most.
+
+    At both ends the limits hold and the life, as it is printed, is at least `SIMILAR` of that of
+    the best preload, which belongs to the range.
+    """
+    ends = []
+    for side in (-1.0, 1.0):
+        while True:
+            near = [t for t in line.in_order if side * (t.preload - best.preload) > 0.0]
+            near = near[:: int(side)]
+            good = list(itertools.takewhile(lambda t: _is_similar(t, best, limits), near))
+            end = good[-1] if good else best
+            bad = near[len(good)] if len(near) > len(good) else None
+            if bad is not None and abs(math.log(bad.preload / end.preload)) > END_FOUND:
+                middle = math.sqrt(end.preload * bad.preload)
+                yield [(line, round_number(middle, *sorted((end.preload, bad.preload))), False)]
+            elif end.exact:
+                break
+            else:
+                yield [(line, end.preload, True)]
+        ends.append(end.preload)
+    return tuple(ends)
+
+
+def _is_similar(one: Tried, best: Tried, limits: DesignLimits) -> bool:
+    return one.is_allowed(limits) and one.life >= SIMILAR * best.life
 
 
 def answered(

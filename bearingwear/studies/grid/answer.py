@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.document.rows import COUNTED_WORDS, film_lines
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
@@ -129,17 +129,19 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         points.append(("Other bearings", _elsewhere(others)))
     preload = f"{scene['operation']['preload_N']:g} N"
     given = f"the given preload of {preload}"
+    nominal = " in the nominal case" if scene.get("cases") else ""
     return Document(
-        (f"{name}: with {given} for both methods, {_headline(here, contests)}",),
+        (f"{name}: with {given} for both methods{nominal}, {_headline(here, contests)}",),
         {
             "scene": name,
-            "bearing": bearing_line(scene),
+            # of the scene as it stands: no case of it was solved
+            "bearing": f"{bearing_line({**scene, 'cases': None})}{nominal and f';{nominal}'}",
             # the heading after a recommendation, which may prefer the other method
-            "beside": f"For comparison: both methods with the input preload of {preload}",
+            "beside": f"For comparison: both methods with the input preload of {preload}{nominal}",
         },
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            lives_block(f"{name}: lives at {given}", here, scene),
+            lives_block(f"{name}: lives at {given}{nominal}", here, scene),
         ),
         ("wear_life",),
         subject=f"Input preload: {preload}",
@@ -337,7 +339,7 @@ def lives_block(
             Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
             Row("difference in the interpolated life", "%", routes, "life_route_difference"),
         )
-    return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2)
+    return Block(title, rows=rows, lines=(_note(lives, scene), *film_lines(scene)), axes=2)
 
 
 def _hours(values: Iterable[float]) -> str:

@@ -8,6 +8,7 @@ import xarray as xr
 from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import table_of
+from bearingwear.measures import plain
 from bearingwear.results.variables import RACES
 from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import both_ways
@@ -102,5 +103,5 @@ def _unsettled(solved: xr.Dataset) -> Iterator[str]:
             drift = solved[name] * solved["evaluated_turns"]
             for case, index in cases_in_words(solved):
                 if abs(change := float(drift[index])) > LARGEST_DRIFT:
-                    change_text = f"{100 * change:+.2g} %"
+                    change_text = f"{plain(100.0 * change, 2, '+')} %"
                     yield f"{case}: {what} still drifts by {change_text} over the averaged turns"

@@ -16,20 +16,29 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
 from scipy.stats import qmc
 
 from bearingwear.atomic import OutputError, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.units import digits
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.blocks import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
+from bearingwear.scene.blocks import (
+    SEEN_AS,
+    SEEN_LOSS,
+    SEEN_PRELOAD,
+    SEEN_RUN_OUT,
+    SEEN_TORQUE,
+    Calibrated,
+)
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import value_at
-from bearingwear.scene.read import for_life
+from bearingwear.scene.read import for_life, written_data
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
@@ -39,13 +48,14 @@ from bearingwear.studies.sampling import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
 from bearingwear.studies.uncertainty.posterior import (
+    Conformity,
     LogModel,
     Normal,
     Observation,
     Posterior,
     Prior,
+    conformities,
     posterior,
-    probabilities,
 )
 from bearingwear.studies.uncertainty.sample import lives
 
@@ -59,6 +69,11 @@ _SAMPLES = 32
 """Lives of the sample that shows how they scatter within a batch."""
 
 _CLOSEST = 0.99999  # largest correlation that is carried
+
+IMPOSSIBLE = 1e-6
+"""Probability of tests below which they are refused."""
+
+_LIKE_A_UNIT = 0.2  # a factor from 250 to 4000, or one over these
 
 _NONE = -60.0  # logarithm of a life that is over when new
 
@@ -76,7 +91,7 @@ class Calibration:
     def write(self, path: Path) -> None:
         """Write the scene, and the data beside it."""
         write_dataset(coded(self.data), files_of(path))
-        write_text(path, yaml_of(self.scene.to_dict()))
+        write_text(path, yaml_of(written_data(self.scene)))
 
 
 def files_of(path: Path) -> Path:
@@ -110,7 +125,8 @@ def calibrated(
     scene: with an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
         then that of the table of coefficients is taken.
     tell: given a line of progress before each condition.
-    SceneError, CaseFileError: the scene lacks a distribution, or a row is wrong.
+    SceneError, CaseFileError: the scene lacks a distribution, a row is wrong, or the tests are out
+        of all proportion to the scene.
     """
     scene, said = with_usual_spread(for_life(scene))
     if tell and said:
@@ -139,6 +155,8 @@ def calibrated(
     ]
     seen = [_observation(*one) for one in zip(found, curves, rows, strict=True)]
     before, after = posterior(prior, []), posterior(prior, seen)
+    agreed = conformities(prior, seen)
+    _check_conformity(tests, found, [before.conformity(one) for one in seen], agreed, prior, after)
     calibration = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
     new = _carried(scene, friction, after, calibration)
     data = calibration_dataset(
@@ -151,7 +169,7 @@ def calibrated(
         error=max([own.error, *(one.error for one in curves)]),
         tests=found,
         seen=seen,
-        probabilities=probabilities(prior, seen),
+        probabilities=[one.probability for one in agreed],
     )
     return Calibration(new, data)
 
@@ -176,6 +194,48 @@ def _checked(scene: Scene) -> str:
         )
     names = (n for n in FRICTION_KEYS if n in given and is_same_for_batch(n, given[n]))
     return next(names, "")
+
+
+def _check_conformity(
+    path: str | Path,
+    tests: Sequence[BearingTest],
+    alone: Sequence[Conformity],
+    with_others: Sequence[Conformity],
+    prior: Prior,
+    after: Posterior,
+) -> None:
+    """Refuse tests that no bearing of the scene can have given: CaseFileError.
+
+    One that the scene alone makes impossible is named in place of those that it contradicts.
+    """
+    found: list[str] = []
+    for agreed in (alone, with_others):
+        each = zip(tests, agreed, strict=True)
+        found = found or [_far(test, one) for test, one in each if one.probability < IMPOSSIBLE]
+    normals = (("friction", prior.x, after.normal("x")), ("K_s/H", prior.y, after.normal("y")))
+    found = found or [
+        f"together: {digits(math.exp(now.mean - was.mean))} times the {words} of the scene"
+        for words, was, now in normals
+        if was.deviation and 2.0 * ndtr(-abs(now.mean - was.mean) / was.deviation) < IMPOSSIBLE
+    ]
+    if found:
+        raise CaseFileError(
+            f"{path}: got results with a probability below {IMPOSSIBLE:g} in this scene: "
+            f"{'; '.join(found)}; correct them, or increase `uncertainty` in the scene"
+        )
+
+
+def _far(test: BearingTest, agreed: Conformity) -> str:
+    """How far a test is from what the model expects, and whether a unit may be the reason."""
+    words, unit, _ = SEEN_AS[test.seen]
+    timed = test.seen in (SEEN_LOSS, SEEN_PRELOAD)
+    time = " in time" if timed else ""
+    text = f"row {test.row}, {words}: {digits(agreed.factor)} times the expected value{time}"
+    thousands = abs(math.log(agreed.factor)) / math.log(1000.0)
+    if abs(thousands - 1.0) < _LIKE_A_UNIT:
+        text += f" (a factor near 1000 or 0.001 suggests a wrong unit; expected {unit}"
+        text += " after h)" if timed else ")"
+    return text
 
 
 def _prior(scene: Scene, friction: str) -> Prior:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -48,6 +47,10 @@ CALIBRATION_VARIABLES = table(
         "friction of a batch, 5 % and 95 % quantiles"),
     Variable("wear_over_hardness_interval", ("stage", "end"), "m2 N-1",
         "K_s/H of a batch, 5 % and 95 % quantiles"),
+    Variable("friction_carried", ("end",), "1",
+        "friction of a batch, 5 % and 95 % quantiles of the distribution in the calibrated scene"),
+    Variable("wear_over_hardness_carried", ("end",), "m2 N-1",
+        "K_s/H of a batch, 5 % and 95 % quantiles of the distribution in the calibrated scene"),
     Variable("life_quantile", ("stage", "probability"), "h", "quantile of bearing life"),
     Variable("batch_life_quantile", ("stage", "batch_probability"), "h",
         "life that 10 % of the bearings in a batch fail to reach"),
@@ -135,14 +138,15 @@ def _of_stages(
     """Intervals of friction, K_s/H and life, before and after."""
     L10 = float(ndtri(0.1)) * scatter
 
-    def ends(normal: Normal) -> list[float]:
-        return [math.exp(normal.mean + float(ndtri(p)) * normal.deviation) for p in _ENDS]
+    def carried(axis: str) -> np.ndarray:
+        normal = stages[-1].normal(axis)
+        return np.exp(normal.mean + ndtri(_ENDS) * normal.deviation)
 
     return {
-        "friction_interval": [ends(one.normal("x")) for one in stages],
-        "wear_over_hardness_interval": [
-            [unit * end for end in ends(one.normal("y"))] for one in stages
-        ],
+        "friction_interval": np.exp([one.ends("x", _ENDS) for one in stages]),
+        "friction_carried": carried("x"),
+        "wear_over_hardness_interval": unit * np.exp([one.ends("y", _ENDS) for one in stages]),
+        "wear_over_hardness_carried": unit * carried("y"),
         "life_quantile": [
             [one.quantile(life, p, scatter) for p in LIFE_PROBABILITIES] for one in stages
         ],

@@ -11,6 +11,7 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
+from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
     frame,
@@ -60,10 +61,21 @@ def calibration_sheet(file: Any) -> Document:
     facts = {"kind": "calibration", "conflicts": conflicts(file), **calibration}
     tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
     scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
+    carried = [
+        f"{words} {_interval(values(file, name)).text}{unit}"
+        for words, name, unit in (
+            (friction[0], "friction_carried", f" {friction[1]}".rstrip()),
+            ("K_s/H", "wear_over_hardness_carried", " m2/N"),
+        )
+        if name == "wear_over_hardness_carried" or "friction_density" in file.variables
+    ]
     summary = (
+        "The calibrated scene carries lognormal distributions with the mean and the standard "
+        f"deviation of the logarithms; their 90 % intervals are {' and '.join(carried)}.",
         "Within a batch, two thirds of the lives are within a factor of "
         f"{digits(float(np.exp(scatter)))} of the median.",
-        f"The error in lives interpolated between friction values is at most {100 * error:.1g} %.",
+        "The error in lives interpolated between friction values is at most "
+        f"{plain(100.0 * error, 1)} %.",
         "The probability is that of a deviation from the model at least as large as in the test, "
         "given the other tests.",
     )
@@ -78,7 +90,8 @@ def conflicts(file: Any) -> list[str]:
     for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
         if p < _UNLIKELY:
             found.append(
-                f"{label} has a probability of {100 * p:.2g} %, given the model and the other tests"
+                f"{label} has a probability of {plain(100.0 * p, 2)} %, given the model and the "
+                "other tests"
             )
     scene = json.loads(file.scene)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
@@ -102,7 +115,7 @@ def _tests(file: Any) -> Iterator[Row]:
     of_each = zip(_labels(file), *columns, values(file, "probability_of_test"), strict=True)
     for label, flag, value, after, expected, p in of_each:
         name = SEEN[int(flag)]
-        share = f"{100 * p:.2g} %"
+        share = f"{plain(100.0 * p, 2)} %"
         interval = Interval(*map(float, expected))
         unit = SEEN_AS[name].unit
         if name in (SEEN_LOSS, SEEN_PRELOAD):
@@ -113,7 +126,11 @@ def _tests(file: Any) -> Iterator[Row]:
 
 def _pair(file: Any, name: str, ends: tuple[int, int] = (0, 1)) -> tuple[Interval, ...]:
     """An interval before and after."""
-    return tuple(Interval(*(float(one[k]) for k in ends)) for one in values(file, name))
+    return tuple(_interval(one[list(ends)]) for one in values(file, name))
+
+
+def _interval(ends: np.ndarray) -> Interval:
+    return Interval(*map(float, ends))
 
 
 def calibration_figure(found: xr.Dataset) -> Figure:

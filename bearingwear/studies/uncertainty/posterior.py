@@ -39,6 +39,13 @@ class Normal(NamedTuple):
     deviation: float
 
 
+class Conformity(NamedTuple):
+    """How a test conforms to what is known from others."""
+
+    probability: float  # of a result at least as far from the model; of a run-out, its own
+    factor: float  # the result over what the model has of the median bearing
+
+
 class Prior(NamedTuple):
     """Prior density of x and y."""
 
@@ -108,6 +115,19 @@ class Posterior:
         mean = self.mean(axis_values)
         return Normal(mean, float(np.sqrt(max(self.mean((axis_values - mean) ** 2), 0.0))))
 
+    def ends(self, axis: str, probabilities: Sequence[float]) -> list[float]:
+        """Quantiles of x or y."""
+        grid = self.x if axis == "x" else self.y
+        if len(grid) == 1:
+            return [float(grid[0])] * len(probabilities)
+        density = self.shares.sum(axis=1 if axis == "x" else 0)
+        below = CubicSpline(grid, density).antiderivative()
+        whole = float(below(grid[-1]))
+        return [
+            float(brentq(lambda v, p=p: float(below(v)) - p * whole, grid[0], grid[-1], xtol=1e-13))
+            for p in probabilities
+        ]
+
     def correlation(self) -> float:
         """Correlation of x and y; zero if one of them is known."""
         x, y = self.normal("x"), self.normal("y")
@@ -155,11 +175,12 @@ class Posterior:
         mean = model(self.x)[:, None] - self.y[None, :]
         return float((self.shares * ndtr((math.log(life) - mean) / scatter)).sum())
 
-    def probability(self, test: Observation) -> float:
-        """Probability of a result at least as far from the model; of a run-out, its own."""
+    def conformity(self, test: Observation) -> Conformity:
+        """How far a test that is not part of the posterior conforms to it."""
         z = test.deviate(self.x, self.y)
         above = float((self.shares * ndtr(-z)).sum())
-        return above if test.censored else 2.0 * min(above, 1.0 - above)
+        probability = above if test.censored else 2.0 * min(above, 1.0 - above)
+        return Conformity(probability, math.exp(test.scatter * self.mean(z)))
 
 
 def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
@@ -184,14 +205,14 @@ def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
     return found
 
 
-def probabilities(prior: Prior, tests: Sequence[Observation]) -> list[float]:
-    """Of each test, `Posterior.probability` of its bearing where the others alone are known."""
+def conformities(prior: Prior, tests: Sequence[Observation]) -> list[Conformity]:
+    """Of each test, how it conforms to what the others alone tell."""
     found = []
     for k, test in enumerate(tests):
         rest = [*tests[:k], *tests[k + 1 :]]
         if test.count > 1:
             rest.append(replace(test, count=test.count - 1))
-        found.append(posterior(prior, rest).probability(test))
+        found.append(posterior(prior, rest).conformity(test))
     return found
 
 

@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
 from small_study import CHOICE
 from support import only_line, step
 
@@ -13,16 +12,16 @@ from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import Rough, digits
-from bearingwear.results.words import methods
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.design.beside import NONE_PASSED, passed
-from bearingwear.studies.design.choice import at_scene
-from bearingwear.studies.design.document.sentences import by_life, similar_preloads
+from bearingwear.studies.design.choice import limit_margins, limits_of
+from bearingwear.studies.design.document.sentences import by_life
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
+from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.room import NEITHER_LONGER
+from bearingwear.studies.design.search import SIMILAR
 
 PLACE = "initial_axial_displacement"
 CASES = {
@@ -60,7 +59,7 @@ FOLDED = ("Effect of other assumptions", "robustness of the choice")
 
 def tables(answer):
     """Tables by their place; of those that are folded, the last."""
-    return {b.place: b for b in answer.blocks if b.rows and b.title != "new and worn"}
+    return {b.place: b for b in answer.blocks if b.rows and not b.title.startswith("new and worn")}
 
 
 def test_the_answer_is_that_of_the_files(files, tmp_path):
@@ -69,9 +68,14 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     answer, found = load_document(path), load(files["recommendation"])
     spring, fixed = (float(life) for life in found["life"].isel(loss_basis=1))
     preload = float(found["preload"][0])
-    assert answer.title == f"mine: use a spring preload of {preload:g} N (constant force)"
+    assert answer.title.replace("\N{NO-BREAK SPACE}", " ") == (
+        f"mine: use a spring preload of {preload:g} N (constant force); 3 N/µm is just met at "
+        "30000 r/min, new"
+    )
+    assert answer.heading[1] == "from rest to 30000 r/min; friction 0.08"
     said = told(answer)
-    assert said["Expected life"].startswith(f"The computed life is {Rough(spring).text} h")
+    life = f"The computed life at 30000 r/min is {Rough(spring).text} h"
+    assert said["Expected life"].startswith(life)
     assert f"the {Rough(fixed).text} h with fixed position" in said["Expected life"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits the preload"]
     assert (
@@ -147,7 +151,6 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     """Both bearings of the pair approach under the preload; at speed it is another."""
     design, found = load(files["design"]), load(files["recommendation"])
     beside = load(files["beside"]).assign_attrs(reversed_by_warmth=9.07)
-    assert "Setting the preload" not in told(preload_document(found))
     found["life"][1] = 2.0 * found["life"][0]
     answer, preload = preload_document(found, design, beside=beside), float(found["preload"][1])
     said = told(answer)
@@ -156,10 +159,10 @@ def test_a_fixed_position_is_set_by_an_offset(files):
         2e6 * float(solve(held_by(scene, "fixed_position", share * preload)).values[PLACE])
         for share in (0.9, 1.0, 1.1)
     ]
-    assert f"A spacer offset of {offsets[1]:.3g} µm" in said["Setting the preload"]
+    setting = said["Setting the preload"]
+    assert f"Specify a spacer offset of {offsets[1]:.3g} µm, which produces" in setting
     tolerance = 0.5 * (offsets[2] - offsets[0])
-    error = f"error of {tolerance:.2g} µm changes it by 10 %"
-    assert error in said["Setting the preload"]
+    assert f"error of {tolerance:.2g} µm changes the preload by 10 %" in setting
     assert (
         "if the inner ring is more than 9.1 K warmer than the rest"
         in (said["What would change the choice"])
@@ -170,38 +173,34 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(found, design).title
 
 
-def test_preloads_with_a_similar_life_are_stated(files):
-    """On a flat map, all around the recommended one that satisfy the requirements."""
-    design, found = load(files["design"]), load(files["recommendation"])
-    method, best, life = by_life(found)[0]
-    flat = design.assign(life=xr.full_like(design["life"], life))
-    low, high = similar_preloads(flat, found)
-    said = told(preload_document(found, flat))["Setting the preload"]
-    assert f"from {digits(low)} to {digits(high)} N" in said
-    line = dict(methods(at_scene(flat)))[method]
-    allowed = [passed(line.isel(preload=k)) == NONE_PASSED for k in range(line.sizes["preload"])]
-    inside = (line["preload"].values >= low) & (line["preload"].values <= high)
-    assert low <= float(best["preload"]) <= high and np.array_equal(inside, allowed)
-    alone = similar_preloads(design.assign(life=0.5 * flat["life"]), found)
-    assert alone == (float(best["preload"]),) * 2
-
-
-def test_a_recommendation_at_an_end_of_its_range_has_a_tolerance(files):
-    """The middle of the range is named; both ends of a spacer's offset satisfy all requirements."""
-    design, found = load(files["design"]), load(files["recommendation"])
-    found["life"][1] = 2.0 * found["life"][0]  # the fixed position is recommended
-    lives = xr.full_like(design["life"], float(found["life"][1, 1]))
-    low, high = similar_preloads(design.assign(life=lives), found)
-    said = told(preload_document(found, design.assign(life=lives)))["Setting the preload"]
-    scene = scene_from_dict(json.loads(found.attrs["scene"]))
-    start, end = (
-        2e6 * float(solve(held_by(scene, "fixed_position", one)).values[PLACE])
-        for one in (low, high)
-    )
-    assert float(found["preload"][1]) == low < high
-    middle, half = map(float, re.findall(r"offset of (\S+)\s±\s(\S+) µm", said)[0])
-    assert start - 0.05 < middle - half < middle + half < end + 0.05
-    assert middle == pytest.approx(0.5 * (start + end), rel=5e-3)
+def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):
+    """Title, offset and tolerance have the recommended preload; both ends are solved once more."""
+    found = load(files["recommendation"])
+    name, best, life = by_life(found)[0]
+    low, high = float(best["least_preload"]), float(best["most_preload"])
+    assert low <= float(best["preload"]) <= high and low < high
+    scene, limits = scene_from_dict(json.loads(found.attrs["scene"])), limits_of(found)
+    for preload in (low, high):
+        point = followed_point(held_by(scene, name, preload), limits)
+        assert min(map(float, limit_margins(point, limits))) >= 0.0
+        assert point["life"][1] / 3600.0 >= SIMILAR * life
+    text = f"{float(best['preload']):.7g} N"
+    answer = preload_document(found)
+    said = told(answer)["Setting the preload"]
+    assert text in answer.title and f"Specify a preload of {text}, tolerance +" in said
+    assert f"from {digits(low)} to {digits(high)} N, all requirements hold" in said
+    # a spacer that is off by its tolerance stays within the range
+    found["life"][1] = 2.0 * found["life"][0]
+    preload = float(found["preload"][1])
+    found["least_preload"][1], found["most_preload"][1] = preload, 1.5 * preload
+    said = told(preload_document(found))["Setting the preload"]
+    offset, plus, minus = re.search(
+        r"offset of (\S+) µm .*tolerance \+(\S+)/−(\S+) µm", said
+    ).groups()
+    most = 2e6 * float(solve(held_by(scene, "fixed_position", 1.5 * preload)).values[PLACE])
+    middle = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
+    assert float(offset) == pytest.approx(middle, rel=5e-3)
+    assert minus == "0" and 0.9 * (most - middle) < float(plus) <= most - middle
 
 
 def test_hours_of_a_calibrated_scene_are_stated(files):

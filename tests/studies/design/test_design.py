@@ -74,22 +74,32 @@ def made_up(lives, stiffness, status=None):
     )
 
 
-STIFF = DesignLimits(axial_stiffness_N_um=2.5)
+STIFF = DesignLimits(axial_stiffness_N_um=2.5, at_speed_only=True)
 
 
 UP, DOWN = [1, 2, 3, 4], [9, 8, 7, 6]
-POWER = DesignLimits(friction_power_W=0.25)
+POWER = DesignLimits(friction_power_W=0.25, at_speed_only=True)
 
 
 @pytest.mark.parametrize(
     "line, limits, index, active",
     [
         (made_up(DOWN, UP), STIFF, 2, "axial_stiffness_N_um"),
-        (made_up(DOWN, UP), DesignLimits(friction_power_W=1.0), 0, "end_of_range"),
-        (made_up([5, 8, 7, 6], UP), DesignLimits(), 1, "none"),
+        (
+            made_up(DOWN, UP),
+            DesignLimits(friction_power_W=1.0, at_speed_only=True),
+            0,
+            "end_of_range",
+        ),
+        (made_up([5, 8, 7, 6], UP), DesignLimits(at_speed_only=True), 1, "none"),
         (made_up(UP, UP), POWER, 1, "friction_power_W"),
         (made_up(DOWN, [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
-        (made_up(DOWN, [3, 3, 3, 4], [0, 1, 0, 0]), DesignLimits(), 0, "not_solved"),
+        (
+            made_up(DOWN, [3, 3, 3, 4], [0, 1, 0, 0]),
+            DesignLimits(at_speed_only=True),
+            0,
+            "not_solved",
+        ),
         (made_up(DOWN, [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
     ],
 )
@@ -106,7 +116,9 @@ def test_limits_that_no_preload_keeps_to_are_named():
         (3.5, 0.33, "each requirement can be satisfied individually, but not all of them together: "
                     f"{stiffness} 3.5 N/µm, but 3 at 3 N"),
     ):  # fmt: skip
-        limits = DesignLimits(axial_stiffness_N_um=stiff, friction_power_W=power)
+        limits = DesignLimits(
+            axial_stiffness_N_um=stiff, friction_power_W=power, at_speed_only=True
+        )
         assert int(best_within(line, limits, basis=1)[0]) == -1
         assert why_none(line, limits, basis=1) == why
 
@@ -342,7 +354,9 @@ def axes(preloads, friction=0.08):
 
 
 def test_a_small_map_recommends_what_the_parts_of_a_large_one_do(scene, folder):
-    design, found = mapped(scene, axes((3.0, 5.0, 7.0, 9.0, 11.0)), DesignLimits(**LIMITS))
+    design, found = mapped(
+        scene, axes((3.0, 5.0, 7.0, 9.0, 11.0)), DesignLimits(**LIMITS, at_speed_only=True)
+    )
     for one, name in ((design, "design"), (found, "recommendation")):
         whole = load(folder / f"{name}.nc")
         xr.testing.assert_equal(one.drop_attrs(), whole.drop_attrs())
@@ -351,7 +365,7 @@ def test_a_small_map_recommends_what_the_parts_of_a_large_one_do(scene, folder):
 
 def test_the_limit_that_is_met_first_between_points_of_the_map_holds(scene):
     """At 3 N the slip share misses its limit by more than the stiffness, which is met sooner."""
-    limits = DesignLimits(axial_stiffness_N_um=3.0, gyroscopic_slip_share=0.2)
+    limits = DesignLimits(axial_stiffness_N_um=3.0, gyroscopic_slip_share=0.2, at_speed_only=True)
     _, found = mapped(scene, axes((3.0, 8.0)), limits)
     one = found.isel(preload_method=0)
     assert 3.0e6 <= float(LIMITED["axial_stiffness_N_um"].worst(one)) < 3.0e6 * 1.01

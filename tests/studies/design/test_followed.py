@@ -26,6 +26,10 @@ SETTINGS = ["model.contact=auto", "model.normal_balance=frictionless"]
 STIFF = DesignLimits(system_axial_stiffness_N_um=5.0)
 
 
+def at_speed(share):
+    return DesignLimits(gyroscopic_slip_share=share, at_speed_only=True)
+
+
 @pytest.fixture(scope="module")
 def scene():
     """The studied bearing, its grooves followed where that is required."""
@@ -82,20 +86,20 @@ def test_the_map_is_of_lives_as_life_prints_them(scene, found):
 
 def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
     paper = held_by(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
-    assert followed_point(paper, 0.1)["groove"] == HERTZIAN_GROOVE
+    assert followed_point(paper, at_speed(0.1))["groove"] == HERTZIAN_GROOVE
     assert worn_life(paper) is None
     few = scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})
     assert worn_life(few) is None  # too little wear for the contact to feel
     # what is beyond a limit when new needs no groove
     slippery = scene.with_({"wear.end_of_life.gyroscopic_slip_share": 0.001})
-    assert followed_point(slippery, None)["life"].tolist() == [0.0, 0.0]
+    assert followed_point(slippery, at_speed(None))["life"].tolist() == [0.0, 0.0]
 
 
 def test_quick_lives_are_those_of_life(scene):
     """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the minimum stiffness."""
     for method in METHODS:
         at = held_by(scene, method, 7.0)
-        quick, whole = (followed_point(at, 0.12, q) for q in (True, False))
+        quick, whole = (followed_point(at, at_speed(0.12), q) for q in (True, False))
         assert_allclose(quick["life"][1], whole["life"][1], rtol=3e-3)
         assert quick["end_criterion"] == whole["end_criterion"]
         assert_allclose(quick["axial_stiffness"], whole["axial_stiffness"], rtol=2e-2)
@@ -110,7 +114,7 @@ def test_one_march_has_the_lives_of_all_ends(scene):
     lived = lives_by_end(at, farthest, 1)
     for changes in ({}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}):
         moved = at.with_({f"wear.end_of_life.{k}": v for k, v in changes.items()})
-        anew = followed_point(moved, None)["life"][1]
+        anew = followed_point(moved, at_speed(None))["life"][1]
         assert lived(moved.wear.end_of_life) == pytest.approx(anew, rel=3e-3)
     beyond = at.with_({"wear.end_of_life.gyroscopic_slip_share": 1e-4}).wear.end_of_life
     assert lived(beyond) == 0.0

@@ -36,7 +36,9 @@ def chosen(scene):
         shaft_speed_rpm=RisingAxis([30000.0]),
         preload_N=RisingAxis([2.5, 3.5, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0]),
     )
-    return lambda limit: mapped(scene("gyro_s1"), axes, DesignLimits(**{STIFFNESS: limit}))
+    return lambda limit: mapped(
+        scene("gyro_s1"), axes, DesignLimits(**{STIFFNESS: limit}, at_speed_only=True)
+    )
 
 
 def held_between(recommendation, name):

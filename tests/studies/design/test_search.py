@@ -19,7 +19,7 @@ from bearingwear.studies.design.search import BESIDE, FALL, answered, search
 from bearingwear.studies.pool import TimeLeft
 
 MAP = [round(100.0 * 2.0 ** (k / 2), 1) for k in range(9)]
-STIFF = DesignLimits(axial_stiffness_N_um=20.0)
+STIFF = DesignLimits(axial_stiffness_N_um=20.0, at_speed_only=True)
 NOT_CONVERGED = STATUS_NAMES.index("not_converged")
 
 
@@ -205,7 +205,7 @@ def test_the_end_of_a_limit_is_found_by_exact_lives():
     def solve(requests):
         return [of[id(line)].values(p, exact) for line, p, exact in requests]
 
-    limits = DesignLimits(axial_stiffness_N_um=200.0)
+    limits = DesignLimits(axial_stiffness_N_um=200.0, at_speed_only=True)
     lines = [first.line, second.line]
     ends = answered(
         [limit_end(lines, limits, "axial_stiffness_N_um", up, 0) for up in (False, True)], solve
@@ -237,13 +237,13 @@ def steep(tmp_path_factory):
 @pytest.mark.long  # as of the made-up cliffs above
 def test_a_recommended_life_is_not_below_a_cliff(steep):
     """It was 427 N with 0.0236 h, where 430 N last 0.811 h."""
-    limits = DesignLimits(maximum_pressure_GPa=1.5, axial_stiffness_N_um=15.0)
+    limits = DesignLimits(maximum_pressure_GPa=1.5, axial_stiffness_N_um=15.0, at_speed_only=True)
     _, found = mapped(steep, axes_around(steep, [0.08], factors=COARSE), limits, quick=True)
     one = found.isel(preload_method=0)
     preload, life = float(one["preload"]), float(one["life"][1])
     assert preload == float(f"{preload:.4g}") and life > 0.8
     for beside in (430.0, 600.0):
-        at = followed_point(held_by(steep, "constant_force", beside), None, quick=False)
+        at = followed_point(held_by(steep, "constant_force", beside), limits, quick=False)
         assert at["life"][1] / 3600.0 < 1.01 * life
     assert 420.0 < float(one["cliff_preload"]) < preload
     assert float(one["cliff_life"]) < 0.1

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.stats import norm
+from scipy.stats import multivariate_normal, norm
 
 from bearingwear.studies.uncertainty.posterior import (
     Normal,
     Observation,
     Prior,
+    conformities,
     posterior,
-    probabilities,
 )
 
 KNOWN = Normal(0.0, 0.0)
@@ -139,13 +139,35 @@ def test_intervals_cover_what_they_say(censored):
 def test_tests_that_disagree_are_unlikely():
     prior, model = Normal(0.0, 1.1), constant(100.0)
     agree = [seen(t, model, 0.3) for t in (90.0, 110.0)]
-    assert min(probabilities(Prior(KNOWN, prior), agree)) > 0.1
+    assert min(one.probability for one in conformities(Prior(KNOWN, prior), agree)) > 0.1
     # with one another, and with the prior: each alone
-    assert probabilities(Prior(KNOWN, prior), [*agree, seen(1000.0, model, 0.3)])[2] < 1e-6
-    (far,) = probabilities(Prior(KNOWN, prior), [seen(100.0 * math.exp(4.0), model, 0.3)])
-    assert_allclose(far, 2.0 * norm.sf(4.0 / math.hypot(1.1, 0.3)), rtol=1e-6)
-    (long,) = probabilities(Prior(KNOWN, prior), [seen(1e4, model, 0.3, censored=True)])
-    assert_allclose(long, norm.sf(math.log(100.0) / math.hypot(1.1, 0.3)), rtol=1e-6)
+    third = conformities(Prior(KNOWN, prior), [*agree, seen(1000.0, model, 0.3)])[2]
+    assert third.probability < 1e-6
+    (far,) = conformities(Prior(KNOWN, prior), [seen(100.0 * math.exp(4.0), model, 0.3)])
+    assert_allclose(far.probability, 2.0 * norm.sf(4.0 / math.hypot(1.1, 0.3)), rtol=1e-6)
+    assert_allclose(far.factor, math.exp(4.0), rtol=1e-9)
+    (long,) = conformities(Prior(KNOWN, prior), [seen(1e4, model, 0.3, censored=True)])
+    assert_allclose(long.probability, norm.sf(math.log(100.0) / math.hypot(1.1, 0.3)), rtol=1e-6)
+
+
+def test_quantiles_after_a_run_out_are_those_of_a_skew_normal():
+    """Closed form: P(y < q | survived) of two normals, of which one is y.
+
+    A lognormal with the same mean and deviation has its upper end 16 % too high.
+    """
+    prior, scatter, life, run_out = math.log(3.0), math.log(1.3), 1.4, 2.0
+    test = seen(run_out, constant(life), scatter, censored=True)
+    found = posterior(Prior(KNOWN, Normal(0.0, prior)), [test])
+    ends = found.ends("y", (0.05, 0.95))
+    # y + scatter e < ln(life/run-out) has happened
+    wide = math.hypot(prior, scatter)
+    k = math.log(life / run_out)
+    both = multivariate_normal(cov=[[prior**2, prior**2], [prior**2, wide**2]])
+    below = [both.cdf([q, k]) / norm.cdf(k / wide) for q in ends]
+    assert_allclose(below, [0.05, 0.95], rtol=1e-6)
+    carried = found.normal("y")
+    assert carried.mean + norm.ppf(0.95) * carried.deviation > ends[1] + 0.1
+    assert found.ends("x", (0.05, 0.95)) == [0.0, 0.0]
 
 
 def test_two_lives_shrink_the_interval_as_theory_has_it():

@@ -14,6 +14,7 @@ from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
+from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import solved
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
@@ -35,9 +36,6 @@ TRIALS = table(
     Variable("states", (), "1", "number of steady states found; 0 if none or not requested", "i1"),
     Variable("largest_qv_ratio", (), "1", "maximum relative difference in QV between these states"),
 )
-
-MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
-"""Share of a friction that is nothing: a ball that bears no load."""
 
 
 def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1) -> xr.Dataset:

@@ -20,6 +20,7 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
+from bearingwear.studies.design.document.held import decides_words, worst_words
 from bearingwear.studies.design.document.sheets import brief_rows
 from bearingwear.studies.design.document.words import ending_measure, limit_text
 from bearingwear.studies.design.recommend import best_method
@@ -57,7 +58,7 @@ def design_charts(
     lives, found, sampled = design_files(design, recommendation, uncertainty)
     sampled = sampled if spread is None else load_quantiles(spread)
     given = limits_of(lives).given
-    asked = f"User requirements, from new to the end of life: {_reached(found)}."
+    asked = f"User requirements, {worst_words(found)}: {_reached(found)}."
     question = asked if given else "Which preload and preload method give the longest life?"
     bands = {} if sampled is None else _bands(found, sampled)
     charts = list(preload_charts(lives, found, bands))
@@ -75,7 +76,9 @@ def _reached(found: xr.Dataset) -> str:
         one = LIMITED[name]
         reached, margin = one.shown(float(one.worst(point))), float(one.margins(point, value))
         left = f"margin {100.0 * abs(margin):.0f} %"
-        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}, {left})"
+        where = decides_words(found, point, name)
+        where = f" {where}" if where.startswith("at ") else where and f", {where}"
+        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}{where}; {left})"
     return "; ".join(texts)
 
 

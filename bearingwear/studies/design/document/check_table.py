@@ -14,8 +14,10 @@ import xarray as xr
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
+from bearingwear.results.variables import CASE
 from bearingwear.results.words import in_words, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.choice import limits_of
@@ -189,7 +191,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         *(
             compared(
-                f"total wear depth, {in_words(way)}",
+                f"{CASE['ball_diameter_loss_rate'].label}, {in_words(way)}",
                 "ball_diameter_loss_rate",
                 "wear_rate_error_estimate",
                 LOSS_RATE,
@@ -224,7 +226,8 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
         share = worst.pop(SHARE_LABEL)
         allowed, beyond = (
             "; ".join(
-                f"{one.name.partition(' (')[0]}, {_at(one)} (estimates: {100.0 * one.errors:.2g} %)"
+                f"{one.name.partition(' (')[0]}, {_at(one)} (estimates: "
+                f"{plain(100.0 * one.errors, 2)} %)"
                 for one in worst.values()
                 if one.beyond == way and np.isfinite(one.errors)
             )
@@ -246,4 +249,4 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
 
 
 def _at(one: Compared) -> str:
-    return f"{100.0 * one.difference:+.2g} % at {digits(one.preload)} N"
+    return f"{plain(100.0 * one.difference, 2, '+')} % at {digits(one.preload)} N"

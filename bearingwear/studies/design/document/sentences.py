@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
 from collections.abc import Mapping
@@ -22,7 +21,6 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
-from bearingwear.solvers.roots import brent_root
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import (
     NONE_PASSED,
@@ -31,6 +29,7 @@ from bearingwear.studies.design.beside import (
     passed,
 )
 from bearingwear.studies.design.choice import ACTIVE, at_scene, limits_of, preload_text
+from bearingwear.studies.design.document.held import decides_words, life_words, limit_met_words
 from bearingwear.studies.design.document.words import (
     ASSUMED_WORDS,
     END_KEY,
@@ -42,6 +41,7 @@ from bearingwear.studies.design.document.words import (
     without_limits,
 )
 from bearingwear.studies.design.room import CLAIMED, NEITHER_LONGER
+from bearingwear.studies.design.search import SIMILAR
 
 TAKE = {
     "constant_force": "a spring preload of {} N (constant force)",
@@ -61,9 +61,6 @@ _HELD = {
     "cliff": "The life drops sharply near the recommended preload.",
 }
 """Why no other preload has a longer life, where no requirement decides."""
-
-SIMILAR = 0.9
-"""Least share of the longest life at which another preload is stated beside the recommended one."""
 
 NO_CLOCK = (
     "Use this life for comparison only: wear coefficients are known to an order of magnitude at "
@@ -119,14 +116,16 @@ def headline(found: xr.Dataset) -> str:
     ]
     if int(found["verdict"]) == NEITHER_LONGER:
         return f"{name}: neither method is preferred; use {' or '.join(taken)}"
-    one, end = lives[0][1], ""
+    one = lives[0][1]
+    met = limit_met_words(found, one)
+    end = f"; {met}" if met else ""
     preload, below = float(one["preload"]), float(one["cliff_preload"])
     if ACTIVE[int(one["active_limit"])] == "end_of_range":
         end, _ = _at_the_end(found, one)
     if math.isfinite(below):
         near = percent_in_text(abs(below / preload - 1.0))
         life = Rough(one["cliff_life"]).text
-        end = (
+        end += (
             f"; with {near} {'less' if below < preload else 'more'} preload, the life is only "
             f"{life} h"
         )
@@ -173,7 +172,8 @@ def what_it_gives(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> lis
     means = [] if counts == COUNTED_WORDS[-1] else [f"wear of {counts}"]
     if one := spread[method]:
         means.append(f"{BEARINGS_BETWEEN}: {one.bearings.text} h")
-    said = f"The computed life is {Rough(life).text} h"
+    where = life_words(found, lives[0][1])
+    said = f"The computed life{f' {where}' if where else ''} is {Rough(life).text} h"
     said += f" ({'; '.join(means)})" if means else ""
     if len(lives) > 1:
         other, twin, less = lives[1]
@@ -203,25 +203,33 @@ def what_limits_it(found: xr.Dataset, design: xr.Dataset | None = None) -> list[
     for method, one, _ in by_life(found):
         name, newtons = ACTIVE[int(one["active_limit"])], preload_text(one)
         if name not in given:
-            said += [] if said else [_HELD.get(name) or _at_the_end(found, one)[1]]
+            if name in LIMITED:
+                said.append(f"{newtons} N: {limit_met_words(found, one)}.")
+            else:
+                said += [] if said else [_HELD.get(name) or _at_the_end(found, one)[1]]
             continue
+        where = decides_words(found, one, name)
         required = f"a requirement: {limit_text(name, given[name])}"
         if design is not None and LIMITED[name].means:  # of a page, whose question is brief
             required += f" ({LIMITED[name].means})"
         if violated == name:
             required = "the same requirement"
         violated = name
+        place = f"in {where}" if where.startswith("case ") else where
+        decided = f" Its worst value is {place}." if where else ""
         longer, shorter = _longer_and_shorter(found, method, design)
         if said:  # of the other method
             other = f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
-            said.append(f"With {other}, the preload of {newtons} N is limited by {required}.")
+            said.append(
+                f"With {other}, the preload of {newtons} N is limited by {required}.{decided}"
+            )
         elif longer:
             said.append(
-                f"A {longer} preload gives a longer life but violates {required}. A {shorter} "
-                "preload gives a shorter life."
+                f"A {longer} preload gives a longer life but violates {required}.{decided} A "
+                f"{shorter} preload gives a shorter life."
             )
         else:
-            said.append(f"Any preload with a longer life violates {required}.")
+            said.append(f"Any preload with a longer life violates {required}.{decided}")
     return [*said, *map(sentence, _cliffs(found))]
 
 
@@ -242,65 +250,46 @@ def _longer_and_shorter(
     return "", ""
 
 
-def similar_preloads(design: xr.Dataset, found: xr.Dataset) -> tuple[float, float]:
-    """Ends of the range of preloads with a similar life by the same method [N].
-
-    It consists of the recommended preload and of those next to it in the map that satisfy all
-    requirements.
+def how_to_set_it(found: xr.Dataset) -> list[str]:
+    """What to specify: the recommended preload, of a fixed position as an offset, and its
+    tolerance.
     """
-    method, best, life = by_life(found)[0]
-    line, chosen = dict(methods(at_scene(design)))[method], float(best["preload"])
-    preloads: list[float] = line["preload"].values.tolist()
-
-    def similar(preload: float) -> bool:
-        one = line.sel(preload=preload)
-        own = float(one["life"].isel(loss_basis=counted(found)))
-        return own >= SIMILAR * life and passed(one) == NONE_PASSED
-
-    below = itertools.takewhile(similar, [p for p in reversed(preloads) if p < chosen])
-    above = itertools.takewhile(similar, [p for p in preloads if p > chosen])
-    known = [chosen, *below, *above]
-    return min(known), max(known)
-
-
-def how_to_set_it(design: xr.Dataset | None, found: xr.Dataset) -> list[str]:
-    """What to specify, with its tolerance; of a fixed position the offset of its spacers."""
     method, best, _ = by_life(found)[0]
     is_fixed, preload = method == "fixed_position", float(best["preload"])
-    low, high = (preload, preload) if design is None else similar_preloads(design, found)
-    start, end = (_offset(found, one) if is_fixed else one for one in (low, high))
-    between = f"{digits(low)} to {digits(high)} N"
+    text = preload_text(best)
+    low, high = (float(best.get(name, math.nan)) for name in ("least_preload", "most_preload"))
+    asked, unit = f"a preload of {text}\N{NO-BREAK SPACE}N", "N"
+    middle, ends = preload, (low, high)
     if is_fixed:
-        between = f"{start:.3g} to {end:.3g} µm ({between})"
+        middle, unit = spacer_offset(found, preload), "µm"
+        ends = (spacer_offset(found, low), spacer_offset(found, high)) if low <= high else ends
+        asked = f"a spacer offset of {middle:.3g}\N{NO-BREAK SPACE}µm"
     said = []
-    if limits_of(found).given and preload in (low, high) and low < high:
-        # the recommended one has no tolerance on one side
-        middle, newtons = 0.5 * (start + end), 0.5 * (low + high)
-        asked = f"a preload of {digits(newtons)} N"
-        if is_fixed:
-            newtons = brent_root(lambda one: _offset(found, one) - middle, low, high)
-            half = math.floor(10.0 * 0.5 * (end - start)) / 10.0
-            within = f"{middle:.3g}\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}{half:.2g} µm"
-            asked = (
-                f"a spacer offset of {within} between the bearings ({digits(newtons)} N at rest)"
-            )
+    if low <= high:
+        minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
+        tolerance = f", tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}"
+        at_rest = f" ({text} N at rest)" if is_fixed else ""
         said.append(
-            f"Specify {asked}: the range from {between} satisfies all requirements and gives at "
-            f"least {100 * SIMILAR:g} % of the life at the recommended preload."
+            f"Specify {asked}{at_rest}{tolerance}: from {digits(low)} to {digits(high)} N, all "
+            f"requirements hold and the life is at least {100 * SIMILAR:g} % of this life."
         )
-    elif low < high:
-        what = "Offsets" if is_fixed else "Preloads"
-        said.append(f"{what} from {between} give at least {100 * SIMILAR:g} % of this life.")
+    elif is_fixed:
+        said.append(f"Specify {asked}, which produces {text} N at rest.")
     if is_fixed:
-        offset, less, more = (_offset(found, share * preload) for share in (1.0, 0.9, 1.1))
-        said.append(
-            f"A spacer offset of {offset:.3g} µm produces the recommended {preload_text(best)} N "
-            f"at rest; an offset error of {0.5 * (more - less):.2g} µm changes it by 10 %."
-        )
+        less, more = (spacer_offset(found, share * preload) for share in (0.9, 1.1))
+        said.append(f"An offset error of {0.5 * (more - less):.2g} µm changes the preload by 10 %.")
     return said
 
 
-def _offset(found: xr.Dataset, preload: float) -> float:
+def _rounded_down(value: float) -> float:
+    """A tolerance with two digits that is not larger than a value."""
+    if not value > 0.0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.floor(value / unit * (1.0 + 1e-9)) * unit:.2g}")
+
+
+def spacer_offset(found: xr.Dataset, preload: float) -> float:
     """Axial approach of both bearings under a preload, at rest and as mounted [µm]."""
     scene = held_by(scene_from_dict(scene_of(found)), "fixed_position", preload)
     sides = scene.sides
@@ -464,6 +453,15 @@ def by_ball_track(found: xr.Dataset) -> list[str]:
         sentences.append(f"{hours} h if the balls wear {TRACK_WORDS[track]}")
     names, lived = " and ".join(method_names(found)), ", and ".join(sentences)
     return [f"{names}: lives of {lived}.".capitalize()]
+
+
+def why_title(found: xr.Dataset) -> str:
+    """Heading of `what_is_not_possible`: of all methods, or of the one without a preload."""
+    if not by_life(found):
+        return "Why no preload is recommended"
+    without = json.loads(found.attrs.get(NONE_BECAUSE, "{}"))
+    names = " and ".join(_as_object(found, method) for method in without)
+    return f"Why no preload is recommended with {names}"
 
 
 def what_is_not_possible(found: xr.Dataset) -> list[str]:

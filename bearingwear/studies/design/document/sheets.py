@@ -32,7 +32,7 @@ from bearingwear.results.quantiles import (
     spreads_of,
 )
 from bearingwear.results.units import Estimated, Rough, in_ascii
-from bearingwear.results.warnings import WARNING, warning_lines, warnings_in
+from bearingwear.results.warnings import WARNING, warning_line
 from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.dataset import counted
@@ -44,6 +44,16 @@ from bearingwear.studies.design.choice import (
     design_files,
     limits_of,
 )
+from bearingwear.studies.design.conditions import DECIDING
+from bearingwear.studies.design.document.held import (
+    conditions_words,
+    decides_words,
+    deciding_of,
+    extreme_words,
+    lives_words,
+    stated_warnings,
+    worst_words,
+)
 from bearingwear.studies.design.document.sentences import (
     by_ball_track,
     by_life,
@@ -53,11 +63,13 @@ from bearingwear.studies.design.document.sentences import (
     method_names,
     room_rows,
     sentence,
+    spacer_offset,
     what_is_not_possible,
     what_it_gives,
     what_limits_it,
     what_others_change,
     what_would_change_it,
+    why_title,
 )
 from bearingwear.studies.design.document.words import (
     GROOVE_WORDS,
@@ -71,7 +83,7 @@ from bearingwear.studies.design.document.words import (
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
-from bearingwear.studies.design.recommend import WORST_CASES, best_method, mapped
+from bearingwear.studies.design.recommend import best_method, mapped
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST, VERDICTS
 from bearingwear.studies.design.sampled import sampled_blocks
 from bearingwear.studies.pool import Tell
@@ -141,8 +153,9 @@ def recommended_sheet(
     design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
     # a map with requirements has few lives: those that the search needed
     made = preload_document(found, None if limits.given else design)
-    reasons = {NO_LIFE_SOLVED, *json.loads(found.attrs.get(NONE_BECAUSE, "{}")).values()}
-    return made, len(reasons) > 1 or bool((found["status"] == OK).any())
+    reasons = json.loads(found.attrs.get(NONE_BECAUSE, "{}")).values()
+    others = any(not reason.startswith(NO_LIFE_SOLVED) for reason in reasons)
+    return made, others or bool((found["status"] == OK).any())
 
 
 def preload_document(
@@ -167,12 +180,13 @@ def preload_document(
         "limits": limits,
         NONE_BECAUSE: json.loads(found.attrs.get(NONE_BECAUSE, "{}")),
         "verdict": VERDICTS[int(np.nan_to_num(found["verdict"]))],
-        "warnings": [line.removeprefix(WARNING) for line in warning_lines(found.attrs)],
+        "conditions": conditions_words(found),
+        "worst": worst_words(found),
+        "life_at": lives_words(found),
+        DECIDING: deciding_of(found),
+        "warnings": [warning_line(one).removeprefix(WARNING) for one in stated_warnings(found)],
     }
-    where = (
-        f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
-        f"friction {scene['friction']['ball_race']:g}"
-    )
+    where = f"{conditions_words(found)}; friction {scene['friction']['ball_race']:g}"
     basis, known = counted(found), by_life(found)
     spread = _spreads(found, uncertainty)
     blocks = [*_points(found, design, beside, spread)]
@@ -218,15 +232,15 @@ def _points(
         said = [
             ("Expected life", what_it_gives(found, spread), "verdict"),
             ("What limits the preload", limits, "lead"),
-            ("Setting the preload", how_to_set_it(design, found), "lead"),
+            ("Setting the preload", how_to_set_it(found), "lead"),
             ("What would change the choice", [changes, *others], "lead"),
             ("Uncertainty", how_sure(found, spread), "lead"),
         ]
-    missing = "Why no preload is recommended" if given else "Effect of a requirement"
+    missing = why_title(found) if given else "Effect of a requirement"
     required = "; ".join(required_words(given))
-    warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in warnings_in(found.attrs)]
+    warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in stated_warnings(found)]
     if given:
-        said.insert(0, ("Requirements, from new to the end of life", [sentence(required)], "more"))
+        said.insert(0, (f"Requirements, {worst_words(found)}", [sentence(required)], "more"))
     said += [
         (missing, what_is_not_possible(found), "lead"),
         ("Warnings (worst values)", warned, "strip"),
@@ -245,7 +259,8 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     grooves = flag_names(found["groove"])
     rows = [
         Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
-        Row("limited by", "", _in_cases(found, held), "active_limit"),
+        *_setting_rows(found),
+        Row("limited by", "", tuple(held), "active_limit"),
         Row(f"life, {COUNTED[basis]}", "h", _lives(found, basis), "life"),
         *(spread_rows([one.rows if one else {} for one in spread.values()])),
         *(() if any(spread.values()) else by_wear_row(scene_of(found), _floats(lives[:, basis]))),
@@ -264,11 +279,26 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         # of a rotor without mass there is no frequency; an older file lacks newer measures
         if name in found and np.isfinite(found[name]).any():
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
-    rows = [row._replace(note=_worst_case(found, row.name)) for row in rows]
-    notes = ["Minimum and maximum values are extremes at speed, from new to the end of life."]
+    rows = [row._replace(note=_where_worst(found, row.name)) for row in rows]
+    notes = [f"Minimum and maximum values are the worst {worst_words(found)}."]
     notes += [causes_told(scene_of(found))] if any(spread.values()) else []
     notes += by_ball_track(found)
     return Block("recommended", tuple(method_names(found)), tuple(rows), tuple(notes), place="lead")
+
+
+def _setting_rows(found: xr.Dataset) -> list[Row]:
+    """Spacer offset of a fixed position, and the range in which the best preload may be set."""
+    offsets = tuple(
+        spacer_offset(found, float(one["preload"]))
+        if name == "fixed_position" and one["status"] == OK
+        else math.nan
+        for name, one in methods(found)
+    )
+    rows = [Row("  spacer offset", "um", offsets, "spacer_offset")]
+    for name, words in (("least_preload", "lowest"), ("most_preload", "highest")):
+        values = _floats(found[name]) if name in found else (math.nan,)
+        rows.append(Row(f"  {words} within the tolerance", "N", values, name, given=True))
+    return [row for row in rows if any(value == value for value in row.values)]
 
 
 def _lives(found: xr.Dataset, basis: int) -> tuple[float, ...]:
@@ -282,23 +312,16 @@ def _lives(found: xr.Dataset, basis: int) -> tuple[float, ...]:
     )
 
 
-def _in_cases(found: xr.Dataset, held: list[str]) -> tuple[str, ...]:
-    """What holds each preload, with the case in which it does."""
-    of_methods = json.loads(found.attrs.get(WORST_CASES, "[]")) or [{}] * len(held)
+def _where_worst(found: xr.Dataset, name: str) -> str:
+    """Where a quantity is the worst, by each method that has a preload."""
     words = []
-    for text, (_, one), cases in zip(held, methods(found), of_methods, strict=True):
-        limit = LIMITED.get(ACTIVE[int(one["active_limit"])])
-        extremes = {name: float(one[name]) for name in limit.extremes} if limit else {}
-        name = limit.critical(extremes.__getitem__)[1] if limit else ""
-        words.append(f"{text} ({cases[name]})" if name in cases else text)
-    return tuple(words)
-
-
-def _worst_case(found: xr.Dataset, name: str) -> str:
-    """The case that is the worst of a quantity, by each method where they differ."""
-    of_methods = json.loads(found.attrs.get(WORST_CASES, "[]"))
-    cases = [one[name] for one in of_methods if name in one]
-    return " / ".join(dict.fromkeys(cases))
+    for _, one in methods(found):
+        active = ACTIVE[int(one["active_limit"])]
+        if name == "active_limit" and active in LIMITED:
+            words.append(decides_words(found, one, active, brief=True))
+        else:
+            words.append(extreme_words(found, one, name, brief=True))
+    return " / ".join(dict.fromkeys(filter(None, words)))
 
 
 def _floats(values: Any) -> tuple[float, ...]:
@@ -325,7 +348,8 @@ def _new_and_worn(found: xr.Dataset) -> Block:
         )
         for one in SHORT_TABLE
     ]
-    return Block("new and worn", tuple(columns), tuple(rows))
+    where = "each case at its own speed" if scene_of(found).get("cases") else lives_words(found)
+    return Block(f"new and worn, {where}", tuple(columns), tuple(rows))
 
 
 def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:

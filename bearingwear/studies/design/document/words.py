@@ -25,7 +25,7 @@ def held_words(name: str, extremes: Callable[[str], Any]) -> str:
     one = LIMITED.get(name)
     if one is None:
         return LIMIT_WORDS[name]
-    value, which = one.critical(extremes)
+    value, which = one.critical_extreme(extremes)
     return one.words_of(which, short=True) if value == value else one.short
 
 

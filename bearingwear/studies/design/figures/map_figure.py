@@ -17,6 +17,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.results.words import methods, scene_of
 from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.document.held import lives_words, worst_words
 from bearingwear.studies.design.figures.choice import as_wide_as_it_is
 
 
@@ -67,8 +68,8 @@ def map_overview(design: xr.Dataset) -> Figure:
     grey = [Patch(color="0.87", label="slip limit not reached before the end of life")]
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min: life and requirements against preload and friction; "
-        f"wear of {COUNTED_WORDS[basis]}",
+        f"{scene['name']}: life {lives_words(design)} and the worst values {worst_words(design)}, "
+        f"against preload and friction; wear of {COUNTED_WORDS[basis]}",
         [
             *(blank if zero else []),
             *(grey if never else []),

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
@@ -26,6 +27,7 @@ from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
+from bearingwear.studies.design.document.held import decides_words, lives_words, worst_words
 from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
@@ -57,8 +59,9 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
         from_zero(panel)
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "
-        f"stiffness of one bearing and slip against preload; wear of {COUNTED_WORDS[basis]}",
+        f"{scene['name']}, friction {float(design['friction'][0]):g}: life {lives_words(design)}, "
+        f"and the worst values {worst_words(design)}, against preload; wear of "
+        f"{COUNTED_WORDS[basis]}",
         [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(failed)],
         columns=3,
     )
@@ -93,18 +96,23 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
 
 def recommendation_plot(recommendation: xr.Dataset) -> Figure:
     """Life at the recommended preload of each method, by both ways of counting wear."""
-    figure, panels = new_figure(1, len(COUNTS), 3.6 * len(COUNTS), 2.6)
+    figure, panels = new_figure(1, len(COUNTS), 3.6 * len(COUNTS), 3.2)
     rows = methods(recommendation)
     for k, panel in enumerate(panels[0]):
         for height, (name, one) in enumerate(rows):
             life = float(one["life"].isel(loss_basis=k))
-            held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
-            text = f"{preload_text(one)} N, limited by {held}"
-            panel.barh(height, np.nan_to_num(life), color=COLOURS[name], height=0.5)
+            active = ACTIVE[int(one["active_limit"])]
+            held = LIMIT_WORDS[active]
+            where = ""
+            if active in LIMITED:
+                where = decides_words(recommendation, one, active, brief=True)
+            where = where and f"\n({where})"
+            text = f"{preload_text(one)} N, limited by\n{held}{where}"
+            panel.barh(height, np.nan_to_num(life), color=COLOURS[name], height=0.4)
             said = f"{Rough(life).text} h at {text}" if np.isfinite(life) else held
-            panel.text(0.0, height + 0.32, said, va="bottom", fontsize=7)
+            panel.text(0.0, height + 0.24, said, va="bottom", fontsize=7)
         panel.set_yticks(range(len(rows)), method_names(recommendation))
-        panel.set_ylim(-0.5, len(rows) - 0.1)
+        panel.set_ylim(-0.4, len(rows) - 0.1)
         panel.set_xlabel("wear life (h)")
         panel.set_title(f"wear of {COUNTED_WORDS[k]}")
     names = [name for name, _ in rows]

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
     failed_keys,
@@ -106,7 +107,7 @@ def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
     ]
     if not np.isfinite(differences).all():
         return "no case was solved with both models"
-    qv, wear = (f"{100.0 * one:.2g} %" for one in differences)
+    qv, wear = (f"{plain(100.0 * one, 2)} %" for one in differences)
     solved = "with the dynamic model and the cage" if has_cage else "with the dynamic model"
     return (
         f"{solved}, QV differs from the steady value by up to {qv}, and the wear rate of a ball by "
@@ -183,7 +184,7 @@ def _end_of(part: str, mean: xr.DataArray, turn: float) -> str:
     """Change of a mean by the last shaft turn."""
     last = float(mean[-1])
     before = float(np.interp(float(mean["time"][-1]) - turn, mean["time"], mean))
-    change = f"{100.0 * (last / before - 1.0):+.2g} %" if before > 0.0 else "– %"
+    change = f"{plain(100.0 * (last / before - 1.0), 2, '+')} %" if before > 0.0 else "– %"
     return f"{PARTS[part]} by {change.replace('-', '−')}"
 
 

@@ -1,0 +1,75 @@
+"""The environment of a command, and how it starts Python for other processes of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pwd
+import sys
+from pathlib import Path
+
+ONE_THREAD = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
+"""Of libraries: on small matrices more threads take several times the CPU time."""
+
+_CACHES = "bearingwear", "snakemake/source-cache/snakemake-runtime-cache"
+"""Folders that are made below the user's folder for caches."""
+
+
+def set_environment() -> None:
+    """Set what this process and all that it starts shall find, before libraries are imported."""
+    # figures go to files: a backend that needs a display, or that is not installed, is for others
+    os.environ["MPLBACKEND"] = "agg"
+    os.environ["PYTHONSAFEPATH"] = "1"  # a file `signal.py` of the user is no library
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, "1")
+    _set_home()
+    _set_user()
+
+
+def _set_home() -> None:
+    """Give libraries a folder for their caches where the user has no home that serves."""
+    home = os.path.expanduser("~")
+    is_home = os.path.isabs(home) and os.path.isdir(home) and os.access(home, os.R_OK | os.X_OK)
+    caches = os.environ.get("XDG_CACHE_HOME") or os.path.join(home, ".cache")
+    places = (os.path.join(caches, name) for name in _CACHES)
+    if is_home and os.path.isabs(caches) and all(map(_can_be_written, places)):
+        return
+    folder = _private_folder()
+    os.environ["XDG_CACHE_HOME"] = folder
+    os.environ.setdefault("MPLCONFIGDIR", os.path.join(folder, "matplotlib"))
+    if not is_home:
+        os.environ["HOME"] = folder
+
+
+def _can_be_written(folder: str) -> bool:
+    """Whether a folder can be written to, or made where it is missing."""
+    while not os.path.lexists(folder):
+        folder = os.path.dirname(folder)
+    return os.path.isdir(folder) and os.access(folder, os.W_OK | os.X_OK)
+
+
+def _private_folder() -> str:
+    """A folder below that for temporary files that is the user's alone; the same one each time."""
+    import tempfile
+
+    from bearingwear.kernels.build.folder import is_private
+
+    folder = Path(tempfile.gettempdir()).resolve() / f"bearingwear-{os.geteuid()}"
+    with contextlib.suppress(OSError):
+        folder.mkdir(mode=0o700, exist_ok=True)
+    return str(folder) if is_private(folder) else tempfile.mkdtemp(prefix="bearingwear-")
+
+
+def _set_user() -> None:
+    """Name a user who has only a number, which Snakemake asks for."""
+    if not any(map(os.environ.get, ("LOGNAME", "USER", "LNAME", "USERNAME"))):
+        try:
+            pwd.getpwuid(os.getuid())
+        except KeyError:
+            os.environ["LOGNAME"] = str(os.getuid())
+
+
+def python_command(module: str, *arguments: str) -> list[str]:
+    """Command that runs a module of this copy of the package in another process."""
+    script = Path(__file__).with_name("run_module.py")
+    return [sys.executable, "-P", str(script), module, *arguments]

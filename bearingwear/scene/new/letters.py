@@ -1,0 +1,105 @@
+"""Letters of a designation beside size and angle: balls, class of preload, pair.
+
+A letter that says angle, type or material of the balls is understood here or refused, never
+dropped. What is left (cage, seals, tolerance, grease) changes no number of a scene.
+
+Sources: NSK super-precision bearings, p. 49 (SN24, DB, EL to H); GMN catalogue 4000 0813 EN, pp. 20
+and 50 (HY, S, SM, KH, C, E, 18, UL, UM, US); SNFA general catalogue, p. 63 (NS, angle digit). The
+ceramic letters of FAG (HC, XC), SKF (HC), IBC (CB), NTN (5S) and Koyo (3NC) are from memory of
+their catalogues.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+CERAMIC_BALLS = "silicon_nitride"
+
+CERAMIC_PREFIX = r"HC[A-Z]{0,2}|XC[A-Z]{0,2}|HY|CB|5S|3NC"
+STEEL_PREFIX = r"B|S|HS|HSS|RS|W|SS"
+"""Spindle bearings of FAG (B, HS, RS), sealed ones of SKF and FAG (S, HSS), stainless ones."""
+
+GMN_SERIES = r"SM|KH|S"
+GMN_CAGES = r"TAM|TA|TBH|TB|TXMB|TXM|MA"
+
+CLASS_OF_LETTER = {"L": "light", "M": "medium", "H": "heavy", "S": "heavy", "F": "heavy"}
+"""Class of preload by its letter; a maker's own classes go by the letter itself."""
+
+_OTHER_MAKERS = ("FAG", "SKF", "GMN", "NTN", "KOYO", "IBC")
+
+_PAIRS = {
+    "DB": "a pair back to back",
+    "DF": "a pair face to face",
+    "DT": "a pair in tandem",
+    "DD": "a pair back to back",
+    "FF": "a pair face to face",
+    "DU": "a pair for any arrangement",
+    "SU": "one bearing for any arrangement",
+    "TU": "three bearings for any arrangement",
+    "QU": "four bearings for any arrangement",
+    "U": "one bearing for any arrangement",
+}
+
+# A tolerance, or nothing, follows a pair and its class of preload.
+PAIR = re.compile(
+    r"(?P<pair>DB|DF|DT|DU|SU|TU|QU|DD|FF|(?<![A-Z])U)\s*(?P<load>EL|[LMHSF])?(?=\s|$|P\d|A\d)"
+)
+"""Letters of a pair of angular contact bearings."""
+
+PAIR_ALONE = re.compile(r"\b(?P<pair>DB|DF|DT)(?P<load>)\b")
+"""Those of deep groove bearings, whose DU and DDU are seals."""
+
+
+class Letters(NamedTuple):
+    """What letters of a designation say."""
+
+    ball_material: str | None = None  # that of a scene; None where the letters say nothing
+    ball_letters: str = ""  # those that say so
+    load: str = ""  # letter of the class of preload
+    pair: str = ""  # letters of the arrangement
+    ignored: str = ""  # what changes no number of a scene
+
+    @property
+    def meanings(self) -> list[str]:
+        """A clause for each of them that says something."""
+        said = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
+        if self.pair:
+            said.append(f"{self.pair}: {_PAIRS[self.pair]} (see arrangement in the file)")
+        if self.load:
+            said.append(f"{self.load}: class of the preload")
+        return said
+
+
+def letters_of(prefix: str, suffix: str, pairs: re.Pattern[str]) -> Letters:
+    """What prefix and suffix say, without the letters of size, angle and clearance.
+
+    pairs: `PAIR`, or what stands for it in bearings of another type.
+    """
+    balls, ignored = "", []
+    if re.fullmatch(CERAMIC_PREFIX, prefix):
+        balls = prefix
+    elif prefix:
+        ignored.append(prefix)
+    for pattern in (r"SN24", r"(?<![A-Z])NS(?![A-Z])", r"(?<![A-Z])HC\d?(?=\s|$|[A-Z])"):
+        if found := re.search(pattern, suffix):
+            balls = balls or found[0]
+            suffix = suffix.replace(found[0], " ", 1)
+    load = pair = ""
+    if found := pairs.search(suffix):
+        pair, load = found["pair"], found["load"] or ""
+        suffix = f"{suffix[: found.start()]} {suffix[found.end() :]}"
+    return Letters(
+        ball_material=CERAMIC_BALLS if balls else None,
+        ball_letters=balls,
+        load=load,
+        pair=pair,
+        ignored=" ".join([*ignored, *suffix.split()]),
+    )
+
+
+def maker_of(designation: str, makers: tuple[str, ...]) -> tuple[str, str]:
+    """The maker whose name a designation begins with, empty without one, and the rest of it."""
+    names = "|".join((*makers, *_OTHER_MAKERS))
+    found = re.match(rf"\s*({names})[\s/_-]*(?=\S)", designation, re.IGNORECASE)
+    return (found[1].upper(), designation[found.end() :]) if found else ("", designation)

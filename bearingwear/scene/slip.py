@@ -1,0 +1,97 @@
+"""Slip of a scene by its kinematics, and the regularisation of friction that is small against it.
+
+Coulomb's law is regularised below a slip speed v_r. Its error depends on v_r over the slip alone,
+so an allowed error asks for less v_r where a bearing turns slowly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from bearingwear.scene.accuracy import accuracy_preset
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Material, Scene
+
+SLOW_SLIP = 0.01
+"""Mean slip [m/s] down to which a preset's regularisation serves. `standard` is 1 % of it, and the
+torque 0.01 % too small; below, its regularisation stays 1 % of the slip (docs/verification.md)."""
+
+LEAST_REGULARISATION = 1e-9  # [m/s], the least that the key takes
+
+LEAST_SEMI_AXIS = 0.01
+"""Semi-major axis over ball diameter that is assumed of a contact with less or without load."""
+
+_GIVEN = "_regularisation_is_given"
+"""Marks the friction of a scene whose regularisation was given, even if as the default has it."""
+
+_MM, _GPA = 1e-3, 1e9
+_RPM = math.pi / 30.0  # [rad/s]
+
+
+def default_regularisation(scene: Scene) -> float:
+    """Regularisation [m/s] of a scene that gives none: its preset's, or less where it slips slowly.
+
+    In two digits, so that it can be read and typed. A scene at rest has no slip to go by.
+    """
+    preset = accuracy_preset(scene.model.accuracy).slip_regularisation_m_s
+    slip = mean_slip(scene)
+    if not 0.0 < slip < SLOW_SLIP:
+        return preset
+    return max(float(f"{preset * slip / SLOW_SLIP:.2g}"), LEAST_REGULARISATION)
+
+
+def regularised(scene: Scene, given: bool) -> Scene:
+    """The scene with the regularisation that goes with its slip, unless one was given."""
+    if given:
+        scene.friction.__dict__[_GIVEN] = True
+        return scene
+    default = default_regularisation(scene)
+    if default == scene.friction.slip_regularisation_m_s:
+        return scene
+    return replace(scene, friction=replace(scene.friction, slip_regularisation_m_s=default))
+
+
+def regularisation_is_given(scene: Scene) -> bool:
+    """Whether a scene has a regularisation of its own, for `regularised` after a change of it."""
+    friction = scene.friction
+    if _GIVEN in friction.__dict__:
+        return True
+    return friction.slip_regularisation_m_s != default_regularisation(scene)
+
+
+def mean_slip(scene: Scene) -> float:
+    """Mean slip speed of balls on races by rolling at the free contact angle, estimated [m/s].
+
+    Of two parts: the spin of one contact (outer race control), 3/16 a omega sin(alpha) in the mean
+    of both under a Hertzian load, and the slip of a curved contact (Heathcote), 0.26 V (a/D)^2.
+    """
+    b, operation = scene.bearing, scene.operation
+    omega = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * _RPM
+    D, dm = _MM * b.ball_diameter_mm, _MM * b.pitch_diameter_mm
+    a, sine = _semi_axis(scene), math.sin(math.radians(b.contact_angle_deg))
+    return omega * (3.0 / 16.0 * a * sine + 0.26 * 0.25 * dm * (a / D) ** 2)
+
+
+def _semi_axis(scene: Scene) -> float:
+    """Semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977)."""
+    b, operation = scene.bearing, scene.operation
+    D, dm = _MM * b.ball_diameter_mm, _MM * b.pitch_diameter_mm
+    alpha = math.radians(b.contact_angle_deg)
+    radial = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
+    load = 5.0 * radial / math.cos(alpha)  # on the most loaded ball, Stribeck
+    if alpha > 0.0:
+        load += operation.preload_N / math.sin(alpha)
+    A = 1.0 / D - 0.5 / (b.inner_groove_factor * D)
+    B = 1.0 / D + math.cos(alpha) / (dm - D * math.cos(alpha))
+    kappa, E = 1.0339 * (B / A) ** 0.636, 1.0003 + 0.5968 * A / B
+    ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
+    E_star = 1.0 / (_compliance(ball) + _compliance(race))
+    cube = 3.0 * E * load / b.ball_count / (2.0 * math.pi * kappa * E_star * (A + B))
+    return max(kappa * cube ** (1.0 / 3.0), LEAST_SEMI_AXIS * D)
+
+
+def _compliance(material: Material) -> float:
+    return (1.0 - material.poisson_ratio**2) / (material.youngs_modulus_GPa * _GPA)

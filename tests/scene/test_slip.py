@@ -1,0 +1,111 @@
+"""The regularisation of friction that a scene has by default, against the slip that it has."""
+
+import numpy as np
+import pytest
+
+import bearingwear
+from bearingwear.scene.accuracy import NAMED_PRESETS
+from bearingwear.scene.new.scene_file import checked_scene, scene_text
+from bearingwear.scene.read import load_scene, scene_from_dict, variant
+from bearingwear.scene.slip import default_regularisation, mean_slip
+from bearingwear.solvers.solve import solve
+
+SPINDLE, _ = scene_text("spindle", 40.0, 68.0, {"operation.shaft_speed_rpm": 18_000.0})
+
+SPEED, KEY = "operation.shaft_speed_rpm", "friction.slip_regularisation_m_s"
+STANDARD = NAMED_PRESETS["standard"].slip_regularisation_m_s
+
+
+@pytest.fixture
+def spindle():
+    return checked_scene(SPINDLE)
+
+
+def random_scene(draw: np.random.Generator):
+    """A bearing of `new` at 0.1 to 100 r/min, with any preload, friction and outer speed."""
+    bore = draw.choice([4.0, 10.0, 25.0, 40.0, 100.0])
+    text, _ = scene_text(
+        "slow",
+        bore,
+        bore * draw.uniform(1.6, 2.0) + 3.0,
+        {"bearing.contact_angle_deg": draw.uniform(8.0, 45.0)},
+        ball_material=str(draw.choice(["bearing_steel", "silicon_nitride"])),
+        preload_method=str(draw.choice(["constant_force", "fixed_position"])),
+    )
+    scene = checked_scene(text)
+    rpm = 10.0 ** draw.uniform(-1.0, 2.0)
+    return scene.with_(
+        {
+            SPEED: rpm,
+            "operation.outer_speed_rpm": draw.choice([0.0, rpm * draw.uniform(-1.0, 0.9)]),
+            "operation.preload_N": scene.operation.preload_N * 10.0 ** draw.uniform(-2.0, 1.0),
+            "friction.ball_race": 10.0 ** draw.uniform(-2.0, -0.4),
+            "model.contact": str(draw.choice(["hertz", "paper"])),
+        }
+    )
+
+
+def test_slow_scenes_keep_coulombs_torque():
+    """Right within 0.1 %, which a regularisation ten times smaller says; no warning."""
+    draw = np.random.default_rng(5)
+    for _ in range(40):
+        scene = random_scene(draw)
+        result = solve(scene)
+        assert result.values["status"] == 0 and "slip_rounded" not in result.attrs["warnings"]
+        v_r = scene.friction.slip_regularisation_m_s
+        assert v_r < STANDARD
+        finer = solve(variant(scene, {KEY: max(0.1 * v_r, 1e-9)})).values
+        assert abs(result.values["shaft_torque"] / finer["shaft_torque"] - 1.0) < 1e-3
+
+
+def test_the_estimated_slip_is_that_of_the_solve():
+    draw = np.random.default_rng(6)
+    for _ in range(20):
+        scene = random_scene(draw)
+        values = solve(scene).values
+        load = scene.bearing.ball_count * values["contact_load"].sum()
+        assert 1.0 < mean_slip(scene) / (values["total_qv"] / load) < 1.8
+
+
+@pytest.mark.parametrize("name", sorted(NAMED_PRESETS))
+def test_it_is_the_presets_at_speed_and_at_rest(spindle, name):
+    scene = variant(spindle, {"model.accuracy": name})
+    preset = NAMED_PRESETS[name].slip_regularisation_m_s
+    assert scene.friction.slip_regularisation_m_s == preset
+    assert scene.with_({SPEED: 0.0}).friction.slip_regularisation_m_s == preset
+    slow = scene.with_({SPEED: 60.0}).friction.slip_regularisation_m_s
+    assert slow == default_regularisation(scene.with_({SPEED: 60.0})) < 0.05 * preset
+
+
+def test_it_follows_the_speed_of_a_variant_and_of_a_case(spindle):
+    slow = spindle.with_({SPEED: 60.0})
+    assert slow.with_({SPEED: 18_000.0}).friction.slip_regularisation_m_s == STANDARD
+    with_cases = spindle.with_({"cases": {"slow": {SPEED: 60.0}}})
+    v_r = with_cases.in_cases["slow"].friction.slip_regularisation_m_s
+    assert v_r == slow.friction.slip_regularisation_m_s < STANDARD
+
+
+def test_a_given_one_stays(spindle, tmp_path):
+    """Even if it is what the default was where it was given."""
+    for v_r in (STANDARD, 1e-3, 1e-6):
+        given = spindle.with_({KEY: v_r})
+        for slow in (
+            given.with_({SPEED: 60.0}),
+            given.with_({"operation.preload_N": 50.0}).with_({SPEED: 60.0, "model.strips": 30}),
+            given.with_({"friction.ball_race": 0.1, SPEED: 60.0}),
+            given.with_({"cases": {"slow": {SPEED: 60.0}}}).in_cases["slow"],
+            scene_from_dict(given.to_dict()).with_({SPEED: 60.0}),
+        ):
+            assert slow.friction.slip_regularisation_m_s == v_r
+        file = tmp_path / "given.yaml"
+        given_there = f"friction:\n  slip_regularisation_m_s: {v_r:f}"
+        file.write_text(SPINDLE.replace("\nfriction:", "\n" + given_there, 1), encoding="utf-8")
+        loaded = load_scene(file, [f"{SPEED}=60"])
+        assert loaded.friction.slip_regularisation_m_s == v_r
+
+
+def test_a_written_scene_keeps_following(spindle, tmp_path):
+    for scene in (spindle, spindle.with_({KEY: STANDARD})):
+        bearingwear.save(scene, tmp_path / "a.yaml")
+        found = load_scene(tmp_path / "a.yaml").with_({SPEED: 60.0}).friction
+        assert found == scene.with_({SPEED: 60.0}).friction

@@ -1,0 +1,80 @@
+"""What is stored as solved is finite: the one place where results are made looks."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bearingwear.kernels.status import OK
+from bearingwear.lives.life import life
+from bearingwear.solvers import steady
+from bearingwear.solvers.result import not_finite
+from bearingwear.solvers.solve import solve
+
+FIXED = {"operation.preload_method": "fixed_position"}
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_a_solve_with_a_number_that_is_not_finite_is_not_ok(scene, monkeypatch, wrong):
+    monkeypatch.setattr(steady, "drag_power", lambda *args: wrong)
+    result = solve(scene("gyro_s1"), "steady")
+    assert result.status == "unverified"
+    assert result.attrs["residual"] == "not finite: drag_power"
+
+
+def test_each_value_of_a_case_is_looked_at(scene):
+    """One number of an array is enough; a plain number, a list and an array alike."""
+    found = solve(scene("gyro_s1", {"bearing.bore_mm": 5.0}), "steady")
+    assert found.status == "ok" and not not_finite(found.values, found.scene)
+    for name, value in found.values.items():
+        if (whole := np.array(value)).dtype.kind == "f":
+            whole.flat[-1] = math.nan
+            spoilt = whole if whole.ndim else float(whole)
+            assert not_finite(found.values | {name: spoilt}, found.scene) == [name]
+
+
+def test_what_may_be_unknown(scene):
+    found = solve(scene("gyro_s1"), "steady")
+    for name, value, allowed in (
+        ("friction_used_by_gyroscopic_moment", [math.inf], True),  # a ball without load
+        ("friction_used_by_gyroscopic_moment", [math.nan], False),
+        ("friction_used_by_gyroscopic_moment", [-math.inf], False),
+        ("part_temperature", [60.0, 50.0, 55.0, math.nan, math.nan], True),  # no shaft
+    ):
+        assert (not_finite(found.values | {name: value}, found.scene) == []) == allowed
+    pair = found.scene | {"arrangement": {"kind": "spring_pair"}}
+    one = {"status": OK, "qv_error_estimate": np.array([1e-3, math.nan])}
+    assert not_finite(one, pair) == []  # of one bearing alone
+    neither = one | {"qv_error_estimate": np.array([math.nan, math.nan])}
+    assert not_finite(neither, pair) == ["qv_error_estimate"]
+    assert not_finite({"status": OK, "natural_frequency": np.array([1e3, math.nan])}, pair)
+
+
+def test_a_life_counts_as_its_scene_says(scene):
+    """The other way of counting may have no life of its own."""
+    found = life(scene("gyro_s1", FIXED))
+    assert found.status == "ok" and not not_finite(found.values, found.scene)
+    for name, k in (("life", -1), ("history_time", (-1, -1)), ("history_total_qv", 0)):
+        spoilt = np.array(found.values[name])
+        spoilt[k] = math.nan
+        assert not_finite(found.values | {name: spoilt}, found.scene) == [name]
+    other = np.array(found.values["life"])
+    other[0] = math.nan
+    assert not_finite(found.values | {"life": other}, found.scene) == []
+
+
+def test_balls_that_do_not_orbit_have_no_quasistatic_matrix(scene):
+    """Their answer across the axis is undefined; the file says nothing in place of NaN."""
+
+    def orbit(ratio):
+        changes = {"operation.outer_speed_rpm": 30000.0 * ratio}
+        return solve(scene("gyro_s1", changes), "steady").values
+
+    low, high = -0.9, -0.4
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if orbit(middle)["orbit_speed"][0] > 0.0 else (middle, high)
+    standing = orbit(middle)
+    assert standing["status"] == OK and "quasistatic_stiffness_matrix" not in standing
+    assert standing["quasistatic_axial_stiffness"] > 0.0
+    assert "quasistatic_stiffness_matrix" in orbit(low + 0.01)

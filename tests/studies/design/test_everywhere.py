@@ -1,0 +1,261 @@
+"""Requirements hold wherever a bearing runs: looked at by plain solves, which choose no speeds."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import bearingwear
+from bearingwear.document.text import as_text
+from bearingwear.kernels.status import OK
+from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.measures import LIMITED
+from bearingwear.scene.arrangement import bearings_holding, held_by
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.solvers.solve import solve
+from bearingwear.studies.design.choice import limit_margins
+from bearingwear.studies.design.conditions import (
+    AT_SPEED_ONLY,
+    CONDITIONS,
+    DECIDING,
+    MOUNTING,
+    OperatingCondition,
+    as_mounted,
+    at_share,
+    condition_words,
+    conditions_of,
+)
+from bearingwear.studies.design.document.sheets import preload_document
+from bearingwear.studies.design.everywhere import (
+    SPEED_FOUND_TO,
+    Everywhere,
+    new_states,
+    state_extremes,
+    worn_states,
+)
+from bearingwear.studies.design.map import NOT_SOLVED_AT, followed_point, new_point
+from bearingwear.studies.design.plan import LEAST_KEPT, DesignLimits, MapAxes, axes_around
+from bearingwear.studies.design.recommend import mapped
+
+STIFFNESS = "system_axial_stiffness"
+STIFF = DesignLimits(system_axial_stiffness_N_um=20.0)
+SPEEDS = (0.0, 100.0, 3000.0, 9000.0, 18000.0)
+
+
+def made(designation, speed, **more):
+    plain = bearingwear.new(designation=designation, speed=speed)
+    return plain.with_({"model.contact": "hertz", **more})
+
+
+@pytest.fixture(scope="module")
+def spindle():
+    """The bearing of the README, whose grooves stay as they are."""
+    return made("7008C", 18000.0)
+
+
+def recommended(scene, limits):
+    axes = axes_around(scene, [scene.friction.coefficient])
+    return mapped(scene, axes, limits, quick=True)[1]
+
+
+def stiffness_by_solve(scene, method, preload, speed):
+    held = held_by(scene, method, preload).with_({"operation.shaft_speed_rpm": speed})
+    found = solve(held)
+    assert found.status == "ok"
+    return 1e-6 * bearings_holding(method) * float(found.values["axial_stiffness"])
+
+
+def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
+    found = recommended(spindle, STIFF)
+    for k, method in enumerate(PRELOAD_METHODS):
+        preload = float(found["preload"][k])
+        each = [stiffness_by_solve(spindle, method, preload, speed) for speed in SPEEDS]
+        assert min(each) >= 20.0 * (1.0 - SPEED_FOUND_TO), (method, each)
+
+
+def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
+    held = held_by(spindle, "fixed_position", 17.5)
+    alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
+    assert min(limit_margins(new_point(held, alone), alone)) > 0.1
+    assert min(limit_margins(new_point(held, STIFF), STIFF)) < -0.1
+    assert stiffness_by_solve(spindle, "fixed_position", 17.5, 3000.0) == pytest.approx(
+        16.3, abs=0.1
+    )
+
+
+def test_what_decides_is_where_it_is_the_worst(spindle):
+    """Against speeds 1 % apart, new; what is said of the place is what a solve finds there."""
+    held = held_by(spindle, "fixed_position", 60.0)
+    point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
+    where = point[DECIDING][STIFFNESS]
+    each = [
+        float(new_states(at_share(held, share))[0][STIFFNESS])
+        for share in np.linspace(0.0, 1.0, 101).tolist()
+    ]
+    assert where["value"] == point[STIFFNESS] <= min(each) * (1.0 + SPEED_FOUND_TO)
+    assert 0.0 < where["speed_rpm"] < 18000.0 and where["wear"] == "new"
+    at = stiffness_by_solve(spindle, "fixed_position", 60.0, where["speed_rpm"])
+    assert 1e6 * at == pytest.approx(where["value"], rel=1e-6)
+
+
+def test_worn_grooves_are_solved_at_other_speeds():
+    """At the speed of the life, the bearing is that of its end; slower, the balls run beside the
+    middle of what they have worn, and pressures are higher than with grooves worn evenly.
+    """
+    scene = made("7008C", 18000.0, **{"model.contact": "auto"})
+    held = held_by(scene, "constant_force", 400.0)
+    life = worn_life(held, quick=True)
+    worn = worn_states(life)
+    for share in (0.0, 0.0625, 0.25, 0.5, 1.0):
+        (state,) = worn(at_share(held, share))
+        assert state.status == OK, share
+    last = life.last.states[0]
+    assert state["maximum_pressure"] == pytest.approx(last["maximum_pressure"], rel=0.02)
+    assert state[STIFFNESS] == pytest.approx(last[STIFFNESS], rel=0.03)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Two bearings under a force that lifts one off at rest, not at speed."""
+    plain = bearingwear.new(
+        designation="71910C", speed=24000.0, ball_material="silicon_nitride",
+        preload_method="fixed_position",
+    )  # fmt: skip
+    keys = {"arrangement.kind": "rigid_pair", "arrangement.external_axial_N": 150.0}
+    keys |= {"temperature.inner_ring_C": 40.0, "temperature.outer_ring_C": 34.0}
+    end = {"wear.end_of_life.ball_diameter_loss_um": 0.5, "model.contact": "hertz"}
+    return plain.with_(keys | end)
+
+
+def test_a_bearing_that_lifts_off_somewhere_is_refused(pair):
+    limits = DesignLimits(system_axial_stiffness_N_um=60.0)
+    point = new_point(held_by(pair, "fixed_position", 15.0), limits)
+    where = point[DECIDING]["preload_kept"]
+    assert point["preload_kept"] < LEAST_KEPT
+    assert where["speed_rpm"] == 0.0 and where["temperature"] == MOUNTING or where["status"]
+    assert min(limit_margins(point, limits)) < 0.0
+    alone = new_point(held_by(pair, "fixed_position", 15.0), DesignLimits(at_speed_only=True))
+    assert alone["preload_kept"] > 1.0
+
+
+def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair):
+    found = recommended(pair, DesignLimits(system_axial_stiffness_N_um=60.0))
+    k = PRELOAD_METHODS.index("fixed_position")
+    preload = float(found["preload"][k])
+    assert preload > 100.0
+    for speed in (0.0, 100.0, 3000.0, 9000.0, 18000.0, 24000.0):
+        for scene in (pair, as_mounted(pair)) if speed < 3000.0 else (pair,):
+            held = held_by(scene, "fixed_position", preload)
+            solved = solve(held.with_({"operation.shaft_speed_rpm": speed}))
+            assert solved.status == "ok"
+            assert float(solved.values[STIFFNESS]) >= 60e6 * (1.0 - SPEED_FOUND_TO)
+            assert solved.values["residual_preload"].min() >= LEAST_KEPT * preload
+    names = {(one["speed_rpm"], one["temperature"]) for one in json.loads(found.attrs[CONDITIONS])}
+    assert {(0.0, "running"), (0.0, MOUNTING), (24000.0, "running")} <= names
+    assert (24000.0, MOUNTING) not in names and found.attrs[AT_SPEED_ONLY] == 0
+
+
+def test_standstill_is_a_case(spindle):
+    scene = spindle.with_({"cases": {"rest": {"operation.shaft_speed_rpm": 0.0}}})
+    held = held_by(scene, "constant_force", 400.0)
+    point, alone = (
+        followed_point(one, STIFF) for one in (held, held_by(spindle, "constant_force", 400.0))
+    )
+    assert point["life"].tolist() == alone["life"].tolist()
+    assert point["status"] == OK and point[STIFFNESS] == alone[STIFFNESS]
+    found = recommended(scene, STIFF)
+    assert np.isfinite(found["preload"]).all()
+    assert np.isfinite(found["life_error_estimate"]).all()
+
+
+def test_the_case_that_forbids_every_preload_is_named(spindle):
+    """Hot enough for no fixed position, in one case alone."""
+    hot = {"temperature.inner_ring_C": 20.0, "temperature.outer_ring_C": 120.0}
+    scene = spindle.with_({"cases": {"hot": {**hot, "temperature.balls_C": 20.0}}})
+    axes = MapAxes(
+        preload_method=PRELOAD_METHODS, friction=[0.08], shaft_speed_rpm=[18000.0],
+        preload_N=[100.0, 200.0],
+    )  # fmt: skip
+    limits = DesignLimits(system_axial_stiffness_N_um=400.0)
+    found = mapped(scene, axes, limits, quick=True)[1]
+    why = json.loads(found.attrs["none_because"])
+    assert "case hot" in why["fixed_position"]
+    assert "case" in why["constant_force"]
+
+
+def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
+    limits = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
+    assert limits.held == limits.given and STIFF.held["preload_kept"] == LEAST_KEPT
+    point = followed_point(held_by(spindle, "fixed_position", 20.0), limits)
+    assert {one["speed_rpm"] for one in point[DECIDING].values()} == {18000.0}
+    assert conditions_of(spindle, at_speed_only=True) == [
+        {"case": "nominal", "speed_rpm": 18000.0, "temperature": "running"}
+    ]
+
+
+def test_the_lowest_speed_ends_the_range(spindle):
+    scene = spindle.with_({"operation.lowest_speed_rpm": 9000.0})
+    speeds = [one["speed_rpm"] for one in conditions_of(scene)]
+    assert min(speeds) == 9000.0 and max(speeds) == 18000.0 and len(speeds) >= 5
+    held = held_by(scene, "fixed_position", 20.0)
+    whole = held_by(spindle, "fixed_position", 20.0)
+    limits = DesignLimits(system_axial_stiffness_N_um=30.0)
+    assert new_point(held, limits)[STIFFNESS] > new_point(whole, limits)[STIFFNESS]
+    with pytest.raises(SceneError, match="lowest_speed_rpm: got 20000"):
+        spindle.with_({"operation.lowest_speed_rpm": 2e4})
+
+
+def test_a_condition_that_is_not_solved_is_named(spindle):
+    looked = Everywhere(spindle, STIFF.held, exactly=False)
+    where = OperatingCondition(spindle).where(wear="new")
+    own = state_extremes(spindle, new_states(spindle), where)
+    from bearingwear.solvers.state import State
+
+    found = looked.beside(own, lambda scene: (State.unsolved(1, 0.0),), "new")
+    assert found.status == 1 and found.unsolved["status"] == "not_converged"
+    assert condition_words(found.unsolved) == "at rest, new"
+
+
+@pytest.mark.parametrize("contact", ["hertz", "auto"])
+def test_a_preload_that_must_be_kept_may_decide(contact):
+    """It is a share of the initial preload, in files by its own name."""
+    scene = made("7004B", 8000.0, **{"model.contact": contact})
+    axes = MapAxes(
+        preload_method=["fixed_position"], friction=[0.08], shaft_speed_rpm=[8000.0],
+        preload_N=[400.0, 600.0, 900.0],
+    )  # fmt: skip
+    found = mapped(scene, axes, DesignLimits(preload_kept=0.8), quick=True)[1]
+    text = as_text(preload_document(found))
+    assert "residual preload at least 80 %" in text.lower()
+
+
+def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
+    from bearingwear.solvers.bearing.arrangement import natural_frequencies
+
+    scene = bearingwear.new(designation="7001C", speed=600.0, preload_method="fixed_position")
+    pair = scene.with_(
+        {"arrangement.kind": "rigid_pair", "arrangement.rotor_mass_kg": 0.5}
+        | {"arrangement.span_mm": 25.0}
+    )
+    sides = np.array([np.eye(5), np.full((5, 5), math.nan)])
+    assert natural_frequencies(pair.arrangement, sides, 1e7) is None
+    assert natural_frequencies(pair.arrangement, sides[[0, 0]], 1e7) is not None
+
+
+def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
+    held = held_by(spindle, "fixed_position", 300.0)
+    life = HertzianLives(held)(held)
+    (state,) = worn_states(life)(at_share(held, 0.25))
+    loss = 1e6 * life.last.states[0].loss
+    other = held.with_({"wear.ball_diameter_loss_um": loss, "operation.shaft_speed_rpm": 4500.0})
+    found = solve(other).values
+    assert state["axial_stiffness"] == pytest.approx(float(found["axial_stiffness"]), rel=1e-6)
+    assert LIMITED["preload_kept"].extremes == ("preload_kept",)
+
+
+def test_where_nothing_is_solved_says_so(spindle):
+    bad = held_by(spindle, "fixed_position", 0.001)
+    point = followed_point(bad, STIFF)
+    assert point["status"] == OK or point[NOT_SOLVED_AT]["status"]

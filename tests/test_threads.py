@@ -1,0 +1,43 @@
+"""Several threads of a program use the Python interface at the same time."""
+
+import os
+import subprocess
+import sys
+
+THREADS = """
+import threading
+import bearingwear
+
+case = bearingwear.solve(bearingwear.example())
+bearingwear.save(case, "read.nc")
+
+def work(number):
+    for _ in range(15):
+        bearingwear.save(case, f"{number}.nc")
+        bearingwear.load("read.nc")
+        bearingwear.show(case)
+        bearingwear.save(case, "same.nc")
+
+threads = [threading.Thread(target=work, args=(number,)) for number in range(6)]
+for thread in threads:
+    thread.start()
+lives = bearingwear.sweep(bearingwear.example(), {"operation.preload_N": [5, 6]}, workers=2)
+for thread in threads:
+    thread.join()
+print((lives.status == "ok").all().item())
+"""
+
+
+def test_threads_write_and_read_at_the_same_time(tmp_path):
+    """The C library ends a process whose threads use it at once; processes are forked meanwhile."""
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", THREADS],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0 and done.stdout == "True\n", done.stderr
+    files = sorted(os.listdir(tmp_path))
+    assert files == [*(f"{number}.nc" for number in range(6)), "read.nc", "same.nc"]
+    assert len({(tmp_path / name).read_bytes() for name in files}) == 1
