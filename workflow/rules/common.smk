@@ -31,6 +31,7 @@ def checked(name, check, data=None):
 
 checked("config", configuration.check_config, config)
 DESIGN = checked("design", configuration.check_design)
+UNCERTAINTY = checked("uncertainty", configuration.check_sampled)
 
 # In the name of what `rule compile` makes, so that an edited kernel is compiled anew.
 KERNELS = kernels_hash()

@@ -1,7 +1,5 @@
 # Sampled lives at a scene's own preload and at the recommended one: `snakemake -j2 uncertainty` (config/uncertainty.yaml).
 
-UNCERTAINTY = checked("uncertainty", configuration.check_sampled)
-
 
 rule sample_lives:
     """A part of the sampled lives of one preload method at one preload."""
