@@ -5,12 +5,6 @@ from workflow.studies.accuracy import plan as accuracy_plan
 ACCURACY = checked("accuracy", accuracy_plan.check_accuracy)
 
 
-def scene_of_trade(wildcards):
-    """The scene file of a scene of the study."""
-    file = ACCURACY["scenes"][wildcards.trade_scene]["file"]
-    return f"config/scenes/{file}.yaml"
-
-
 rule sweep:
     """Solves and times the points of a sweep, or of a reference, on a scene; nothing runs beside it."""
     input:

@@ -44,6 +44,12 @@ def scene_of_life(wildcards):
     return f"config/scenes/{LIVES['lives'][wildcards.life]['scene']}.yaml"
 
 
+def scene_of_trade(wildcards):
+    """The scene file of a scene in config/accuracy.yaml."""
+    file = ACCURACY["scenes"][wildcards.trade_scene]["file"]
+    return f"config/scenes/{file}.yaml"
+
+
 def limits_of(wildcards):
     """Requirements on a scene, by which its preload is chosen."""
     return DESIGN["scenes"][wildcards.scene]["limits"]
