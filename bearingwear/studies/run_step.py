@@ -76,7 +76,7 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
     for name, values in texts.items():
         kind = str(getattr(signature.parameters.get(name), "annotation", ""))
         each = [Path(one) if "Path" in kind else _value(one, kind) for one in values]
-        if "Sequence" in kind or "Iterable" in kind:
+        if kind.partition("[")[0].endswith(("Sequence", "Iterable")):
             found[name] = each[0] if len(each) == 1 and isinstance(each[0], list) else each
         elif len(each) > 1:
             raise ValueError(f"got {len(each)} values of {name}, expected one")

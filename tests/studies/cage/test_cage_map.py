@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from support import ROOT, scene_file
+from support import ROOT, scene_file, step
 
 from bearingwear.console import UsageError
 from bearingwear.page.page import page
@@ -12,7 +12,6 @@ from bearingwear.plotting.drawing import save
 from bearingwear.scene.read import variant
 from bearingwear.studies.cage import ensemble
 from bearingwear.studies.cage.figures import cage_figure
-from bearingwear.studies.cage.gather import gathered_ensembles
 from bearingwear.studies.cage.motion import (
     FLOATS,
     HANGS,
@@ -145,9 +144,11 @@ def small(plan, tmp_path_factory):
             paths.append(folder / f"{name}.nc")
             changed = variant(scene, {**plan["set"], **point.changes})
             write_dataset(ensemble.ensemble_of(changed, Ensemble(**plan["ensemble"])), paths[-1])
-    gathered = gathered_ensembles(scene, paths, cage_axes(plan), plan["set"])
-    write_dataset(gathered, folder / "cage.nc")
-    return folder / "cage.nc", gathered
+    # as its rule gives the axes
+    asked = {"axes": cage_axes(plan), "changes": plan["set"]}
+    run, file = "studies.cage.gather.gathered_ensembles", folder / "cage.nc"
+    assert step(run, file, settings=asked, scene=scene, paths=paths) == 0
+    return file, ensemble.load(file)
 
 
 def test_what_a_map_says(small):
