@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from glob import glob
 from pathlib import Path
 from types import SimpleNamespace
 

@@ -126,19 +126,15 @@ def with_pngs(svgs):
 
 def answers(wildcards):
     """What the page says first: lives, and preloads by large maps if these were made, else by small ones."""
-    files = ("answer.json", "charts.json", "recommendation.nc")
-    made = [path.parent for path in sorted(Path().glob("results/*/design/answer.json"))]
+    files = ("answer.json", "charts.json", "recommendation.nc", "tables/check.md")
+    made = [Path(path).parent for path in sorted(glob("results/*/design/answer.json"))]
     large = [
-        *(f"{folder}/{file}" for folder in made for file in files),
-        *(
-            str(path)
-            for folder in made
-            for path in sorted(folder.glob("tables/check.md"))
-        ),
-        *(str(path) for folder in made for path in sorted(folder.glob("figures/*.*g"))),
+        *(folder / file for folder in made for file in files),
+        *(path for folder in made for path in sorted(folder.glob("figures/*.*g"))),
     ]
+    found = [str(path) for path in large if path.is_file()]
     lives = ["results/answer.json"] if GRIDS else []
-    return [*lives, *(large or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)])]
+    return [*lives, *(found or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)])]
 
 
 def tell_result():
