@@ -33,8 +33,8 @@ def run_job(snakemake: str, arguments: list[str]) -> int:
             request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
             sent = socket.send_fds(server, [request], [1, 2])
             server.sendall(request[sent:])
-            if status := server.recv(16):
-                return int(status)
+            if answer := server.recv(16):
+                return int(answer)
     except OSError:
         _start_server(folder, snakemake)
     command = [sys.executable, "-P", _SCRIPT, "bearingwear", *arguments]

@@ -72,10 +72,10 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
         if not name:
             raise ValueError(f"got {word!r}, expected NAME=VALUE")
         texts[name] += [word] if word else []
-    found = {}
+    found: dict[str, Any] = {}
     for name, values in texts.items():
         kind = str(getattr(signature.parameters.get(name), "annotation", ""))
-        each = [Path(one) if "Path" in kind else _value(one, kind) for one in values]
+        each: list[Any] = [Path(one) if "Path" in kind else _value(one, kind) for one in values]
         if kind.partition("[")[0].endswith(("Sequence", "Iterable")):
             found[name] = each[0] if len(each) == 1 and isinstance(each[0], list) else each
         elif len(each) > 1:

@@ -1,5 +1,6 @@
 # Functions of wildcards: what a scene or the configuration decides that a rule requires. No rule stands here.
 
+from glob import glob
 from types import SimpleNamespace
 
 
@@ -134,19 +135,15 @@ def with_pngs(svgs):
 
 def answers(wildcards):
     """What the page says first: lives; preloads, by large maps if these were made, else by small ones; cages."""
-    files = ("answer.json", "charts.json", "recommendation.nc")
-    made = [path.parent for path in sorted(Path().glob("results/*/design/answer.json"))]
+    files = ("answer.json", "charts.json", "recommendation.nc", "tables/check.md")
+    made = [Path(path).parent for path in sorted(glob("results/*/design/answer.json"))]
     large = [
-        *(f"{folder}/{file}" for folder in made for file in files),
-        *(
-            str(path)
-            for folder in made
-            for path in sorted(folder.glob("tables/check.md"))
-        ),
-        *(str(path) for folder in made for path in sorted(folder.glob("figures/*.*g"))),
+        *(folder / file for folder in made for file in files),
+        *(path for folder in made for path in sorted(folder.glob("figures/*.*g"))),
     ]
+    found = [str(path) for path in large if path.is_file()]
     lives = ["results/answer.json"] if GRIDS else []
-    preloads = large or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)]
+    preloads = found or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)]
     cages = CAGE["in_main_study"] or os.path.isfile(CAGE_ANSWER[0])
     return [*lives, *preloads, *(CAGE_ANSWER if cages else [])]
 
