@@ -63,32 +63,32 @@ FUZZ_FILES := $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc
 SEED ?= 2
 fuzz: $(STAMP)
 	$(MAKE) -j$(JOBS) $(FUZZ_FILES)
-	$(STEP).gather.counted_ends $(FUZZ_FILES:%=paths+=%) -o results/fuzz/fuzz.nc
+	$(STEP).gather.counted_ends paths= $(FUZZ_FILES) -o results/fuzz/fuzz.nc
 	$(STEP).tables.ends_table counts=results/fuzz/fuzz.nc -o results/fuzz/fuzz.md
 	$(STEP).tables.wrong_answers counts=results/fuzz/fuzz.nc -o results/fuzz/verdict.txt
 
-STEP := $(BIN)/bearingwear step studies.robustness
+STEP := $(BIN)/bearingwear step workflow.studies.robustness
 FUZZ_COUNT = $(patsubst $*:%,%,$(filter $*:%,$(FUZZ)))
 results/fuzz/%.nc: always
-	$(STEP).run.fuzz plan=config/robustness.yaml --settings '{"name": "$*", "count": $(FUZZ_COUNT), "seed": $(SEED)}' -o $@
+	$(STEP).run.random_scenes plan=config/robustness.yaml name=$* count=$(FUZZ_COUNT) seed=$(SEED) -o $@
 
-ACCURACY_INTO := $(BIN)/bearingwear step studies.accuracy
+ACCURACY_INTO := $(BIN)/bearingwear step workflow.studies.accuracy
 ACCURACY_DOCS := $(ACCURACY_INTO).docs.docs_with_part plan=config/accuracy.yaml docs=docs/accuracy.md
 ACCURACY_GIVEN := trade=results/accuracy/accuracy.nc
 accuracy-docs: $(STAMP) # after `snakemake -j2 accuracy`: its numbers into docs/accuracy.md, and a figure
-	$(ACCURACY_DOCS) $(ACCURACY_GIVEN) --settings '{"part": "accuracy"}' -o docs/accuracy.md
-	$(ACCURACY_INTO).figures.figure $(ACCURACY_GIVEN) --settings '{"which": "overview"}' -o docs/figures/tradeoff.png
+	$(ACCURACY_DOCS) $(ACCURACY_GIVEN) part=accuracy -o docs/accuracy.md
+	$(ACCURACY_INTO).figures.figure $(ACCURACY_GIVEN) which=overview -o docs/figures/tradeoff.png
 
 EFFECTS_GIVEN := trade=results/accuracy/effects.nc
 effects-docs: $(STAMP) # single effects and worn grooves alone, solved anew, into docs/accuracy.md and a figure: 3 minutes
 	$(BIN)/snakemake -j1 results/accuracy/effects.nc
-	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) --settings '{"part": "effects"}' -o docs/accuracy.md
-	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) --settings '{"part": "grooves"}' -o docs/accuracy.md
-	$(ACCURACY_INTO).figures.figure $(EFFECTS_GIVEN) --settings '{"which": "grooves"}' -o docs/figures/grooves.png
+	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) part=effects -o docs/accuracy.md
+	$(ACCURACY_DOCS) $(EFFECTS_GIVEN) part=grooves -o docs/accuracy.md
+	$(ACCURACY_INTO).figures.figure $(EFFECTS_GIVEN) which=grooves -o docs/figures/grooves.png
 
 cages-docs: $(STAMP) # ensembles of a cage alone, into docs/accuracy.md: 4 minutes of CPU time
 	$(BIN)/snakemake -j$(JOBS) results/accuracy/cages.nc
-	$(ACCURACY_DOCS) trade=results/accuracy/cages.nc --settings '{"part": "cages"}' -o docs/accuracy.md
+	$(ACCURACY_DOCS) trade=results/accuracy/cages.nc part=cages -o docs/accuracy.md
 
 docs: $(STAMP) # the site, into build/site; opens from disk, needs no network
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'

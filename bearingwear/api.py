@@ -26,7 +26,7 @@ from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.studies import registry
+from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
 from bearingwear.studies.export import to_ross
 from bearingwear.studies.sweep import sweep
 
@@ -329,10 +329,10 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
     if isinstance(data, Scene):
         return scene_sheet(data)
     if isinstance(data, str | os.PathLike):
-        return sheet(data, registry("SHEETS"), every)
+        return sheet(data, STUDY_SHEETS, every)
     with tempfile.TemporaryDirectory() as folder:
         save(data, path := Path(folder) / "result.nc")
-        return sheet(path, registry("SHEETS"), every)
+        return sheet(path, STUDY_SHEETS, every)
 
 
 def new(
@@ -434,23 +434,23 @@ class Plot:
             A ValueError with a one-line message: the file cannot be read, or its kind cannot be
             drawn.
         """
-        return self._drawn(data, registry("PLOTS"), bearing)
+        return self._drawn(data, STUDY_PLOTS, bearing)
 
     def __getattr__(self, name: str) -> Callable[..., Figure]:
-        kinds = {kind.replace(" ", "_"): kind for kind in registry("PLOTS")}
+        kinds = {kind.replace(" ", "_"): kind for kind in STUDY_PLOTS}
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
         kind = kinds[name]
-        drawing = function(registry("PLOTS")[kind])
+        drawing = function(STUDY_PLOTS[kind])
 
         def figure(data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None) -> Figure:
-            return self._drawn(data, {kind: registry("PLOTS")[kind]}, bearing)
+            return self._drawn(data, {kind: STUDY_PLOTS[kind]}, bearing)
 
         figure.__name__, figure.__doc__ = name, drawing.__doc__
         return figure
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *(kind.replace(" ", "_") for kind in registry("PLOTS"))]
+        return [*super().__dir__(), *(kind.replace(" ", "_") for kind in STUDY_PLOTS)]
 
     @staticmethod
     def _drawn(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 import re
@@ -15,19 +14,20 @@ from bearingwear import __version__
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.blocks import SEEN
-from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.coefficients import FILMS, RUBBING
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
-from bearingwear.studies import NAMES
 
 BAD_INPUT = 2
 
-STUDY_NAMES = ", ".join(("a scene, MINE.yaml", "a file under results/", "all", *NAMES))
-"""What `study` accepts, for messages."""
+STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustness")
+"""Studies of the workflow: rules that collect what belongs together."""
+
+MODELS = ("steady", "worn", "dynamic")
+"""Models whose kernels `warmup` compiles."""
 
 
 _EXPECTED = {
@@ -79,8 +79,9 @@ def command_parser() -> argparse.ArgumentParser:
     )
     for sub in (check, solve, life, launch):
         sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
+    _add_result(solve, several=True)
+    _add_result(life)
     for sub in (solve, life):
-        _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
         "uncertainty", "compute the spread in life due to the uncertain values in the scene"
@@ -104,6 +105,7 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
+    _add_for_the_workflow(command)
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -133,18 +135,52 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
         help="maximum number of shaft turns in a run that has not settled (default: 150)")
     cage.add_argument("--life", action="store_true",
         help="also compute the wear life of the cage from ensembles at successive wear states")
+    cage.add_argument("-j", "--jobs", type=int, metavar="N",
+        help="number of processes (default: one for each core)")
+    cage.add_argument("--record-failures", action="store_true",
+        help="exit status 0 even if no run succeeds; the file contains the reasons")
     cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
 
 
 def _add_step(step: argparse.ArgumentParser) -> None:
-    step.add_argument("step", metavar="STEP")
-    step.add_argument("inputs", nargs="*", metavar="NAME=FILE")
-    step.add_argument("--workers", type=int, default=1, metavar="N")
-    step.add_argument("--settings", type=_mapping, default={}, metavar="JSON")
+    step.add_argument("function", metavar="FUNCTION")
+    step.add_argument("words", nargs="*", metavar="NAME=VALUE")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     step.set_defaults(run="step")
+
+
+def _add_for_the_workflow(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    _add_gather(command("gather", "gather case files of one scene into one file over their grid"))
+    _add_page(command("page", "write the report page of a study"))
+    _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
+
+
+def _add_gather(gather: argparse.ArgumentParser) -> None:
+    gather.add_argument("files", nargs="+", metavar="CASE.nc", type=Path,
+        help="case files that together fill a grid of preload methods, friction coefficients and "
+        "wear states")
+    gather.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
+        help="the file to write")
+
+
+def _add_page(page: argparse.ArgumentParser) -> None:
+    page.add_argument("results", nargs="*", metavar="FILE", type=Path,
+        help="results of a study (.nc), tables (.md) and figures (.svg, .png)")
+    for name, words in (
+        ("answers", "what the page says first (answer.json), with the files beside it"),
+        ("docs", "documents to link"),
+        ("scenes", "scene files, for their descriptions and the values that they assume"),
+    ):
+        page.add_argument(f"--{name}", nargs="*", default=[], metavar="FILE", type=Path, help=words)
+    page.add_argument("-o", "--output", required=True, metavar="FILE.html", type=Path,
+        help="the file to write; its links assume that it lies two folders below the study")
+
+
+def _add_warmup(warmup: argparse.ArgumentParser) -> None:
+    warmup.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
+        help=f"{', '.join(MODELS)} (default: all)")
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:
@@ -207,8 +243,12 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
 
 
-def _add_result(sub: argparse.ArgumentParser) -> None:
+def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
+    if several:
+        sub.add_argument("--each", metavar="KEY=VALUE,VALUE...",
+            help="solve a case for each value of a key in the scene; -o then names a file for each")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
+        nargs="+" if several else None,
         help="the file to write; its folder is created if missing")
     sub.add_argument("--record-timing", action="store_true",
         help="store the solve time (result files of identical cases then differ)")
@@ -234,6 +274,10 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         help="number of base samples, a power of two (2 N lives are computed)")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
         help="random seed (default: 1)")
+    sub.add_argument("-j", "--jobs", type=int, metavar="N",
+        help="number of parallel processes (default: one per core)")
+    sub.add_argument("--record-failures", action="store_true",
+        help="exit with status 0 even if no life could be computed")
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
 
@@ -242,7 +286,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
         help="a scene to study (wear states, life and its spread, recommended preload, page), "
-        f"the name of a study in the current folder ({', '.join(NAMES)}), or one of its results "
+        f"the name of a study in the current folder ({', '.join(STUDIES)}), or one of its results "
         "to recompute (results/...); default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
         help="folder for the study of a scene (default: the name of the scene file)")
@@ -335,20 +379,9 @@ def _speeds(text: str) -> list[float]:
         ) from None
 
 
-def is_study(text: str) -> bool:
-    """Whether `study` accepts it as the name of a study."""
-    return text in ("all", *NAMES) or text.endswith(SCENE_SUFFIXES) or is_result(text)
-
-
 def is_result(text: str) -> bool:
     """Whether the name of a study is rather that of one of its results."""
     return Path(text).parts[:1] == ("results",)
-
-
-def _mapping(text: str) -> dict[str, Any]:
-    if not isinstance(values := json.loads(text), dict):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected a mapping")
-    return values
 
 
 def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:

@@ -21,11 +21,10 @@ import sys
 from collections.abc import Sequence
 from typing import TextIO
 
-from bearingwear.arguments import BAD_INPUT, STUDY_NAMES, command_parser, is_study
+from bearingwear.arguments import BAD_INPUT, command_parser
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
-from bearingwear.studies import NAMES
 
 _OK, FULL_DISK, INTERRUPTED = 0, 74, 130
 NEED_LIVES = {"solve", "life", "uncertainty", "recommend", "study"}
@@ -71,27 +70,11 @@ def _look_for_garbage_rarely() -> None:
 
 def _status(argv: Sequence[str]) -> int:
     try:
-        # `step A ... -- B ...` runs one after the other; other commands have no `--`
-        calls = _split(argv[1:]) if argv[:1] == ["step"] else []
-        for call in calls:
-            if status := _run(_parsed(["step", *call])):
-                return status
-        return _OK if calls else _run(_parsed(argv))
+        return _run(_parsed(argv))
     except SystemExit as stop:
         if isinstance(stop.code, str):  # of a library
             sys.stderr.write(one_line(stop.code))
         return stop.code if isinstance(stop.code, int) else BAD_INPUT
-
-
-def _split(arguments: Sequence[str]) -> list[list[str]]:
-    """Arguments in groups, parted by `--`."""
-    groups: list[list[str]] = [[]]
-    for text in arguments:
-        if text == "--":
-            groups.append([])
-        else:
-            groups[-1].append(text)
-    return groups
 
 
 def _drop(stream: TextIO) -> None:
@@ -128,23 +111,22 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
 def _check_study(
     parser: argparse.ArgumentParser, args: argparse.Namespace, argv: Sequence[str]
 ) -> None:
-    """Refuse a name that is no study's, or that an option of Snakemake may take for its value."""
-    from bearingwear.studies.launch import DRY_RUN, takes_value
+    """Refuse options of a scene without one, misspelt ones, and a name after other options."""
+    from bearingwear.studies.launch import DRY_RUN
 
+    own = [one.option for one in LIMITED.values()] + ["--output", "--jobs"]
+    typed = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
+    for text in typed:
+        if near := difflib.get_close_matches(text.partition("=")[0], own, n=1, cutoff=0.8):
+            parser.error(f"study: got {text!r}; did you mean {near[0]}")
     before = argv[: argv.index(args.name)] if args.name in argv else []
-    typed = [text for text in before if text.startswith("-") and text in args.more]
-    options = [text for text in typed if text not in DRY_RUN]
-    if options and ((valued := takes_value(options[-1])) or is_study(args.name)):
-        words = ("all", options[-1], args.name) if valued else (args.name, options[-1])
+    if first := [text for text in typed if text in before]:
         parser.error(
-            f"study: got {args.name} after {options[-1]}; the name of the study must come first: "
-            f"`bearingwear study {' '.join(words)}`"
+            f"study: got {args.name} after {first[0]}, expected the name of the study first"
         )
-    if not is_study(args.name):
-        parser.error(f"study: got {args.name!r}, expected {STUDY_NAMES}")
     given = [one.option for key, one in LIMITED.items() if getattr(args, key) is not None]
     given += ["--output"] if args.output is not None else []
-    if given and args.name in ("all", *NAMES):
+    if given and not args.name.endswith(SCENE_SUFFIXES):
         parser.error(f"study: got {given[0]} without a scene; only allowed with SCENE.yaml")
 
 

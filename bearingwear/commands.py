@@ -12,6 +12,7 @@ import io
 import re
 import shlex
 import sys
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -126,6 +127,9 @@ def check(args: argparse.Namespace) -> int:
 
 
 def solve(args: argparse.Namespace) -> int:
+    if args.each is not None:
+        return _solve_each(args)
+    args.output = _only_output(args.output)
     with ProgressLines(args.scene) as tell:
         scene = _scene(args)
         from bearingwear.solvers.solve import solve as solved
@@ -133,6 +137,68 @@ def solve(args: argparse.Namespace) -> int:
         restart = _restart(scene, args) if args.restart is not None else None
         result = solved(scene, args.fidelity, restart, tell)
     return _finish(result, args)
+
+
+def _only_output(paths: list[str] | None) -> str | None:
+    """The one file that a solve writes."""
+    if paths is None or len(paths) == 1:
+        return paths[0] if paths else None
+    raise UsageError(f"-o: got {len(paths)} files, expected one, or --each KEY=VALUE,VALUE...")
+
+
+def _solve_each(args: argparse.Namespace) -> int:
+    """A case for each value of `--each`, in a file of its own."""
+    key, _, values = args.each.partition("=")
+    each, outputs = values.split(","), args.output or []
+    if not (key and values) or len(outputs) != len(each):
+        raise UsageError(
+            f"--each: got {args.each} with {len(outputs)} files after -o, expected KEY=VALUE,VALUE "
+            "and a file for each value"
+        )
+    if args.restart is not None:
+        raise UsageError("--each: got it with --restart, expected one of them")
+    for path in outputs:
+        check_output(path, args.scene)
+    from bearingwear.results.netcdf import write_result
+    from bearingwear.scene.changes import changes_of
+    from bearingwear.studies.solve import solved_variants
+
+    variants = [changes_of([*args.set, f"{key}={value}"]) for value in each]
+    solved = solved_variants(args.scene, variants, args.fidelity, args.case)
+    status = OK
+    for result, path in zip(solved, outputs, strict=True):
+        if args.record_timing:
+            result.attrs["wall_time_s"] = float(result.wall_time_s)
+        write_result(result, path)
+        if result.status != "ok" and not args.record_failures:
+            status = NOT_SOLVED
+    return status
+
+
+def gather(args: argparse.Namespace) -> int:
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.grid.gather import study as gathered
+
+    write_dataset(gathered(args.files), args.output)
+    return OK
+
+
+def page(args: argparse.Namespace) -> int:
+    from bearingwear.atomic import write_text
+    from bearingwear.page.page import page as written
+
+    write_text(args.output, written(args.results, args.docs, args.answers, args.scenes))
+    return OK
+
+
+def warmup(args: argparse.Namespace) -> int:
+    from bearingwear.arguments import MODELS
+    from bearingwear.studies.warmup import compile_model
+
+    for model in args.models or MODELS:
+        with ProgressLines(model):
+            compile_model(model)
+    return OK
 
 
 def life(args: argparse.Namespace) -> int:
@@ -154,13 +220,13 @@ def uncertainty(args: argparse.Namespace) -> int:
         from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
         samples = SAMPLES if args.samples is None else args.samples
-        more = samples, args.seed, usable_cores(), tell
+        more = samples, args.seed, args.jobs or usable_cores(), tell
         found = life_quantiles(args.scene, args.friction, args.method or (), *more)
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not (found["solved_share"] > 0.0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed (see {args.output})"))
-        return NOT_SOLVED
+        return OK if args.record_failures else NOT_SOLVED
     if not args.quiet:
         _print_file(args.output, args)
     return OK
@@ -178,13 +244,14 @@ def cage(args: argparse.Namespace) -> int:
     plan = record(Ensemble, given, "cage")
     _tell_of_new_folder(args.output)
     with ProgressLines(args.scene) as tell:
-        found = cage_found(scene, plan, args.life, usable_cores(), tell, args.output)
+        workers = args.jobs or usable_cores()
+        found = cage_found(scene, plan, args.life, workers, tell, args.output)
     if not args.quiet:
         _print_file(args.output, args)
     if (found["status"] == 0).any():
         return OK
     sys.stderr.write(one_line(f"{args.scene}: none of the cage runs succeeded"))
-    return NOT_SOLVED
+    return OK if args.record_failures else NOT_SOLVED
 
 
 def calibrate(args: argparse.Namespace) -> int:
@@ -279,12 +346,12 @@ def show(args: argparse.Namespace) -> int:
 
 def plot(args: argparse.Namespace) -> int:
     from bearingwear.plotting.plot import plot as draw
-    from bearingwear.studies import registry
+    from bearingwear.studies import STUDY_PLOTS
 
     for path in args.output:
         check_folder(path)
         _tell_of_new_folder(path)
-    draw(args.file, args.output, registry("PLOTS"), args.bearing)
+    draw(args.file, args.output, STUDY_PLOTS, args.bearing)
     for path in args.output:
         print(f"{path}: written")
     return OK
@@ -300,58 +367,35 @@ def compare(args: argparse.Namespace) -> int:
 
 def study(args: argparse.Namespace) -> int:
     from bearingwear.arguments import is_result
-    from bearingwear.studies.launch import (
-        DRY_RUN,
-        check_arguments,
-        launch,
-        launch_here,
-        launch_own,
-        only_run,
-    )
+    from bearingwear.studies.launch import DRY_RUN, run_own_study, run_study
     from bearingwear.studies.sampling import usable_cores
 
-    limits = [one.option for one in LIMITED.values()]
-    check_arguments(args.more, [*limits, "--at-speed-only", "--output", "--jobs"])
     jobs = args.jobs or usable_cores()
+    if not args.name.endswith(SCENE_SUFFIXES):
+        again = ["--force"] if is_result(args.name) else []
+        return run_study(args.name, jobs, [*args.more, *again, "--rerun-incomplete"])
+    from bearingwear.studies.own_study import write_study
 
-    if args.name.endswith(SCENE_SUFFIXES):
-        from bearingwear.studies.own.folder import looked_at, write_study
-
-        file = Path(args.name)
-        folder = args.output or Path(file.stem)
-        check_folder(folder / file.name)
-        if DRY_RUN & set(args.more):
-            with looked_at(folder) as other:
-                write_study(file, folder, _limits(args), other)
-                return launch("all", jobs, args.more, other)
-        with contextlib.ExitStack() as stack:
-            # a new folder comes into being only for a scene that can be studied
-            held = stack.enter_context(only_run(folder)) if folder.exists() else None
-            with ProgressLines(args.name):
-                write_study(file, folder, _limits(args))
-            if held is None:
-                held = stack.enter_context(only_run(folder))
-            status, page = launch_own(folder, jobs, held, args.more)
-        if page:
-            _print(f"page: {page}")
-        return status
-    again = ["--force"] if is_result(args.name) else []
-    return launch_here(args.name, jobs, [*args.more, *again, "--rerun-incomplete"])
+    file = Path(args.name)
+    folder = args.output or Path(file.stem)
+    check_folder(folder / file.name)
+    with contextlib.ExitStack() as stack:
+        if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        with ProgressLines(args.name):
+            write_study(file, folder, _limits(args))
+        status, page = run_own_study(folder, jobs, args.more)
+    if page:
+        _print(f"page: {page}")
+    return status
 
 
 def step(args: argparse.Namespace) -> int:
-    """Run a step of a study. `NAME+=FILE` adds to a list of files."""
+    """Call a function for a rule of the workflow."""
     from bearingwear.studies.run_step import NotSolved, run_step
 
-    inputs: dict[str, Any] = {}
-    for text in args.inputs:
-        name, _, file = text.partition("=")
-        if name.endswith("+"):
-            inputs.setdefault(name[:-1], []).append(Path(file))
-        else:
-            inputs[name] = Path(file)
     try:
-        run_step(args.step, inputs, args.settings, args.output, args.workers)
+        run_step(args.function, args.words, args.output)
     except NotSolved as error:
         sys.stderr.write(f"{error}\n")
         return NOT_SOLVED
@@ -472,9 +516,9 @@ def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
 def _print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
     """The sheet of a result file of any kind."""
     from bearingwear.document.show import sheet
-    from bearingwear.studies import registry
+    from bearingwear.studies import STUDY_SHEETS
 
-    _print_sheet(sheet(path, registry("SHEETS"), every), args)
+    _print_sheet(sheet(path, STUDY_SHEETS, every), args)
 
 
 def _warn(attributes: Mapping[str, Any]) -> None:

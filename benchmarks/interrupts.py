@@ -51,7 +51,6 @@ COMMANDS = {
     "plot": ["plot", "mine.nc", "-o", "out.png", "out.svg"],
     "study": ["study", "mine.yaml", *LIMITS],
     "studies": ["study", "all", "-j2"],
-    "identify": ["study", "identify", "-j2"],
 }
 
 

@@ -23,7 +23,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.launch import snakefile
-from bearingwear.studies.own.folder import write_study
+from bearingwear.studies.own_study import write_study
 
 CONFIG = Path(__file__).resolve().parents[1] / "config"
 NAME, FORCE_N = "pushed_pair", 1.0

@@ -20,8 +20,8 @@ import numpy as np
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.scene import WORN, Scene
+from bearingwear.studies.configuration import grids
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.grid.plan import Plan
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import Batches
@@ -60,11 +60,12 @@ def scenes() -> Iterator[tuple[str, Scene, int]]:
 def scenes_of_study() -> Iterator[tuple[str, Scene, int]]:
     """Those whose lives `make study` samples, at every friction of its grid."""
     file = SCENES.parent / "config.yaml"
-    plan = Plan.from_config(data_of(file.read_text(), file.name))
-    for name in plan.config.uncertain_lives.scenes:
-        for mu in plan.grids[name].friction:
+    config = data_of(file.read_text(), file.name, anchors=True)
+    known = grids(config)
+    for name in config["uncertain_lives"]["scenes"]:
+        for mu in known[name].friction:
             base = uncertain_scene(SCENES / f"{name}.yaml", [f"friction.ball_race={mu!r}"])
-            for method in plan.grids[name].preload_method:
+            for method in known[name].preload_method:
                 one = with_preload(base, method, base.operation.preload_N)
                 yield f"{name}, {mu}, {method}", one, HERTZIAN
 

@@ -138,9 +138,8 @@ def measured(root: Path, size: Size, repeats: int) -> dict[str, str]:
         for folder in ("cases", "chunks")
         for path in root.glob(f"results/{SCENE}/{folder}/*.nc")
     )
-    gather = [sys.executable, "-m", "bearingwear", "step", "studies.grid.gather.study"]
-    paths = [f"paths+={path}" for path in parts]
-    told("gather alone", cost([*gather, *paths, "-o", STUDY], root, repeats))
+    gather = [sys.executable, "-m", "bearingwear", "gather", *parts, "-o", STUDY]
+    told("gather alone", cost(gather, root, repeats))
     told("plan, nothing to do", cost([*plan, "--rerun-triggers", "params"], root, repeats))
     number, megabytes = files(root, f"results/{SCENE}/c*/*.nc")
     column["files of points"] = f"{number}, {megabytes:.1f} MB"

@@ -25,13 +25,18 @@ from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.steady.balance import Seat, balance_problem, motion_equilibrium
 from bearingwear.kernels.steady.level_solver import pseudo_transient
 from bearingwear.kernels.steady.solver import unknowns
-from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import SAME_STATE, ThrustProblem, is_new
 from workflow.studies.robustness.draw import drawn_scene
-from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
+from workflow.studies.robustness.plan import (
+    base_scene,
+    draw_blocks,
+    drawn,
+    draws,
+    read_robustness,
+)
 
 CONFIG = Path(__file__).resolve().parents[1] / "config"
 STARTS, SETTLED, MOST_STEPS = 4, 1e-9, 300
@@ -110,12 +115,12 @@ def main():
     given = sys.argv[1:]
     count, seed = (int(text) for text in (given + ["3000", "7"][len(given) :])[:2])
     contact = given[2] if len(given) > 2 else "paper"
-    plan = read_record(RobustnessPlan, CONFIG / "robustness.yaml")
-    scene_file = CONFIG / "scenes" / f"{plan.scene}.yaml"
-    base = load_scene(scene_file, [f"model.contact={contact}"]).to_dict()
+    file = CONFIG / "robustness.yaml"
+    plan = read_robustness(file)
+    base = load_scene(base_scene(plan, file), [f"model.contact={contact}"]).to_dict()
     for name in ("steady", "steady_stress"):
         ends, spent = Counter(), np.zeros(2)
-        draw = draws(plan.class_settings(name)["draw"])
+        draw = draws(draw_blocks(plan, name))
         for k, values in enumerate(drawn(draw, seed, count)):
             try:
                 scene = drawn_scene(base, values)

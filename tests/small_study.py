@@ -7,6 +7,7 @@ from pathlib import Path
 import yaml
 from support import scene_file, step
 
+from bearingwear.cli import main
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.grid import Grid
 
@@ -33,7 +34,6 @@ ANSWERS = (
     f"{CHOICE}/tables/design.md",
 )
 DOCS = ("docs/verification.md",)
-DATA = {f"{figure}.svg": [f"{FOLDER}/study.nc", f"{FOLDER}/tables/cases.csv"] for figure in FIGURES}
 AXES = {
     "preload_method": PRELOAD_METHODS,
     "friction": [0.08],
@@ -41,7 +41,6 @@ AXES = {
     "preload_N": [2.0, 4.0, 6.0, 8.0, 12.0],
 }
 LIMITS = {"system_axial_stiffness_N_um": 3.0, "gyroscopic_slip_share": 0.25}
-PAGE = "page.page.page"
 
 
 def make_small_study(folder: Path) -> None:
@@ -94,9 +93,14 @@ def texts() -> list[str]:
     return [f"{CHOICE}/tables/{name}" for name in ("map.csv", "design.md")]
 
 
-def make_page(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS, data=None) -> str:
+def page_command(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS, scenes=()) -> list[str]:
+    """Arguments of `bearingwear` that write the page of files below the present folder."""
+    given = [*sections, "--answers", *answers, "--docs", *docs, "--scenes", *scenes, "-o", path]
+    return ["page", *map(str, given)]
+
+
+def make_page(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS) -> str:
     """The page of files below the present folder."""
-    given = {"sections": sections, "docs": docs, "answers": answers}
-    assert step(PAGE, path, settings={"data": DATA if data is None else data}, **given) == 0
+    assert main(page_command(path, sections, docs, answers)) == 0
     with open(os.fspath(path), encoding="utf-8") as file:
         return file.read()

@@ -3,7 +3,6 @@
 import ast
 import functools
 import importlib.util
-import json
 import re
 import sys
 import types
@@ -11,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from bearingwear.cli import main
 from bearingwear.kernels.steady.balance import BalanceProblem, balance_problem
@@ -75,19 +73,6 @@ def by_differences(function, c, steps) -> np.ndarray:
     return np.array(out)
 
 
-def with_value(file: Path, path: str, value: object, folder: Path) -> Path:
-    """A copy of a YAML file in a folder, with one value replaced."""
-    data = yaml.safe_load(file.read_text(encoding="utf-8"))
-    *blocks, last = path.split(".")
-    block = data
-    for name in blocks:
-        block = block[name]
-    block[last] = value
-    changed = folder / "plan.yaml"
-    changed.write_text(yaml.safe_dump(data), encoding="utf-8")
-    return changed
-
-
 def without_waits(text: str) -> str:
     """Output without the lines that say how long a slow machine has been at work."""
     return re.sub(r"^.*\brunning for \d+ s.*\n", "", text, flags=re.M)
@@ -111,12 +96,20 @@ def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -
     settings : dict, optional
     **inputs : path, or list of paths
     """
-    given = [
-        f"{name}={paths}" if isinstance(paths, str | Path) else f"{name}+={path}"
-        for name, paths in inputs.items()
-        for path in ([paths] if isinstance(paths, str | Path) else paths)
-    ]
-    return ["step", run, *given, "--settings", json.dumps(settings or {}), "-o", *map(str, outputs)]
+    words = []
+    for name, paths in inputs.items():
+        listed = [paths] if isinstance(paths, str | Path) else paths
+        words += [f"{name}=", *map(str, listed)]
+    for name, value in (settings or {}).items():
+        words.append(f"{name}={value if isinstance(value, str) else repr(value)}")
+    return ["step", dotted(run), *words, "-o", *map(str, outputs)]
+
+
+def dotted(run: str) -> str:
+    """Dotted name of a function of a study: `studies.grid.gather.study` in the package."""
+    study = run.split(".")[1]
+    there = (ROOT / "workflow" / "studies" / study).is_dir()
+    return f"{'workflow' if there else 'bearingwear'}.{run}"
 
 
 def step(run: str, *outputs, settings: dict | None = None, **inputs) -> int:

@@ -24,7 +24,6 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
-from bearingwear.studies.launch import check_arguments
 
 SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
@@ -254,10 +253,7 @@ def test_print_on_a_full_disk(unbuffered):
         ["prove"],
         ["solve"],
         ["solve", "a.yaml", "--json", "--csv"],
-        ["solve", "a.yaml", "-o", "x.nc", "more"],
-        ["solve", "a.yaml", "-o", "x.nc", "b\nc"],
         ["check", "a.yaml", "--set", "a=1", "b"],
-        ["study", "a"],
         ["study", "--report", "results/a.html"],
         ["study", "--report", "a.html", "a.yaml"],
     ],
@@ -268,23 +264,47 @@ def test_wrong_arguments(argv, capsys):
     assert err.startswith("bearingwear") and "--help" in err
 
 
+@pytest.mark.parametrize("option", ["-f", "--forcerun", "--configfile"])
+def test_the_name_of_a_study_comes_first(option, capsys):
+    assert main(["study", option, "results/a.nc"]) == 2
+    assert f"got results/a.nc after {option}" in only_line(capsys)
+    args = _parsed(["study", "all", option, "results/a.nc"])
+    assert (args.name, args.more) == ("all", [option, "results/a.nc"])
+
+
 @pytest.mark.parametrize(
-    ("typed", "advised"),
+    ("given", "said"),
     [
-        ("-f results/a.nc", "results/a.nc -f"),
-        ("-n -p -f -j 2 all", "all -f"),
-        ("--forcerun results/a.nc", "all --forcerun results/a.nc"),
-        ("-p --configfile a.yaml", "all --configfile a.yaml"),
-        ("--config=a=1 design", "design --config=a=1"),
+        (["-o", "x.nc", "b\nc"], "-o: got 2 files, expected one, or --each KEY=VALUE,VALUE..."),
+        (["--each", "friction.ball_race=0.1,0.2", "-o", "x.nc"], "--each: got friction.ball_race="),
+        (["--each", "friction.ball_race", "-o", "x.nc"], "--each: got friction.ball_race with 1"),
+        (["--each", "friction.bal=1", "-o", "x.nc"], "--set friction.bal: got an unknown key"),
     ],
 )
-def test_an_option_before_the_study_is_advised_of(typed, advised, capsys):
-    assert main(["study", *typed.split()]) == 2
-    assert f"`bearingwear study {advised}`" in only_line(capsys)
-    name, *more = advised.split()
-    args = _parsed(["study", name, *more])
-    assert (args.name, args.more) == (name, more)
-    check_arguments(more, [])
+def test_values_and_files_belong_together(given, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["solve", str(SCENE), *given]) == 2
+    assert only_line(capsys).startswith(said)
+    assert os.listdir() == []
+
+
+def test_each_value_is_solved_as_alone(tmp_path, capsys):
+    key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
+    case = "constant_force-mu0.050-loss{:.2f}.nc"
+    files = [str(tmp_path / case.format(float(value))) for value in values]
+    more = ["--set", "friction.ball_race=0.05", "--quiet"]
+    each = ["--each", f"{key}={','.join(values)}", "-o", *files]
+    assert main(["solve", str(SCENE), *more, *each]) == 0
+    for value, file in zip(values, files, strict=True):
+        alone = tmp_path / "alone.nc"
+        assert main(["solve", str(SCENE), *more, "--set", f"{key}={value}", "-o", str(alone)]) == 0
+        assert alone.read_bytes() == Path(file).read_bytes()
+    assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
+    assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
+    # a failure is recorded, or said by the exit status
+    unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each]
+    assert main(unsolved) == 3 and main([*unsolved, "--record-failures"]) == 0
+    assert capsys.readouterr().err.count("undetermined") == 4
 
 
 # steps
@@ -319,11 +339,12 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
     [
         (
             "studies.grid.gather.nothing",
-            "step: got studies.grid.gather.nothing, which does not exist",
+            "step: got bearingwear.studies.grid.gather.nothing, which does not exist",
         ),
-        ("studies.nothing.gather.study", "step: got studies.nothing.gather.study, which does not"),
-        ("os.system", "step: got os.system, expected studies.STUDY.MODULE.FUNCTION"),
-        ("model.solve.solve", "step: got model.solve.solve, expected"),
+        (
+            "studies.nothing.gather.study",
+            "step: got bearingwear.studies.nothing.gather.study, which does",
+        ),
     ],
 )
 def test_a_step_that_is_not_there(run, said, tmp_path, capsys):
@@ -340,11 +361,21 @@ def test_a_step_that_cannot_solve_says_so_and_goes_on(tmp_path, capsys):
     assert int(load(tmp_path / "a.nc")["status"]) == code.UNDETERMINED
 
 
+def test_only_our_functions_are_steps(tmp_path, capsys):
+    assert main(["step", "os.system", "command=ls", "-o", str(tmp_path / "a.nc")]) == 2
+    assert only_line(capsys).startswith("step: got os.system, expected bearingwear.MODULE.FUNCTION")
+
+
 @pytest.mark.parametrize(
-    "given", [["scene"], ["scene=a", "--settings", "{"], ["--settings", "[1]"], ["=a"]]
+    "given", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
 )
 def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
-    assert main(["step", "studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]) == 2
+    assert (
+        main(
+            ["step", "bearingwear.studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]
+        )
+        == 2
+    )
     only_line(capsys)
     assert os.listdir(tmp_path) == []
 

@@ -38,7 +38,7 @@ MAY_IMPORT = {
     "run_module": {"__init__"},
     "__init__": {"api", "scene"},
     "api": {"studies", "document", "plotting"} | READING,
-    "commands": {"arguments", "studies", "document", "plotting", "console"} | READING,
+    "commands": {"arguments", "studies", "page", "document", "plotting", "console"} | READING,
     "arguments": {"studies", "console"} | READING,
     "cli": {"arguments", "commands", "studies", "console"} | READING,
     "__main__": {"cli", "process"},
@@ -49,15 +49,16 @@ BETWEEN_STUDIES = {
     "design": {
         "uncertainty.plan"
     },  # a recommended life is quoted with its spread, if that is sampled
-    # it makes the plan of a study of lives, preload and cages
-    "own": {"cage.plan", "design.plan", "design.map"},
     "uncertainty": {"design.recommend"},  # a sample is taken at the preload that design recommends
 }
 """What modules of a study's folder may import of another's; `page` imports none."""
 
 SHARED_NEEDS = {
-    "repair": {"grid.grid"},  # a file of a case has the name of what it holds
-    "unsolved": {"grid.grid"},
+    "unsolved": {"grid.grid"},  # a file of a case has the name of what it holds
+    # it checks the configuration of every study
+    "configuration": {"grid.grid", "design.plan", "uncertainty.plan"},
+    # it writes those of a study of lives, preload and cages
+    "own_study": {"cage.plan", "design.plan", "design.map"},
 }
 """What modules that studies share may import of one of them."""
 
@@ -172,9 +173,9 @@ def test_studies_know_only_what_they_share():
 
 
 def test_what_the_snakefile_reads_is_light():
-    """Studies are read each time that Snakemake starts, and it starts once a job."""
-    code = "import bearingwear.studies\nfrom bearingwear.studies import protocol, repair"
-    assert not loaded_by(code) & (SLOW - {"netCDF4", "numpy"})
+    """It is read each time that Snakemake starts, on a cluster once a job."""
+    code = "from bearingwear.studies import configuration"
+    assert not loaded_by(code) & (SLOW - {"netCDF4", "numpy", "yaml"})
 
 
 def loaded_by(code: str) -> set[str]:

@@ -1,14 +1,12 @@
 """Names and sizes: a public name is defined once, no file or function is too long to read."""
 
 import ast
-import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from support import syntax_nodes
 
 import bearingwear
-from bearingwear import studies
 
 PACKAGE = Path(bearingwear.__file__).parent
 OURS = PACKAGE, PACKAGE.parent / "workflow" / "studies"
@@ -20,8 +18,6 @@ REPEATING = {
     "api.py": "the Python interface: `solve` and `life` are those of the model, in xarray",
     "commands.py": "a handler has the name of its command, which is what is typed",
 }
-PROTOCOL = {"study", "PLOTS", "SHEETS"}
-"""What each studies/NAME/study.py may define for the registry."""
 
 
 def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
@@ -54,30 +50,13 @@ def defined_twice(*folders: Path) -> dict[str, list[str]]:
         if place.as_posix() in REPEATING or "__pycache__" in place.parts:
             continue
         for name in set(public_names(syntax_nodes(path)[0].body)):
-            if not (name in PROTOCOL and place.name == "study.py"):
-                files.setdefault(name, []).append(place.as_posix())
+            files.setdefault(name, []).append(place.as_posix())
     return {name: places for name, places in sorted(files.items()) if len(places) > 1}
 
 
 def test_no_public_name_has_two_meanings():
     twice = defined_twice(*OURS)
     assert not twice, "\n".join(f"{name}: {', '.join(files)}" for name, files in twice.items())
-
-
-def test_page_show_and_rules_know_no_study():
-    """They ask the registry: none of its names is part of a module or of a path in them."""
-    names = "|".join(studies.NAMES)
-    named = re.compile(rf"\b(?:studies[./]|config/|results/)(?:{names})\b")
-    root = PACKAGE.parent
-    files = [
-        *(PACKAGE / "page").iterdir(),
-        *(PACKAGE / "document").glob("*.py"),
-        *(root / "workflow" / "rules").iterdir(),
-        root / "workflow" / "profiles" / "slurm" / "profile.yaml",
-        root / "Snakefile",
-    ]
-    texts = {file.name: file.read_text(encoding="utf-8") for file in files if file.is_file()}
-    assert {name: named.findall(text) for name, text in texts.items() if named.search(text)} == {}
 
 
 def lines_of(function: ast.FunctionDef) -> int:
@@ -101,9 +80,7 @@ def test_functions_are_short():
 
 
 def test_a_name_with_two_meanings_is_found(tmp_path):
-    (tmp_path / "studies" / "grid").mkdir(parents=True)
     (tmp_path / "a.py").write_text("try:\n    X = Y = 1\nexcept OSError:\n    pass\n_Z: int = 2\n")
     (tmp_path / "b.py").write_text("class Y: ...\nX: int = 2\n_Z = 3\nlocal = lambda: (v := 1)\n")
-    (tmp_path / "studies" / "grid" / "study.py").write_text("def study(config): ...\n")
     (tmp_path / "c.py").write_text("def study(): ...\ndef f():\n    X = 1\n")
     assert defined_twice(tmp_path) == {"X": ["a.py", "b.py"], "Y": ["a.py", "b.py"]}

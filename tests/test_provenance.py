@@ -3,10 +3,9 @@
 import ast
 
 import pytest
-import yaml
 from support import ROOT, syntax_nodes
 
-from bearingwear import provenance, studies
+from bearingwear import provenance
 from bearingwear.provenance import PACKAGE, SOLVER, result_hash, sources, sources_hash
 
 OURS = "bearingwear.", "workflow."
@@ -42,25 +41,10 @@ def test_data_belong_to_the_module_that_names_them():
     assert [p for p in found(*SOLVER) if not p.endswith(".py")] == ["scene/new/catalogue.csv"]
 
 
-def every_step():
-    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
-    return [(study, step) for study in studies.read(config).values() for step in study.steps]
-
-
 @pytest.fixture(autouse=True)
 def in_the_project(monkeypatch):
     """Studies read their files below the present folder."""
     monkeypatch.chdir(ROOT)
-
-
-def test_every_step_has_a_function_and_sources_of_its_own_study():
-    for study, step in every_step():
-        source = found(step.module)
-        assert f"{step.run.rpartition('.')[0].replace('.', '/')}.py" in source
-        foreign = {"cli.py", "arguments.py", "commands.py", "studies/launch.py"}
-        if study.name != "grid":
-            foreign |= {"studies/grid/figures/quasistatic.py", "studies/grid/figures/draw.py"}
-        assert not foreign & source, step.name
 
 
 def test_imports_are_found_as_python_finds_them():

@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from bearingwear.plotting.drawing import MESSAGE
+from bearingwear.plotting.drawing import DATA_SEPARATOR, MESSAGE
 from bearingwear.results.netcdf import CaseFileError
 
 SUFFIXES = (".svg", ".png")
@@ -21,7 +21,11 @@ HEAVY = 150_000  # bytes of a small SVG beyond which its PNG is taken, if there 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
 HREF = f"{{{XLINK}}}href"
-DESCRIPTION = "{http://purl.org/dc/elements/1.1/}description"
+DESCRIPTION, _SOURCE = (
+    f"{{http://purl.org/dc/elements/1.1/}}{name}" for name in ("description", "source")
+)
+AS_CSV = {"study.nc": "cases", "wear_life.nc": "cases", "dynamic.nc": "dynamic", "design.nc": "map"}
+"""Tables (tables/NAME.csv) beside results, with the same numbers."""
 # What may stand in a data URI between quotation marks as it is; `#` would end it.
 UNQUOTED = " !$'()*+,-./:;<=>?@[]_|~"
 LINE = r'translate\([-\d.]+ ([\d.]+)\)|y="([\d.]+)"'
@@ -44,20 +48,27 @@ class Drawing:
     data: Sequence[Path] = ()  # what it was drawn from
 
 
-def drawings(files: Sequence[Path], data: Mapping[str, Sequence[str]]) -> Iterator[Drawing]:
+def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
     """Every SVG among the files; a heavy one as the PNG of the same name, if that is given.
 
-    data: paths of the files behind each figure, by its own.
     May raise CaseFileError.
     """
     for file in files:
         if file.suffix == ".svg":
             other = file.with_suffix(".png")
-            sources = [Path(path) for path in data.get(str(file), ())]
-            yield _drawing(file, other if other in files else None, sources)
+            yield _drawing(file, other if other in files else None)
 
 
-def _drawing(file: Path, png: Path | None, data: Sequence[Path]) -> Drawing:
+def _data_behind(root: ET.Element) -> list[Path]:
+    """The files that a figure says it was drawn from, and tables of the same numbers."""
+    text = next((node.text or "" for node in root.iter(_SOURCE)), "").strip()
+    files = [Path(path) for path in text.split(DATA_SEPARATOR) if path]
+    known = [(file, AS_CSV[file.name]) for file in files if file.name in AS_CSV]
+    tables = [file.parent / "tables" / f"{name}.csv" for file, name in known]
+    return [*files, *(table for table in dict.fromkeys(tables) if table.is_file())]
+
+
+def _drawing(file: Path, png: Path | None) -> Drawing:
     try:
         root = ET.fromstring(file.read_text(encoding="utf-8"))
         _, _, width, height = (float(number) for number in root.attrib["viewBox"].split())
@@ -67,6 +78,7 @@ def _drawing(file: Path, png: Path | None, data: Sequence[Path]) -> Drawing:
         raise CaseFileError(f"{file}: cannot be read ({reason}), expected an SVG figure") from None
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
     description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
+    data = _data_behind(root)
     # the page has the message beside the figure
     top = 0.0
     for parent in list(root.iter()):

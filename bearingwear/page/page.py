@@ -112,7 +112,6 @@ def page(
     docs: Iterable[Path] = (),
     answers: Iterable[Path] = (),
     scenes: Iterable[Path] = (),
-    data: Mapping[str, Sequence[str]] | None = None,
 ) -> str:
     """The page, as HTML.
 
@@ -125,7 +124,6 @@ def page(
         are the inputs where there are no sections.
     scenes: files of the scenes, for their descriptions, which may have changed since the results
         were made, and for the values that they mark as assumed.
-    data: files behind each figure, by its path.
     May raise CaseFileError and SceneError.
     """
     results, leading = list(sections), list(answers)
@@ -136,7 +134,7 @@ def page(
     studied = _sections(datasets)
     inputs = [section.scene for section in studied.values()] or list(map(scene_of, made))
     assumed = _as_in_files(inputs, scenes)
-    figures = list(drawings([*results, *leading], data or {}))
+    figures = list(drawings([*results, *leading]))
     answered = _answered(leading, figures)
     taken = {figure.path for one in answered for figure in one.drawn} | set(leading)
     across = _handed_out(studied, [one for one in figures if one.path not in taken], results)

@@ -57,7 +57,12 @@ Figure = matplotlib.figure.Figure
 
 
 class HouseFigure(Figure):
-    """A figure that keeps the house style wherever it is saved or shown."""
+    """A figure that keeps the house style wherever it is saved or shown.
+
+    data_files: the files it was drawn from, which an SVG names.
+    """
+
+    data_files: tuple[str, ...] = ()
 
     def savefig(self, *args: Any, **kwargs: Any) -> None:
         with matplotlib.style.context(["default", STYLE]):
@@ -77,6 +82,16 @@ def new_figure(
     matplotlib.style.use(STYLE)
     figure = HouseFigure(figsize=(width, height))
     return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def drawn_from(figure: Figure, *paths: str | Path) -> Figure:
+    """The figure, which names the files it was drawn from."""
+    figure.data_files = tuple(map(str, paths))  # type: ignore[attr-defined]
+    return figure
+
+
+DATA_SEPARATOR = "; "
+"""Between the files that an SVG names as its source."""
 
 
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
@@ -125,9 +140,11 @@ def _in_words(figure: Figure) -> dict[str, str | None]:
         f"Panels: {panels}" if panels else "",
         f"Legend: {keys}" if keys else "",
     )
+    files = getattr(figure, "data_files", ())
     return {
         "Title": figure.get_suptitle().replace("\n", " "),
         "Description": ". ".join(part for part in parts if part),
+        "Source": DATA_SEPARATOR.join(files) or None,
         "Date": None,
     }
 

@@ -16,6 +16,7 @@ from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, key_in_words
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
+from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import COUNTS, WORN
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
@@ -217,7 +218,8 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
     varied: dict[str, Any] = {"operation.preload_method": method}
     if friction is not None:
         varied["friction.ball_race"] = friction
-    whole = {key: scene[key] for key in scene if key not in ("name", "description", "model")}
+    known = decisive_data(scene).items()
+    whole = {key: value for key, value in known if key not in ("name", "model")}
     wear = {"ball_diameter_loss_um": 0.0} | scene["wear"]
     return with_changes(whole | {"wear": wear}, varied)
 

@@ -1,70 +1,43 @@
-"""The studies: each is a folder with a plan, steps, figures and tables; this is their registry.
+"""Studies: functions that ask for many cases or lives, and what is said and drawn of their files.
 
-Those that bearings are designed with are in this package, those that need the repository in
+The rules of the workflow (`workflow/rules`) call them. Those that need the repository lie in
 `workflow/studies`.
-
-This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
 from __future__ import annotations
 
-import importlib
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from bearingwear.studies.protocol import Study
 
 _ROOT = Path(__file__).resolve().parents[2]
+_HERE = "bearingwear.studies"
+_THERE = "workflow.studies"
 
-INSTALLED = ("grid", "uncertainty", "lives", "design", "cage")
-IN_REPOSITORY = tuple(
-    sorted(file.parent.name for file in _ROOT.glob("workflow/studies/*/study.py"))
-)
-"""Studies that are not installed: they need the repository, and are found in it."""
+STUDY_SHEETS = {
+    "recommendation": f"{_HERE}.design.document.sheets:recommendation_sheet",
+    "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_sheet",
+    "cage ensemble": f"{_HERE}.cage.show:ensemble_sheet",
+}
+"""What `bearingwear show` says of a file, by its kind: a function of the open file."""
 
-NAMES = (*INSTALLED, *IN_REPOSITORY)
-if IN_REPOSITORY:
+STUDY_PLOTS = {
+    "case": f"{_HERE}.grid.figures.plots:case_plot",
+    "life": f"{_HERE}.grid.figures.plots:life_plot",
+    "study": f"{_HERE}.grid.figures.plots:study_plot",
+    "wear life": f"{_HERE}.grid.figures.plots:lives_plot",
+    "design map": f"{_HERE}.design.figures.plots:map_plot",
+    "uncertainty": f"{_HERE}.design.figures.plots:uncertainty_plot",
+    "recommendation": f"{_HERE}.design.figures.plots:recommendation_plot",
+    "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_figure",
+    "cage ensemble": f"{_HERE}.cage.show:ensemble_figure",
+    "cage map": f"{_HERE}.cage.figures:shares_and_work",
+}
+"""What `bearingwear plot` draws of a file, by its kind: a function of the dataset."""
+
+if (_ROOT / "workflow" / "studies").is_dir():  # in a clone
     sys.path.append(str(_ROOT))
-
-
-def module_name(name: str) -> str:
-    """Dotted name of the module that a step names: `studies.grid.solve`, `studies.accuracy.run`."""
-    study = f"{name}.".split(".")[1]
-    return f"{'workflow' if study in IN_REPOSITORY else 'bearingwear'}.{name}"
-
-
-def read(config: Mapping[str, Any]) -> dict[str, Study]:
-    """The studies by their names, as `config` and the files config/NAME.yaml describe them.
-
-    A study whose file is not there is left out; the main one is described by `config`.
-
-    ValueError: what is wrong with a configuration.
-    """
-    return {
-        name: _module(name).study(config)
-        for name in NAMES
-        if name == NAMES[0] or Path(f"config/{name}.yaml").is_file()
+    STUDY_PLOTS |= {
+        "accuracy against time": f"{_THERE}.accuracy.figures:accuracy_plot",
+        "maps": f"{_THERE}.robustness.figures:figure_of_map",
+        "branches": f"{_THERE}.robustness.figures:figure_of_branches",
     }
-
-
-def registry(name: str) -> dict[str, str]:
-    """Entries of the studies' modules under SHEETS or PLOTS, by the kind of a file."""
-    found: dict[str, str] = {}
-    for study in NAMES:
-        found |= getattr(_module(study), name, {})
-    return found
-
-
-def _module(study: str) -> Any:
-    return importlib.import_module(module_name(f"studies.{study}.study"))
-
-
-def files(studies: Mapping[str, Study]) -> list[str]:
-    """Every file that a study makes by default or is made from."""
-    return [
-        *(path for study in studies.values() for path in study.default_targets()),
-        *dict.fromkeys(path for study in studies.values() for path in study.inputs()),
-    ]

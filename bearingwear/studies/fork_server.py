@@ -1,148 +1,183 @@
-"""A process that has the modules of a study imported; each job of a run is a fork of it.
+"""Runs the commands of jobs as forks of one process, which has imported what they need.
 
-Importing takes longer than solving a line of the grid. A job remains a process: it can fail, be
-killed and run again by itself. Where no server is, as on a cluster's node, the same command imports
-what it needs.
-
-The rules run this file as a script, `python -I -S fork_server.py COMMAND ...`. It passes the
-command to the server, with its standard output and error, and ends with the command's status.
+Importing takes longer than solving a line of the grid. Rules run this file in place of the command
+(the shell prefix in workflow/rules/common.smk), and nothing else knows of it: the second job of a
+run starts the server, which learns from each job what to import, and ends with Snakemake. A job
+remains a process: it can fail, be killed and run again by itself. Where no server is, as on other
+systems than Linux, the same command runs alone.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
 import sys
 
 TYPE_CHECKING = False  # `typing` would take longer than the rest
 if TYPE_CHECKING:
-    import subprocess
+    from selectors import DefaultSelector
 
-_ADDRESS = "BEARINGWEAR_FORK_SERVER"
+_FOLDER = ".snakemake/bearingwear-{}"  # of Snakemake's process, in the folder of the study
+_SCRIPT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "run_module.py")
 _MOST_BYTES = 1 << 16
 
-_LIBRARIES = (
-    "netCDF4", "numba.np.arrayobj", "numba.np.arraymath", "numba.cpython.charseq",
-    "scipy.interpolate", "scipy.optimize",
-)  # fmt: skip
-"""Those that a job would import only as it writes a file, loads a kernel or seeks a root."""
+
+def run_job(snakemake: str, arguments: list[str]) -> int:
+    """Exit status of a command, by the server of a run of Snakemake or by a process of its own."""
+    folder = _FOLDER.format(snakemake)
+    try:
+        with socket.socket(socket.AF_UNIX) as server:
+            server.connect(f"{folder}/socket")
+            request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
+            sent = socket.send_fds(server, [request], [1, 2])
+            server.sendall(request[sent:])
+            if answer := server.recv(16):
+                return int(answer)
+    except OSError:
+        _start_server(folder, snakemake)
+    command = [sys.executable, "-P", _SCRIPT, "bearingwear", *arguments]
+    status = os.spawnv(os.P_WAIT, sys.executable, command)
+    return status if status >= 0 else 128 - status
 
 
-def started(modules: list[str]) -> subprocess.Popen[bytes] | None:
-    """Start a server that imports modules; jobs find it, and it ends with this process.
-
-    On Linux alone: elsewhere a process with libraries is not forked safely.
-    """
-    import atexit
+def _start_server(folder: str, snakemake: str) -> None:
+    """Start a server at the second job of a run; nothing where that is not possible."""
+    try:
+        os.mkdir(folder)
+        return  # at the first job: there may be no other
+    except OSError:
+        pass
+    try:
+        os.mkdir(f"{folder}/server")  # one process alone can
+        os.pidfd_open(int(snakemake))
+    except (AttributeError, OSError):
+        return
     import subprocess
-    import tempfile
 
-    from bearingwear.process import ONE_THREAD, python_command
-
-    if not hasattr(os, "pidfd_open"):
-        return None
-    address = os.path.join(tempfile.mkdtemp(prefix="bearingwear-"), "socket")
-    os.environ[_ADDRESS] = address
-    server = subprocess.Popen(
-        python_command("bearingwear.studies.fork_server", address, *modules),
-        # as Snakemake gives to jobs of one thread
-        env=os.environ | dict.fromkeys(ONE_THREAD, "1"),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+    nothing = subprocess.DEVNULL
+    subprocess.Popen(
+        [sys.executable, "-P", _SCRIPT, "bearingwear.studies.fork_server", folder, snakemake],
+        stdin=nothing,
+        stdout=nothing,
+        stderr=nothing,
+        start_new_session=True,
     )
-    # closes its input and waits, so that its CPU time counts as that of a child
-    atexit.register(server.communicate)
-    return server
 
 
-def _serve(address: str, modules: list[str]) -> None:
-    """Fork for each command until standard input ends; import in between."""
-    import contextlib
+def tell_of_silence(status: int) -> None:
+    """Say in the log how a job ended that failed without a word."""
+    try:
+        if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
+            by = f" (by signal {status - 128})" if status > 128 else ""
+            print(f"ended with status {status}{by} without a message", file=sys.stderr)
+    except OSError:
+        pass  # a full disk
+
+
+_RUNNING: set[int] = set()
+"""Jobs of the server."""
+
+
+def serve(folder: str, snakemake: int) -> None:
+    """Fork for each command until Snakemake ends; import in between."""
     import gc
-    import importlib
     import selectors
     import shutil
-    import signal
 
-    os.close(os.pidfd_open(os.getpid()))  # a kernel without it: no server
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is for the jobs
-    waiting = _imports(modules)
+    waiting = {"bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"}
     selector, listener = selectors.DefaultSelector(), socket.socket(socket.AF_UNIX)
-    listener.bind(address)
+    selector.register(os.pidfd_open(snakemake), selectors.EVENT_READ, _end)
+    listener.bind(f"{folder}/socket")
     listener.listen(128)
-    selector.register(listener, selectors.EVENT_READ)
-    selector.register(sys.stdin, selectors.EVENT_READ)
-    while selector.get_map():
-        for key, _ in selector.select(0.0 if waiting else None):
-            if key.fileobj is sys.stdin:
-                for other in [*selector.get_map().values()]:  # jobs of a Snakemake that was killed
-                    if isinstance(other.data, int):
-                        os.kill(other.data, signal.SIGTERM)
-                selector.unregister(sys.stdin)
-                selector.unregister(listener)
-                listener.close()
-                shutil.rmtree(os.path.dirname(address))
-                waiting.clear()
-            elif key.fileobj is listener:
-                client = listener.accept()[0]
-                job = _forked(client, listener)
-                selector.register(client, selectors.EVENT_READ, job)
-                selector.register(os.pidfd_open(job), selectors.EVENT_READ, (job, client))
-            elif isinstance(key.data, int):  # nobody waits for it any more
-                os.kill(key.data, signal.SIGTERM)
-                selector.unregister(key.fileobj)
-            else:
-                job, client = key.data
-                status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
-                with contextlib.suppress(OSError, KeyError):
-                    selector.unregister(client)
-                    client.sendall(b"%d" % (status if status >= 0 else 128 - status))
-                client.close()
-                selector.unregister(key.fd)
-                os.close(key.fd)
-        if waiting:
-            # what goes wrong is for the log of the job that needs the module: it tries again
-            with contextlib.suppress(BaseException):
-                importlib.import_module(waiting.pop())
-            if not waiting:
-                gc.freeze()  # pages that no fork has to copy
+    selector.register(listener, selectors.EVENT_READ, lambda *_: _accept(selector, listener))
+    learnt: set[str] = set()
+    try:
+        while True:
+            for key, _ in selector.select(0.0 if waiting else None):
+                waiting |= key.data() or set()
+            waiting -= learnt
+            if waiting:
+                name = min(waiting)
+                learnt.add(name)
+                try:
+                    __import__(name)
+                except BaseException:  # it is for the log of the job that needs the module
+                    pass
+                if waiting == {name}:
+                    gc.freeze()  # pages that no fork has to copy
+    except _Ended:
+        listener.close()
+        for job in _RUNNING:
+            os.kill(job, signal.SIGTERM)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
-def _imports(modules: list[str]) -> list[str]:
-    """Names of all modules that some modules import, directly or through each other, or need."""
-    from bearingwear.provenance import PACKAGE, sources
-
-    paths = sources("bearingwear.studies.run_step", "bearingwear.results.netcdf", *modules)
-    places = [path.relative_to(PACKAGE.parent) for path in paths if path.suffix == ".py"]
-    names = [".".join(place.with_suffix("").parts).removesuffix(".__init__") for place in places]
-    commands = "bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"
-    return [*_LIBRARIES, *names, *commands]
+class _Ended(Exception):
+    """Snakemake is no more."""
 
 
-def _forked(client: socket.socket, listener: socket.socket) -> int:
-    """Number of the process that runs the command of a client."""
+def _end() -> None:
+    raise _Ended
+
+
+def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
+    """Fork for a client, and watch both of them."""
+    client = listener.accept()[0]
     request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
     while not request.endswith(b"\n"):
         request += client.recv(_MOST_BYTES)
     folder, arguments = json.loads(request)
+    learnt, told = os.pipe()
     job = os.fork()
     if job == 0:
         listener.close()
-        _run(folder, arguments, files)
-    for file in files:
+        _run(folder, arguments, files, told)
+    _RUNNING.add(job)
+    for file in (*files, told):
         os.close(file)
-    return job
+    read = 1  # selectors.EVENT_READ
+    selector.register(client, read, lambda: _gone(selector, client, job))
+    selector.register(learnt, read, lambda: _modules(selector, learnt))
+    watched = os.pidfd_open(job)
+    selector.register(watched, read, lambda: _finished(selector, client, job, watched))
 
 
-def _run(folder: str, arguments: list[str], files: list[int]) -> None:
+def _gone(selector: DefaultSelector, client: socket.socket, job: int) -> None:
+    """End a job for which nobody waits any more."""
+    os.kill(job, signal.SIGTERM)
+    selector.unregister(client)
+
+
+def _modules(selector: DefaultSelector, learnt: int) -> set[str]:
+    """Modules that a job has imported."""
+    selector.unregister(learnt)
+    with os.fdopen(learnt, "rb") as file:
+        return set(file.read().decode().split())
+
+
+def _finished(selector: DefaultSelector, client: socket.socket, job: int, watched: int) -> None:
+    """Pass the status of a job on."""
+    status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
+    _RUNNING.discard(job)
+    selector.unregister(watched)
+    os.close(watched)
+    try:
+        selector.unregister(client)
+        client.sendall(b"%d" % (status if status >= 0 else 128 - status))
+    except (OSError, KeyError):  # it is gone
+        pass
+    client.close()
+
+
+def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None:
     """Run a command in this process, which ends with it."""
     import runpy
-    import signal
     import traceback
 
-    status = 1
+    status, known = 1, set(sys.modules)
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         for place, file in enumerate((os.open(os.devnull, os.O_RDONLY), *files)):
@@ -162,28 +197,16 @@ def _run(folder: str, arguments: list[str], files: list[int]) -> None:
             sys.stdout.flush()
             sys.stderr.flush()
         finally:
+            more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
+            os.write(told, " ".join(more).encode()[:_MOST_BYTES])
             os._exit(status)
-
-
-def _asked(arguments: list[str]) -> int:
-    """Exit status of a command that the server runs."""
-    with socket.socket(socket.AF_UNIX) as server:
-        server.connect(os.environ[_ADDRESS])
-        request = json.dumps([os.getcwd(), arguments]).encode() + b"\n"
-        sent = socket.send_fds(server, [request], [1, 2])
-        server.sendall(request[sent:])
-        if status := server.recv(16):
-            return int(status)
-        raise ConnectionResetError  # an import has ended the server
 
 
 if __name__ == "__main__":
     if __spec__:  # run as a module
-        _serve(sys.argv[1], sys.argv[2:])
+        serve(sys.argv[1], int(sys.argv[2]))
     else:
-        try:
-            sys.exit(_asked(sys.argv[1:]))
-        except (KeyError, OSError):
-            script = os.path.join(os.path.dirname(os.path.dirname(__file__)), "run_module.py")
-            command = [sys.executable, "-P", script, "bearingwear", *sys.argv[1:]]
-            os.execv(sys.executable, command)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        ended = run_job(sys.argv[1], sys.argv[2:])
+        tell_of_silence(ended)
+        sys.exit(ended)

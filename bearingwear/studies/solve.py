@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from bearingwear.scene.cases import in_case
 from bearingwear.scene.friction import changes_as_it_wears
-from bearingwear.scene.read import for_life, load_scene, variant
+from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
@@ -25,6 +26,25 @@ def solved_case(
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
     return told(solved, scene)
+
+
+def solved_variants(
+    scene: str | Path,
+    variants: Iterable[Mapping[str, Any]],
+    fidelity: str | None = None,
+    case: str | None = None,
+) -> Iterator[Result]:
+    """A case for each set of changes of a scene, whose file is read once.
+
+    case: name of a case of the scene. A failure is in the status and on standard error.
+    """
+    from bearingwear.solvers.solve import solve
+
+    data, source = as_data(scene)
+    for changes in variants:
+        changed = changed_scene(data, changes, source)
+        one = changed if case is None else in_case(changed, case, "--case")
+        yield told(solve(one, fidelity), scene)
 
 
 def solved_life(

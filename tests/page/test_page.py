@@ -19,11 +19,12 @@ from small_study import (
     GRID,
     HOSTILE,
     LIVES_ANSWER,
-    PAGE,
     make_page,
+    page_command,
 )
-from support import only_line, scene_file, step
+from support import only_line, scene_file
 
+from bearingwear.cli import main
 from bearingwear.document.chart import load_charts
 from bearingwear.document.document import load_document
 from bearingwear.page import figures
@@ -38,7 +39,7 @@ HREF = "{http://www.w3.org/1999/xlink}href"
 
 @pytest.fixture
 def made(small_project, tmp_path, monkeypatch):
-    """Function (sections, docs=, answers=, data=) -> text of the page."""
+    """Function (sections, docs=, answers=) -> text of the page."""
     monkeypatch.chdir(small_project)
     return lambda *args, **kwargs: make_page(tmp_path / "index.html", *args, **kwargs)
 
@@ -158,7 +159,7 @@ def test_figures_are_whole(whole):
 
 def test_a_small_figure_shows_what_the_file_shows(small_project):
     """Every text and every mark of the file is in the picture, but for the message."""
-    (drawing,) = figures.drawings([small_project / f"{FOLDER}/figures/fig10.svg"], {})
+    (drawing,) = figures.drawings([small_project / f"{FOLDER}/figures/fig10.svg"])
     small = ET.fromstring(unquote_to_bytes(drawing.uri.partition(",")[2]))
     file = ET.parse(drawing.path).getroot()
 
@@ -179,7 +180,7 @@ def test_a_dark_page_draws_figures_light_on_dark(tmp_path):
         '<image href="data:image/png;base64,AAAA"/></svg>'
     )
     (tmp_path / "map.svg").write_text(svg)
-    (drawing,) = figures.drawings([tmp_path / "map.svg"], {})
+    (drawing,) = figures.drawings([tmp_path / "map.svg"])
     said = unquote(drawing.uri)
     night = said.partition("@media (prefers-color-scheme:dark){")[2].partition("</style>")[0]
     assert night.startswith(f"text{{fill:{figures.INK}}}")
@@ -344,14 +345,14 @@ def test_bad_input(small_project, tmp_path, monkeypatch, capsys, name, content):
     out = tmp_path / "index.html"
     given = {"answers" if name.endswith(".json") else "sections": [path], "docs": [path]}
     given["sections"] = [f"{FOLDER}/study.nc", *given.get("sections", [])]
-    assert step(PAGE, out, **given) == 2
+    assert main(page_command(out, **{"answers": (), **given})) == 2
     assert str(path) in only_line(capsys)
     assert not out.exists()
 
 
 def test_a_case_is_no_result_of_a_study(small_project, tmp_path, capsys):
     case = small_project / FOLDER / f"{next(iter(GRID.cases()))}.nc"
-    assert step(PAGE, tmp_path / "index.html", sections=[case]) == 2
+    assert main(page_command(tmp_path / "index.html", [case], (), ())) == 2
     assert capsys.readouterr().err.startswith(f"{case}: got a file without preload_method")
 
 
@@ -360,6 +361,6 @@ def test_a_file_that_the_page_has_no_place_for(among, small_project, tmp_path, c
     table = small_project / FOLDER / "tables" / "cases.csv"
     given = {"sections": [small_project / FOLDER / "study.nc"], "answers": []}
     given[among].append(table)
-    assert step(PAGE, tmp_path / "index.html", **given) == 2
+    assert main(page_command(tmp_path / "index.html", docs=(), **given)) == 2
     assert only_line(capsys).startswith(f"{table}: got the suffix '.csv', expected ")
     assert os.listdir(tmp_path) == []

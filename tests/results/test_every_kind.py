@@ -17,8 +17,6 @@ from support import ROOT, only_line, scene_file, step
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
-from bearingwear.scene.checking.check import record
-from workflow.studies.accuracy.plan import AccuracyPlan
 
 SCENE = str(scene_file("gyro_s1"))
 QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]
@@ -64,13 +62,18 @@ def kinds(tmp_path_factory):
     plan = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text(encoding="utf-8"))
     reference = plan["references"]["steady"]
     plan |= {"repeats": 1, "references": {"steady": reference}, "table": [], "effects": []}
+    del plan["cages"]
     plan["scenes"] = {"gyro_fresh": {"file": "gyro_s1", "references": ["steady"]}}
     plan["sweeps"] = {"gauss": plan["sweeps"]["gauss"] | {"grid": {"rule": ["gauss 20"]}}}
-    accuracy = record(AccuracyPlan, plan)
+    plan_file = folder / "accuracy.yaml"
+    plan_file.write_text(yaml.safe_dump(plan), encoding="utf-8")
+    (folder / "scenes").mkdir()
+    shutil.copy(SCENE, folder / "scenes")
     points = [files["sweep"], folder / "reference.nc"]
     for sweep, path in zip(("gauss", "steady"), points, strict=True):
-        settings = accuracy.sweep_settings("gyro_fresh", sweep)
-        assert step("studies.accuracy.run.solved_sweep", path, settings=settings, scene=SCENE) == 0
+        settings = {"scene": "gyro_fresh", "sweep": sweep}
+        run = "studies.accuracy.run.solved_sweep"
+        assert step(run, path, settings=settings, plan=plan_file) == 0
     assert step("studies.accuracy.gather.gathered_sweeps", files["trade study"], paths=points) == 0
     return files
 

@@ -63,7 +63,8 @@ def planner() -> subprocess.Popen:
     return process
 
 
-JOBS = re.compile(r"^Job stats:\njob +count\n[- ]+\n((?:\w+ +\d+\n)+)", re.M)
+JOBS = re.compile(r"^Job stats.*\n(?:.*\n)*?((?: *[a-z].*? +\d+ *\n)+)", re.M)
+"""Rows of the table of jobs, by Snakemake itself or by the plugin that shows its progress."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Project:
         return kept | {"NUMBA_CACHE_DIR": str(Path(code_folder()).parent)}
 
     def command(self, *arguments: str, jobs: int = 2) -> list[str]:
-        return [sys.executable, "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]
+        return [sys.executable, "-P", "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]
 
     def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
         """Run Snakemake in the copy, by another program if a prefix is given."""
@@ -176,8 +177,9 @@ class Run:
         table = JOBS.search(self.text)
         if not table:
             return {}
-        rows = (line.split() for line in table.group(1).splitlines())
-        return {rule: int(count) for rule, count in rows if rule not in ("all", "total")}
+        rows = (line.strip().rpartition(" ") for line in table.group(1).splitlines())
+        jobs = {rule.strip().replace(" ", "_"): int(count) for rule, _, count in rows}
+        return {rule: count for rule, count in jobs.items() if rule not in ("all", "total")}
 
 
 @pytest.fixture(scope="session")

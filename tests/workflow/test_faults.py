@@ -6,7 +6,6 @@ byte, with a study that nothing happened to.
 
 import base64
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -33,8 +32,6 @@ TINY = {
 LINES = [f"{method}-mu{mu}" for method in METHODS for mu in ("0.050", "0.080")]
 CASES = [f"{line}-loss{loss}" for line in LINES for loss in ("0.00", "0.50")]
 WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
-DELETED = "constant_force-mu0.020-loss0.50.nc"
-TEN_DAYS = 10 * 86400.0
 
 
 @pytest.fixture(scope="session")
@@ -88,7 +85,7 @@ def jobs_below(process, step):
 
 def solver_processes(process):
     """Processes below one that solve a case."""
-    return jobs_below(process, "studies.grid.solve.solved_line")
+    return jobs_below(process, "--each")
 
 
 def whole_lines(paths):
@@ -109,86 +106,12 @@ def resumes(project, before, undisturbed, *arguments, ran_on=0):
     assert run.status == 0, run.text
     kept = whole_lines(before)
     unsolved = len(LINES) - len(kept) / 2
-    assert unsolved - ran_on <= run.jobs.get("grid_solve", 0) <= unsolved
+    assert unsolved - ran_on <= run.jobs.get("solve", 0) <= unsolved
     after = finished(project)
     assert {path: after[path] for path in kept} == {path: before[path] for path in kept}
-    # who is killed while writing leaves a part; see test_parts_of_files_that_nobody_writes
+    # who is killed while writing leaves a part
     results = {name: data for name, data in project.results().items() if name[-5:] != ".part"}
     assert results == undisturbed.results()
-
-
-# what is quickly shown: looked for at the start of every run
-
-
-def truncated(path):
-    path.write_bytes(path.read_bytes()[:20_000])
-
-
-def emptied(path):
-    path.write_bytes(b"")
-
-
-def foreign(path):
-    import netCDF4
-
-    path.unlink()
-    with netCDF4.Dataset(path, "w") as file:
-        file.title = "somebody else's"
-
-
-def of_another_case(path):
-    shutil.copy(path.with_name(path.name.replace("0.080", "0.020")), path)
-
-
-def test_damaged_and_deleted_results_are_made_anew(solved):
-    """The damaged ones are set aside."""
-    for name in ("gyro_s1_drag/figures/fig10_wear.png", "gyro_s1/cases/" + DELETED):
-        (solved.root / "results" / name).unlink()
-    path = solved.case("fixed_position-mu0.080-loss0.50")
-    others = [path.with_name(path.name.replace("0.50.nc", "0.00.nc")),
-              path.with_name(path.name.replace("fixed_position", "constant_force")),
-              solved.root / "results/gyro_s1/wear_life.nc"]  # fmt: skip
-    for damage, hit in zip(
-        (of_another_case, truncated, foreign, emptied), (path, *others), strict=True
-    ):
-        damage(hit)
-        # an old date: nothing would tell Snakemake that it changed
-        os.utime(hit, (0, 0))
-    run = solved.run("-n")
-    for hit in (path, *others):
-        name = hit.relative_to(solved.root).as_posix()
-        (line,) = [line for line in run.text.splitlines() if line.startswith(f"{name}: ")]
-        assert line.endswith(f"renamed to {name}.damaged and will be recomputed")
-        assert not hit.exists() and Path(f"{hit}.damaged").exists()
-    # two of the damaged cases are of one line
-    assert run.jobs["grid_solve"] == 3 and run.jobs["grid_wear_life"] == 1
-    assert "grid_drawn_gyro_s1_drag" in run.jobs
-
-
-def test_a_clock_that_was_set_back(solved):
-    """Results and scenes are then dated in the future."""
-    results = [path for path in (solved.root / "results").rglob("*") if path.is_file()]
-    scene = solved.root / "config/scenes/gyro_s1.yaml"
-    for path in [*results, scene]:
-        os.utime(path, (time.time() + TEN_DAYS,) * 2)
-    run = solved.run("-n")
-    assert "Nothing to be done" in run.text
-    assert f"{len(results) + 1} files had dates in the future" in run.text
-    assert all(path.stat().st_mtime <= time.time() for path in [*results, scene])
-    # what is changed from now on counts
-    solved.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")
-    assert solved.run("-n").jobs["grid_solve"] == 5  # the scene with drag is based on it
-
-
-def test_parts_of_files_that_nobody_writes(solved):
-    """They are left by who is killed while writing; one of just now may still be written."""
-    case = solved.case("fixed_position-mu0.080-loss0.50")
-    old, new = (case.with_name(f".{case.name}.{pid}.part") for pid in (1234, 5678))
-    for part in (old, new):
-        part.write_bytes(case.read_bytes()[:1000])
-    os.utime(old, (time.time() - 61.0,) * 2)
-    assert "Nothing to be done" in solved.run("-n").text
-    assert new.exists() and not old.exists()
 
 
 # in mid-run
@@ -307,7 +230,7 @@ def test_the_disk_is_full(project, undisturbed, room):
     full, expected = files("full"), undisturbed.results()
     assert full.items() < expected.items()
     kept = whole_lines(Path(name) for name in full if "/cases/" in name)
-    assert project.last_jobs.get("grid_solve", 0) == len(LINES) - len(kept) / 2
+    assert project.last_jobs.get("solve", 0) == len(LINES) - len(kept) / 2
     assert files("with_room") == expected
 
 
@@ -341,7 +264,7 @@ def test_the_disk_of_a_study_is_full(tmp_path, undisturbed):
         failed = (tmp_path / room).exists()
         logs = "".join(path.read_text() for path in folder.glob("logs/**/*.log"))
         assert "Traceback" not in text + logs, (room, text, logs)
-        assert ("No space left on device" in text) == failed, (room, text)
+        assert ("No space left on device" in text + logs) >= failed, (room, text)
         found = type(undisturbed)(folder).results()
         found = {name: data for name, data in found.items() if "report/" not in name}
         assert found.items() <= expected.items()
@@ -356,7 +279,7 @@ DEATHS = {
     "raise RuntimeError('broken')": "RuntimeError: broken",
     "raise SystemExit('gone')": "gone",
     "import os; os._exit(5)": "ended with status 5 without a message",
-    "import os; os.kill(os.getpid(), 9)": " Killed ",
+    "import os; os.kill(os.getpid(), 9)": "ended with status 137 (by signal 9)",
 }
 
 
@@ -364,15 +287,14 @@ DEATHS = {
 @pytest.mark.parametrize("death", DEATHS)
 def test_a_module_that_ends_its_process_as_it_is_imported(project, death):
     """By whatever: the log that the study names says it, as does the terminal."""
-    line = "from bearingwear.studies.solve import told\n"
-    project.edit("bearingwear/studies/grid/solve.py", line, f"{death}\n{line}")
+    line = "from bearingwear.scene.friction import changes_as_it_wears\n"
+    project.edit("bearingwear/studies/solve.py", line, f"{death}\n{line}")
     case = f"results/gyro_s1/cases/{CASES[0]}.nc"
     run = project.run(case)
     assert run.status == 1
-    (failed,) = [line for line in run.text.splitlines() if line.startswith("failed: ")]
-    log = project.root / failed.partition("; see ")[2]
+    log = project.root / f"logs/solve/gyro_s1/{LINES[0]}.log"
     assert DEATHS[death] in log.read_text(encoding="utf-8").splitlines()[-1]
-    assert DEATHS[death] in failed
+    assert DEATHS[death] in run.text
 
 
 @pytest.mark.faults
@@ -381,29 +303,27 @@ def test_a_command_is_killed_alone(tmp_path):
     """However and whenever that is, all that it started ends, and the next run goes on."""
     shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", tmp_path / "mine.yaml")
     command = [sys.executable, "-m", "bearingwear", "study", "mine.yaml", "--stiffness", "3"]
-    told = tmp_path / "told.txt"
 
     def starts(run):
-        return "starting the workflow" in told.read_text()
+        return jobs_below(run, "snakemake")
 
     def has_jobs(run):
-        return re.search(r"^\d+ jobs$", told.read_text(), re.M)
+        return jobs_below(run, "uncertainty")
 
     def is_in_the_map(run):
-        return jobs_below(run, "studies.design.recommend.small_map")
+        return jobs_below(run, "bearingwear.studies.design.recommend.small_map")
 
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL):
         for moment in (starts, has_jobs, is_in_the_map):
-            with told.open("w") as output:
-                run = subprocess.Popen(command, cwd=tmp_path, stdout=output, stderr=output)
+            nothing = subprocess.DEVNULL
+            run = subprocess.Popen(command, cwd=tmp_path, stdout=nothing, stderr=nothing)
             wait(lambda run=run, moment=moment: run.poll() is not None or moment(run), 600.0)
-            assert run.poll() is None, (number, moment, told.read_text())
+            assert run.poll() is None, (number, moment)
             below = psutil.Process(run.pid).children(recursive=True)
             run.send_signal(number)
             run.wait()
             _, alive = psutil.wait_procs(below, timeout=60)
             assert below and not alive, (number, moment, alive)
-            assert not list((tmp_path / "mine/.snakemake").glob("locks/*"))
 
 
 @pytest.mark.faults
@@ -420,61 +340,9 @@ def test_results_cannot_be_written(done, undisturbed):
     case.parent.chmod(0o755)
     assert run.status == 1 and "Traceback" not in run.text
     name = case.relative_to(done.root)
-    log = (done.root / f"logs/grid/solve/gyro_s1/cases/{CASES[0]}.log").read_text()
+    log = (done.root / f"logs/solve/gyro_s1/{LINES[0]}.log").read_text()
     assert log == f"{name}: cannot be written (Permission denied)\n"
     resumes(done, before, undisturbed)
-
-
-@pytest.mark.faults
-def test_damaged_files_do_not_get_into_the_study(done, undisturbed):
-    truncated(done.case(CASES[0]))
-    emptied(done.case(CASES[1]))
-    foreign(done.case(CASES[2]))
-    emptied(done.root / "results/gyro_s1/study.nc")
-    before = {path: path.stat().st_mtime_ns for path in done.cases() if path.stem in CASES[4:]}
-    run = done.run()
-    assert run.status == 0 and run.jobs["grid_solve"] == 2, run.text
-    assert {path: path.stat().st_mtime_ns for path in before} == before
-    results = done.results()
-    aside = [name for name in results if name.endswith(".damaged")]
-    assert len(aside) == 4
-    assert {name: data for name, data in results.items() if name not in aside} == (
-        undisturbed.results()
-    )
-
-
-@pytest.mark.faults
-def test_a_run_after_the_clock_was_set_back(done, undisturbed):
-    """Edited, killed and taken up again, all while results seem to come from the future."""
-    for path in (done.root / "results").rglob("*"):
-        if path.is_file():
-            os.utime(path, (time.time() + TEN_DAYS,) * 2)
-    done.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")
-    # only the cases: whoever comes next must see that the study is older than they are
-    half = done.run(*(f"results/gyro_s1/cases/{case}.nc" for case in CASES))
-    assert half.status == 0 and half.jobs == {"grid_solve": 4}
-    rest = done.run()
-    assert rest.status == 0 and rest.jobs["grid_gather"] == 1 and "grid_solve" not in rest.jobs
-    assert "preload_N: 7.5" in (done.root / "config/scenes/gyro_s1.yaml").read_text()
-    assert done.results()["gyro_s1/study.nc"] != undisturbed.results()["gyro_s1/study.nc"]
-    # and back again, by a copy that keeps its date
-    shutil.copy2(ROOT / "config/scenes/gyro_s1.yaml", done.root / "config/scenes/gyro_s1.yaml")
-    back = done.run()
-    assert back.status == 0 and back.jobs["grid_solve"] == 4, back.text
-    assert done.results() == undisturbed.results()
-
-
-@pytest.mark.faults
-def test_the_clock_is_set_back_in_mid_run(done, undisturbed):
-    """A scene that is newer than now: Snakemake itself would refuse what is made from it."""
-    scene = done.root / "config/scenes/gyro_s1.yaml"
-    os.utime(scene, (time.time() + TEN_DAYS,) * 2)
-    for case in CASES:
-        done.case(case).unlink()
-    run = done.run()
-    assert run.status == 0 and run.jobs["grid_solve"] == 4, run.text
-    assert "Nothing to be done" in done.run().text
-    assert done.results() == undisturbed.results()
 
 
 @pytest.mark.faults
@@ -500,7 +368,7 @@ def test_cases_that_do_not_converge(done, undisturbed):
     assert again.status == 1 and again.jobs == {"verdict": 1}
     shutil.copy(ROOT / source, done.root / source)
     mended = done.run()
-    assert mended.status == 0 and mended.jobs["grid_solve"] == 4
+    assert mended.status == 0 and mended.jobs["solve"] == 4
     assert done.results() == undisturbed.results()
 
 

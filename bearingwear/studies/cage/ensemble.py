@@ -288,14 +288,3 @@ def kept_in(
     found = ensemble_of(scene, plan, workers, tell, before, path)
     yield found
     Journal(path, found.attrs).path.unlink(missing_ok=True)
-
-
-def cage_ensemble(
-    scene: Path, changes: Mapping[str, Any], ensemble: Mapping[str, Any], workers: int = 1
-) -> xr.Dataset:
-    """Step: the ensemble of a scene with other values.
-
-    changes: keys of the scene to set.
-    ensemble: `Ensemble` by its fields.
-    """
-    return ensemble_of(variant(scene, changes), Ensemble(**ensemble), workers)

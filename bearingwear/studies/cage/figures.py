@@ -27,7 +27,7 @@ _HIGH, _WIDE = 0.62, 0.9
 
 
 def cage_figure(motions: Path) -> Figure:
-    """Step: `shares_and_work` of a file."""
+    """`Shares_and_work` of a file."""
     return shares_and_work(loaded(motions, cage_friction=(), gravity=()))
 
 

@@ -13,7 +13,6 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import variant
-from bearingwear.studies.cage.plan import CagePlan
 from bearingwear.studies.dataset import coordinate, stacked
 
 MAP_KIND = "cage map"
@@ -43,28 +42,33 @@ CAGE_AXES = {
         1.0,
     ),
 }
-"""Dimensions of a map and their factors to SI, by the axes of its plan; codes have none."""
+"""Dimensions of a map and their factors to SI, by the keys of config/cage.yaml; codes have none."""
 
 
-def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]) -> xr.Dataset:
-    """Step: the ensembles of all cages.
+def gathered_ensembles(
+    scene: Path,
+    paths: Sequence[Path],
+    axes: Mapping[str, Sequence[Any]],
+    changes: Mapping[str, Any],
+) -> xr.Dataset:
+    """The ensembles of all cages, over the axes of their map.
 
     scene: that has all that is not varied.
-    paths: in the order of `CagePlan.points`.
-    plan: `CagePlan` as plain data.
+    paths: in the order of `plan.cage_points`.
+    axes: values along the dimensions, as of `plan.cage_axes`.
+    changes: keys to set in the scene.
     """
-    checked = CagePlan(**plan)
     parts = [load(path) for path in paths]
-    shape = {CAGE_AXES[name][0].name: len(values) for name, values in checked.axes.items()}
+    shape = {CAGE_AXES[name][0].name: len(values) for name, values in axes.items()}
     together = stacked(parts, shape, leave_out=("run", "value", "across"))
     counts = np.reshape([part.sizes["run"] for part in parts], tuple(shape.values()))
     about = {"long_name": "number of runs in the ensemble", "units": "1"}
     together = together.assign(runs=(tuple(shape), counts, about))
-    for name, given in checked.axes.items():
+    for name, given in axes.items():
         axis, factor = CAGE_AXES[name]
         codes = [GUIDES.index(one) if factor is None else factor * one for one in given]
         together = together.assign_coords(coordinate(axis, codes))
-    changed = variant(scene, checked.changes)
+    changed = variant(scene, changes)
     together.attrs = dict(parts[0].attrs) | {
         "title": f"Cage map: {changed.name}",
         "kind": MAP_KIND,

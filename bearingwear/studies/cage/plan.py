@@ -1,22 +1,23 @@
-"""The cages that the study maps: config/cage.yaml, checked; and the size of an ensemble.
+"""The cages that the study maps, by config/cage.yaml, and the size of an ensemble.
 
-This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+The keys of that file stand in workflow/schemas/cage.schema.yaml. This file imports nothing heavy:
+the Snakefile reads it each time it is parsed.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import asdict
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from bearingwear.scene.blocks import GUIDES
+from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import NAME, keyed, setting
+from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import variant
 from bearingwear.studies.axis import RisingAxis, check_rising, place_of_errors
 
-CAGE_FILE = "config/cage.yaml"
+CAGE_FILE = Path("config/cage.yaml")
 
 STRETCH = 10
 """Shaft turns over which a motion is named."""
@@ -56,7 +57,7 @@ class Ensemble:
 
 
 class CagePoint(NamedTuple):
-    """A cage of the map, by the names of `CagePlan`."""
+    """A cage of the map, by the keys of config/cage.yaml."""
 
     gravity_m_s2: float
     guiding_race: str
@@ -86,58 +87,30 @@ class CagePoint(NamedTuple):
         }
 
 
-@keyed
-class CagePlan:
-    """Everything in config/cage.yaml."""
+def cage_axes(cage: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Values along the dimensions of the map in config/cage.yaml, in the order of `CagePoint`."""
+    axes = {name: [*cage[name]] for name in ("gravity_m_s2", "guiding_race", "imbalance_um")}
+    for name in ("gravity_m_s2", "imbalance_um"):
+        check_rising(name, axes[name])
+    for name in ("pocket_clearance_mm", "guide_clearance_mm", "cage_friction"):
+        with place_of_errors(name):
+            axes[name] = [*RisingAxis.from_plain(cage[name])]
+    return axes
 
-    scene: str = setting("Scene that provides all values that do not vary", pattern=NAME)
-    # fmt: off
-    changes: Mapping[str, Any] = setting("Keys to set in the scene", name="set",
-        default_factory=dict)
-    gravity_m_s2: tuple[float, ...] = setting("Gravity along -Z, which determines the "
-        "cage's weight", "m/s2", within="[0, inf)", least=1)
-    guiding_race: tuple[str, ...] = setting("Guiding surface of the cage", choices=GUIDES, least=1,
-        default=("outer",))
-    imbalance_um: tuple[float, ...] = setting("Distances of the centre of mass from the centre of "
-        "the cage", "um", within="[0, inf)", least=1, default=(0.0,))
-    pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
-    guide_clearance_mm: RisingAxis = setting("Diametral clearances at the land", "mm")
-    cage_friction: RisingAxis = setting("Coulomb friction coefficients of the pockets and land",
-        "1")
-    ensemble: Ensemble = setting("Ensemble of runs for each cage", default_factory=Ensemble)
-    in_main_study: bool = setting(
-        "Whether `snakemake` without a target computes the map and adds it to the report page",
-        default=False)
-    # fmt: on
 
-    def __post_init__(self) -> None:
-        for name in ("gravity_m_s2", "imbalance_um"):
-            check_rising(name, getattr(self, name))
+def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
+    """The cages of the map by the names of their files; none without a scene."""
+    if "scene" not in cage:
+        return {}
+    points = itertools.starmap(CagePoint, itertools.product(*cage_axes(cage).values()))
+    return {point.name: point for point in points}
 
-    @property
-    def scene_file(self) -> str:
-        return f"config/scenes/{self.scene}.yaml"
 
-    @property
-    def axes(self) -> dict[str, tuple[Any, ...]]:
-        """Values along the map's dimensions, in the order of `points`."""
-        return {name: getattr(self, name) for name in CagePoint._fields}
-
-    @property
-    def points(self) -> dict[str, CagePoint]:
-        """The cages of the map by their names."""
-        grid = itertools.product(*self.axes.values())
-        return {point.name: point for point in itertools.starmap(CagePoint, grid)}
-
-    def settings_at(self, point: CagePoint) -> dict[str, Any]:
-        """Settings of the runs of a cage besides the scene."""
-        return {
-            "changes": {**self.changes, **point.changes},
-            "ensemble": asdict(self.ensemble),
-        }
-
-    def check_scenes(self) -> None:
-        """Read the scene as every cage of the map changes it. Raises ValueError."""
-        for name, point in self.points.items():
-            with place_of_errors(f"{CAGE_FILE}: {name}"):
-                variant(self.scene_file, self.settings_at(point)["changes"])
+def check_cage(cage: Mapping[str, Any], path: Path = CAGE_FILE) -> None:
+    """Read the scene as every cage of the map changes it. Raises ValueError."""
+    with place_of_errors(str(path)):
+        record(Ensemble, cage["ensemble"], "ensemble")
+        for name, point in cage_points(cage).items():
+            scene = path.parent / "scenes" / f"{cage['scene']}.yaml"
+            with place_of_errors(name):
+                variant(scene, {**cage["set"], **point.changes})

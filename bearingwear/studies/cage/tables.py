@@ -25,12 +25,12 @@ from bearingwear.studies.dataset import loaded
 
 
 def cage_table(motions: Path) -> str:
-    """Step: every cage of a map, as Markdown."""
+    """Every cage of a map, as Markdown."""
     return as_markdown(cage_document(motions))
 
 
 def cage_answer(motions: Path) -> str:
-    """Step: what a map of cages says, for the page."""
+    """What a map of cages says, for the page."""
     return cage_document(motions).stored
 
 

@@ -5,18 +5,15 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import Key, keyed, optional_numbers, setting
-from bearingwear.scene.read import for_life, variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
-from bearingwear.studies.axis import MOST_DECIMALS, RisingAxis, in_name, place_of_errors
-from bearingwear.studies.solve import life_scene
+from bearingwear.studies.axis import RisingAxis
 
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
 """Preloads of a map around a scene's own, over that one: an eighth to 32 times."""
@@ -140,87 +137,3 @@ def axes_around(
             sorted({own, *(value for value in around if value <= most_preload())})
         ),
     )
-
-
-@keyed
-class Beside:
-    """Bearing under another assumption."""
-
-    words: str = setting("The assumption, in words")
-    changes: Mapping[str, Any] = setting("Keys to set in the scene", name="set")
-
-
-@keyed
-class Design:
-    """The maps of a scene, and the limits to choose by."""
-
-    map: MapAxes | None = setting("Axes of the design map", default=None)
-    # fmt: off
-    small_map: MapAxes | None = setting("Axes of a small design map, with at most a few hundred "
-        "life calculations; the map is part of the main study if that study includes the scene",
-        default=None)
-    limits: DesignLimits = setting("Requirements, which apply from new to the end of life",
-        default_factory=DesignLimits)
-    beside: Mapping[str, Beside] = setting(
-        "Assumptions under which the lives at the recommended preloads are recomputed",
-        default_factory=dict)
-    # fmt: on
-
-    def __post_init__(self) -> None:
-        if self.map and any(mu != round(mu, MOST_DECIMALS) for mu in self.map.friction):
-            # as the files of its parts are named
-            raise SceneError("map.friction", f"expected at most {MOST_DECIMALS} decimal places")
-        if self.beside and not self.small_map:
-            raise SceneError("beside", "got this key without small_map, expected both")
-
-
-@keyed
-class DesignPlan:
-    """Everything in config/design.yaml."""
-
-    scenes: Mapping[str, Design] = setting("Scenes for which a preload is chosen", least=1)
-
-    @property
-    def maps(self) -> dict[str, MapAxes]:
-        return {name: one.map for name, one in self.scenes.items() if one.map}
-
-    @property
-    def small_maps(self) -> dict[str, MapAxes]:
-        return {name: one.small_map for name, one in self.scenes.items() if one.small_map}
-
-    @property
-    def map_parts(self) -> dict[tuple[str, ...], tuple[str, str, float]]:
-        """Scene, method and friction coefficient of each part of the maps, by its names."""
-        return {
-            (scene, method, in_name(mu, 3)): (scene, method, mu)
-            for scene, axes in self.maps.items()
-            for method in axes.preload_method
-            for mu in axes.friction
-        }
-
-    def part_settings(self, part: tuple[str, str, float]) -> dict[str, Any]:
-        """Settings of a part of a map besides the scene."""
-        scene, method, mu = part
-        return {
-            "method": method,
-            "friction": mu,
-            "shaft_speed_rpm": self.maps[scene].shaft_speed_rpm,
-            "preload_N": self.maps[scene].preload_N,
-            "slip_limit": self.scenes[scene].limits.gyroscopic_slip_share,
-        }
-
-    def beside(self, scene: str) -> dict[str, dict[str, Any]]:
-        """Other assumptions about a scene, as plain data by their names."""
-        return {
-            name: {"words": one.words, "set": dict(one.changes)}
-            for name, one in self.scenes[scene].beside.items()
-        }
-
-    def check_scenes(self, folder: str | Path = "config/scenes") -> None:
-        """Read every scene and look whether its map can be solved. Raises ValueError."""
-        for name, design in self.scenes.items():
-            path = Path(folder) / f"{name}.yaml"
-            design.limits.check(life_scene(path), str(path))
-            for other, one in design.beside.items():
-                with place_of_errors(f"config/design.yaml: scenes.{name}.beside.{other}"):
-                    for_life(variant(path, one.changes), str(path))

@@ -26,6 +26,7 @@ from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
+from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import (
@@ -242,7 +243,7 @@ def recommendation(
     left: counts what is done.
     CaseFileError: where the map is of another scene or does not hold its friction and speed.
     """
-    if json.loads(design.attrs["scene"]) != scene.to_dict():
+    if not is_of_scene(design, scene):
         raise CaseFileError("the design map belongs to another scene")
     point = {"friction": scene.friction.coefficient, "shaft_speed": scene.operation.shaft_speed_rpm}
     for axis, value in point.items():
@@ -582,6 +583,11 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
     return made
 
 
+def is_of_scene(found: xr.Dataset, scene: Scene) -> bool:
+    """Whether a file was computed for a scene: all agrees that decides a life."""
+    return decisive_data(json.loads(found.attrs["scene"])) == decisive_data(scene.to_dict())
+
+
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
     """The same, if it is the recommendation of this scene.
 
@@ -589,7 +595,7 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
     """
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("the recommended preload requires a recommendation file")
-    if json.loads(recommendation.attrs["scene"]) != scene.to_dict():
+    if not is_of_scene(recommendation, scene):
         raise CaseFileError("the recommendation belongs to another scene")
     return recommendation
 

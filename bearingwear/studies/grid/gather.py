@@ -16,6 +16,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.results.warnings import gathered_warnings
+from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.dataset import stacked
@@ -201,13 +202,13 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
 
 
 def _compared(value: Any) -> Any:
-    """What cases must share: neither the description of their scene nor, of a pair, its kind.
+    """What cases must share: what of their scene decides but, of a pair, its kind.
 
     The preload method decides the kind.
     """
     if not isinstance(value, str) or not value.startswith("{"):
         return value
-    scene = {key: part for key, part in json.loads(value).items() if key != "description"}
+    scene = decisive_data(json.loads(value))
     if is_pair(scene):
         scene["arrangement"] |= {"kind": "pair", "spring_stiffness_N_um": None}
     return scene

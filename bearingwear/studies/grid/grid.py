@@ -5,16 +5,16 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 import functools
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS, MOST_DECIMALS, in_name
 
-Line = tuple[str, float]
-"""A preload method and a friction coefficient, whose cases differ in wear alone."""
+GRID_AXES = ("preload_method", "friction", "ball_diameter_loss_um")
+"""Keys of a grid in a configuration."""
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,35 @@ class Grid:
         """Every case of the grid by its id."""
         return _cases(self)
 
-    def lines(self) -> tuple[Line, ...]:
-        """Preload method and friction of each line of the grid, along which wear goes on."""
-        return tuple(itertools.product(self.preload_method, self.friction))
+    @property
+    def friction_names(self) -> list[str]:
+        """Friction coefficients as they stand in the names of files."""
+        return [in_name(mu, 3) for mu in self.friction]
+
+    @property
+    def loss_names(self) -> list[str]:
+        """Losses of ball diameter as they stand in the names of files."""
+        return [in_name(loss, 2) for loss in self.ball_diameter_loss_um]
+
+    def chunks(self, points: int | None) -> list[str]:
+        """Names of the files of which each holds about so many points, in whole lines.
+
+        None where a file would hold one line or less: each point then has a file of its own.
+        """
+        lines = (points or 0) // len(self.ball_diameter_loss_um)
+        if lines < 2:
+            return []
+        names = self.friction_names
+        parts = [names[k : k + lines] for k in range(0, len(names), lines)]
+        return [
+            f"{method}-mu{part[0]}-to-mu{part[-1]}"
+            for method in self.preload_method
+            for part in parts
+        ]
+
+    def frictions_between(self, first: str, last: str) -> tuple[float, ...]:
+        """Friction coefficients of a chunk, from the first to the last in its name."""
+        return tuple(mu for mu in self.friction if float(first) <= mu <= float(last))
 
     def every_value(self) -> list[Case]:
         """So few cases that each value of each axis is in one of them."""
@@ -122,21 +148,3 @@ class Grid:
 def _cases(grid: Grid) -> Mapping[str, Case]:
     points = itertools.product(grid.preload_method, grid.friction, grid.ball_diameter_loss_um)
     return MappingProxyType({case.id: case for case in itertools.starmap(Case, points)})
-
-
-def grids(blocks: Sequence[Any], key: str = "studies") -> dict[str, Grid]:
-    """The grid of each scene, from the list `studies` or `dynamic` of config.yaml."""
-    found: dict[str, Grid] = {}
-    for number, block in enumerate(blocks):
-        axes = {field.name: getattr(block, field.name) for field in fields(Grid)}
-        try:
-            grid = Grid.from_lists(**axes)
-        except ValueError as error:
-            raise ValueError(f"config: {key}[{number}].{error}") from None
-        for scene in block.scenes:
-            if scene in found:
-                raise ValueError(
-                    f"config: {key}[{number}].scenes: got {scene} twice, expected it once"
-                )
-            found[scene] = grid
-    return found

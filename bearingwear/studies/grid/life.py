@@ -17,7 +17,7 @@ from bearingwear.results.warnings import gathered_warnings
 from bearingwear.results.words import each_bearing
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.scene.read import variant
+from bearingwear.scene.read import load_scene, variant
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.sides import OF_ARRANGEMENT
 from bearingwear.studies.dataset import stacked
@@ -72,11 +72,15 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         comment="only if both lives were computed with the same grooves, and the cases contain the "
         "end-of-life criterion",
     )
-    name = json.loads(study.attrs["scene"])["name"]
+    # the cases do not read the uncertain values, which are quoted with lives
+    shared, now = json.loads(study.attrs["scene"]), load_scene(scene_path).to_dict()
+    for key in [key for key in shared if key in ("uncertainty", "cage_uncertainty")]:
+        shared[key] = now.get(key)
     return whole.assign_attrs(
         study.attrs
         | {
-            "title": f"Wear life of {name}",
+            "scene": json.dumps(shared),
+            "title": f"Wear life of {shared['name']}",
             "history": "computed, and interpolated from the study, by bearingwear study",
             NOT_INTERPOLATED: json.dumps(sorted(unknown)),
             "warnings": gathered_warnings(each.attrs for each in solved),

@@ -1,35 +1,29 @@
-"""Solves the points of a grid, a line of it at a time."""
+"""Solves many lines of a grid into one file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingwear.scene.read import as_data, changed_scene
-from bearingwear.studies.grid.grid import Case, Line
-from bearingwear.studies.solve import told
+from bearingwear.studies.grid.grid import Case
+from bearingwear.studies.solve import solved_variants
 
 if TYPE_CHECKING:
-    from bearingwear.solvers.result import Result
+    import xarray as xr
 
 
-def solved_line(
-    scene: Path, method: str, friction: float, losses_um: Sequence[float]
-) -> Iterator[Result]:
-    """Step: the cases of a line, one for each loss of ball diameter [um]."""
-    return solved_cases(scene, cases_of([(method, friction)], losses_um))
+def solved_chunk(
+    scene: Path, method: str, friction: Sequence[float], losses_um: Sequence[float]
+) -> xr.Dataset:
+    """Cases of one preload method over friction and loss, along the dimension `case`.
 
+    Profiles over the contact are left out, as from the study gathered from it.
+    """
+    from bearingwear.results.netcdf import dataset
+    from bearingwear.studies.grid.gather import chunk
 
-def cases_of(lines: Sequence[Line], losses_um: Sequence[float]) -> list[Case]:
-    """Every point of some lines, the loss of ball diameter [um] fastest."""
-    return [Case(method, friction, loss) for method, friction in lines for loss in losses_um]
-
-
-def solved_cases(scene: Path, cases: Sequence[Case]) -> Iterator[Result]:
-    """Each case of a scene, whose file is read once."""
-    from bearingwear.solvers.solve import solve
-
-    data, source = as_data(scene)
-    for case in cases:
-        yield told(solve(changed_scene(data, case.changes, source)), scene)
+    cases = [Case(method, mu, loss) for mu, loss in itertools.product(friction, losses_um)]
+    solved = solved_variants(scene, (case.changes for case in cases))
+    return chunk(cases, map(dataset, solved))

@@ -12,6 +12,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import (
     SERIES,
     Figure,
+    drawn_from,
     failed_keys,
     frame,
     from_zero,
@@ -39,7 +40,7 @@ def wear_history(life: Path) -> Figure:
     solved = dynamic_life(life)
     if "history_ball_worn_volume" not in solved:
         raise CaseFileError(f"{life}: no step of this life calculation could be solved")
-    return history_figure(solved)
+    return drawn_from(history_figure(solved), life)
 
 
 def history_figure(life: xr.Dataset) -> Figure:

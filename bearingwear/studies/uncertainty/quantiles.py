@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from SALib.analyze import sobol as sobol_analysis
 from scipy import stats
 
 from bearingwear.kernels.status import OK
@@ -392,6 +391,8 @@ RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
 
 def indices(scene: Scene, y: np.ndarray, seed: int) -> dict[str, np.ndarray]:
     """Sobol indices (values,) of an answer y (samples, values + 2) in the order of `sample`."""
+    from SALib.analyze import sobol as sobol_analysis  # takes a second, and few ask for indices
+
     found = sobol_analysis.analyze(
         problem(scene), y.ravel(), calc_second_order=False, num_resamples=RESAMPLES,
         conf_level=CONFIDENCE, seed=seed,

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from SALib.sample import sobol as sobol_sample
 from scipy.stats import qmc
 
 from bearingwear.results.netcdf import CaseFileError, load
@@ -80,6 +79,8 @@ def sample(scene: Scene, plan: Sampling) -> np.ndarray:
     A scrambled Sobol sequence in Saltelli's arrangement; the same for the same seed.
     """
     sampled = problem(scene)
+    from SALib.sample import sobol as sobol_sample  # takes a second, and few ask for indices
+
     unit = sobol_sample.sample(sampled, plan.samples, calc_second_order=False, seed=plan.seed)
     return values_at(scene, sampled["names"], unit).reshape(plan.samples, -1, sampled["num_vars"])
 

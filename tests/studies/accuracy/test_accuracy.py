@@ -11,13 +11,14 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT
+from support import ROOT, scene_file
+from support import step as run_step
 
-from bearingwear.cli import main
+from bearingwear.console import UsageError
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Rough
-from bearingwear.scene.checking.check import read_record
+from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, table_cells
@@ -27,7 +28,11 @@ from workflow.studies.accuracy.plan import (
     ACCURACY_FILE,
     FIGURE_NAMES,
     PRESET_KEYS,
-    AccuracyPlan,
+    against,
+    read_accuracy,
+    scene_settings,
+    sweep_jobs,
+    sweep_points,
 )
 from workflow.studies.accuracy.tables import SECTIONS, section
 
@@ -35,22 +40,21 @@ PLAN_FILE = ROOT / ACCURACY_FILE
 NOT_CONVERGED = 1
 
 
-def step(run, *inputs, outputs, **settings):
-    command = ["step", f"studies.accuracy.{run}", *inputs, "--settings", json.dumps(settings)]
-    return main([*command, "-o", *map(str, outputs)])
+def step(run, *outputs, settings=None, **inputs):
+    return run_step(f"studies.accuracy.{run}", *outputs, settings=settings, **inputs)
 
 
 @pytest.fixture(scope="module")
 def plan():
-    return read_record(AccuracyPlan, PLAN_FILE)
+    return read_accuracy(PLAN_FILE)
 
 
 def made_up(plan, scene, name, failed=()):
     """Points with errors that fall with their number, one after the other."""
-    points = plan.points(name)
+    points = sweep_points(plan, name)
     n = len(points)
-    of = plan.sweeps.get(name)
-    against = of.against if of else name
+    of = plan["sweeps"].get(name)
+    reference = against(of) if of else name
     share = np.where(np.arange(n) == 0, 0.0, 1e-4) if of is None else 0.1 ** np.arange(1.0, n + 1)
     status = np.array([NOT_CONVERGED if p.label in failed else 0 for p in points], dtype=np.int8)
     numbers = {"wall_time": 1e-3 * 2.0 ** np.arange(n), "simulated_turns": np.full(n, 4.0)}
@@ -64,7 +68,7 @@ def made_up(plan, scene, name, failed=()):
     if scene == "bearing218":  # so that median and worst differ
         numbers["total_qv"] = sizes["total_qv"] * (1.0 + 2.0 * share)
     numbers["qv_inner"] = 0.01 * (1.0 - 3.0 * share)
-    if against in ("short", "long"):
+    if reference in ("short", "long"):
         numbers["life"] = np.full(n, np.nan)
     numbers["wear_over_gap"] = [float(p.end or "nan") for p in points]
     for key in ("coriolis_energy_share", "azimuth_energy_share"):
@@ -80,9 +84,9 @@ def made_up(plan, scene, name, failed=()):
         attrs={
             "scene_name": scene,
             "sweep_name": name,
-            "sweep_kind": of.kind if of else "reference",
-            "against": against,
-            "sweep_title": of.title if of else name,
+            "sweep_kind": of["kind"] if of else "reference",
+            "against": reference,
+            "sweep_title": of["title"] if of else name,
             "source": "bearingwear 1",
             "source_hash": "1",
         },
@@ -93,7 +97,7 @@ def made_up(plan, scene, name, failed=()):
 def files(plan, tmp_path_factory):
     folder = tmp_path_factory.mktemp("points")
     paths = []
-    for scene, name in plan.jobs():
+    for scene, name in sweep_jobs(plan):
         failed = ("gauss 4",) if scene == "gyro_fresh" else ()
         paths.append(folder / f"{scene}-{name}.nc")
         write_dataset(made_up(plan, scene, name, failed), paths[-1])
@@ -103,22 +107,21 @@ def files(plan, tmp_path_factory):
 @pytest.fixture(scope="module")
 def trade(files, tmp_path_factory):
     path = tmp_path_factory.mktemp("trade") / "accuracy.nc"
-    assert (
-        step("gather.gathered_sweeps", *(f"paths+={file}" for file in files), outputs=[path]) == 0
-    )
+    assert step("gather.gathered_sweeps", path, paths=files) == 0
     return path
 
 
 # the plan
 
 
-def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    for scene, sweep in plan.jobs():
-        for point in plan.points(sweep)[:: max(1, len(plan.points(sweep)) - 1)]:
-            plan.varied(scene, point)
-    assert len(plan.scenes) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
-    jobs = plan.jobs()
+def test_the_plan_reads_and_every_scene_of_it_is_valid(plan):
+    for scene, sweep in sweep_jobs(plan):
+        points = sweep_points(plan, sweep)
+        for point in points[:: max(1, len(points) - 1)]:
+            file = scene_file(plan["scenes"][scene]["file"])
+            load_scene(file, point.overrides(scene_settings(plan, scene)))
+    assert len(plan["scenes"]) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
+    jobs = sweep_jobs(plan)
     assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs
     assert ("turbine", "strips") not in jobs and ("turbine", "hertz") in jobs
 
@@ -132,15 +135,19 @@ def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
         ),
         ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: got x"),
         ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: got x"),
+        ({"cages": {"ensembles": {"a": {"text": "a"}}, "file": "x"}}, "got the scene x, expected"),
+        ({"cages": {"runs": 5}}, "cages.runs: 5 is less than the minimum of 20"),
+        ({"sweeps": {"a": {"title": "a", "from": "scene", "grid": {"end": 3}}}}, "end: 3 is not"),
         ({"effects": [{"sweep": "gauss", "label": "gauss 4", "text": "y"}]}, "against: got steady"),
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
     data = yaml.safe_load(PLAN_FILE.read_text(encoding="utf-8")) | change
+    (tmp_path / "scenes").symlink_to(ROOT / "config/scenes")
     file = tmp_path / "accuracy.yaml"
     file.write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(ValueError) as error:
-        read_record(AccuracyPlan, file)
+    with pytest.raises(UsageError) as error:
+        read_accuracy(file)
     assert said in str(error.value) and "\n" not in str(error.value)
 
 
@@ -150,7 +157,9 @@ def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
 @pytest.mark.long
 def test_errors_are_against_the_reference_of_the_scene(trade, plan):
     found = load(trade)
-    assert found.sizes["point"] == sum(len(plan.points(name)) for _, name in plan.jobs())
+    assert found.sizes["point"] == sum(
+        len(sweep_points(plan, name)) for _, name in sweep_jobs(plan)
+    )
     mask = (found["scene"].values == "gyro_fresh") & (found["sweep"].values == "gauss")
     gauss = found.isel(point=mask)
     right = 0.1 ** np.arange(1.0, 7.0)
@@ -186,24 +195,24 @@ def test_figures(trade, which, tmp_path):
     """The first of them twice, to the same bytes."""
     outputs = [tmp_path / f"{copy}.svg" for copy in ("ab" if which == FIGURE_NAMES[0] else "a")]
     for output in outputs:
-        assert step("figures.figure", f"trade={trade}", outputs=[output], which=which) == 0
+        assert step("figures.figure", output, trade=trade, settings={"which": which}) == 0
     assert outputs[0].read_bytes() == outputs[-1].read_bytes()
 
 
 @pytest.fixture
 def cages(plan, tmp_path):
     """A file of ensembles, each with 0.9 times the wear of that before it."""
-    paths, work = [], 1e-4 * (1.0 + 0.1 * np.arange(plan.cages.runs))
-    for k, (name, row) in enumerate(plan.cages.ensembles.items()):
+    paths, work = [], 1e-4 * (1.0 + 0.1 * np.arange(plan["cages"]["runs"]))
+    for k, (name, row) in enumerate(plan["cages"]["ensembles"].items()):
         found = 0.9**k * work
         parts = {"work": found, "pocket_work": 0.8 * found, "land_work": 0.2 * found}
         motion = (np.arange(found.size) < k).astype(np.int8)
-        parts |= {"turns": np.full(found.size, float(row.least_turns)), "motion": motion}
+        parts |= {"turns": np.full(found.size, float(row["least_turns"])), "motion": motion}
         data = {one: ("run", values) for one, values in parts.items()}
         paths.append(tmp_path / f"{name}.nc")
         write_dataset(xr.Dataset(data, attrs=common_attributes()), paths[-1])
     found = tmp_path / "cages.nc"
-    assert step("cages.gathered_cages", *(f"paths+={path}" for path in paths), outputs=[found]) == 0
+    assert step("cages.gathered_cages", found, paths=paths) == 0
     return found
 
 
@@ -218,8 +227,8 @@ def test_ensembles_are_relative_to_the_first(cages, plan, tmp_path):
     docs.write_text("<!-- cages: begin -->\n<!-- cages: end -->\n", encoding="utf-8")
     missing = differences(cages, PLAN_FILE, docs, "cages")
     assert len(missing) == len(table.rows) + 2  # and the head
-    given = [f"plan={PLAN_FILE}", f"docs={docs}", f"trade={cages}"]
-    assert step("docs.docs_with_part", *given, outputs=[docs], part="cages") == 0
+    given = {"plan": PLAN_FILE, "docs": docs, "trade": cages}
+    assert step("docs.docs_with_part", docs, settings={"part": "cages"}, **given) == 0
     assert differences(cages, PLAN_FILE, docs, "cages") == []
     assert "| 30 turns | 0.067 | 0.81 |" in docs.read_text(encoding="utf-8")
 
@@ -230,8 +239,8 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
     parts = [f"<!-- {name}: begin -->\n<!-- {name}: end -->\n" for name in ("effects", "grooves")]
     docs.write_text("\n".join(["# Accuracy\n", *parts, "## Later\n"]), encoding="utf-8")
     outputs = [tmp_path / "a.csv", tmp_path / "a.md"]
-    given = [f"trade={trade}", f"plan={PLAN_FILE}"]
-    assert step("docs.accuracy_tables", *given, outputs=outputs) == 0
+    given = {"trade": trade, "plan": PLAN_FILE}
+    assert step("docs.accuracy_tables", *outputs, **given) == 0
     tables = outputs[1].read_text(encoding="utf-8")
     assert "| 50 equal strips | 5 | 0.01 | 0.02 | 0.03 | 0.01 |" in tables
     assert "nan" not in tables + outputs[0].read_text(encoding="utf-8")
@@ -239,17 +248,17 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
         len(outputs[0].read_text(encoding="utf-8").splitlines()) == 1 + load(trade).sizes["point"]
     )
 
-    given.append(f"docs={docs}")
+    given |= {"docs": docs}
 
     def renew():
-        others = dict.fromkeys(DOCS_PARTS, given) | {"cages": [f"trade={cages}", *given[1:]]}
+        others = dict.fromkeys(DOCS_PARTS, given) | {"cages": given | {"trade": cages}}
         return {
-            step("docs.docs_with_part", *some, outputs=[docs], part=part)
+            step("docs.docs_with_part", docs, settings={"part": part}, **some)
             for part, some in others.items()
         }
 
     def check():
-        return step("docs.check_docs", *given, f"cages={cages}", outputs=[tmp_path / "check.txt"])
+        return step("docs.check_docs", tmp_path / "check.txt", cages=cages, **given)
 
     assert check() == 2  # no such part yet
     assert renew() == {0} and check() == 0
@@ -260,7 +269,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
     assert cells.items() >= table_cells(tables).items()
     assert once.index("<!-- grooves: end -->\n\n## Later\n") < once.index("| 50 equal strips |")
     assert renew() == {0} and docs.read_text(encoding="utf-8") == once  # not a second time
-    assert step("docs.docs_with_part", *given, outputs=[docs], part="x") == 2
+    assert step("docs.docs_with_part", docs, settings={"part": "x"}, **given) == 2
 
     for old, new, said in [
         (
@@ -312,7 +321,7 @@ def test_agreement_within_the_tolerance(plan):
 
 def test_the_docs_hold_every_row_of_the_plan(plan):
     said = table_cells((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
-    rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
+    rows = {(SECTIONS[section(plan, row)], row["text"]) for row in plan["table"]}
     assert rows <= set(said)
     assert all(len(said[row]) == 8 for row in rows)
 

@@ -1,19 +1,17 @@
 """The study of a cage: its plan, how motions are named, and what a map says."""
 
 import json
-from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from support import ROOT
+from support import ROOT, scene_file, step
 
+from bearingwear.console import UsageError
 from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
-from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import variant
 from bearingwear.studies.cage import ensemble
 from bearingwear.studies.cage.figures import cage_figure
-from bearingwear.studies.cage.gather import gathered_ensembles
 from bearingwear.studies.cage.motion import (
     FLOATS,
     HANGS,
@@ -23,8 +21,7 @@ from bearingwear.studies.cage.motion import (
     is_drifting,
     path_of,
 )
-from bearingwear.studies.cage.plan import CagePlan
-from bearingwear.studies.cage.study import study_of_cages
+from bearingwear.studies.cage.plan import Ensemble, cage_axes, cage_points, check_cage
 from bearingwear.studies.cage.tables import (
     cage_answer,
     cage_table,
@@ -32,37 +29,49 @@ from bearingwear.studies.cage.tables import (
     quiet_region,
     recommended_cage,
 )
+from bearingwear.studies.configuration import validated
 from bearingwear.studies.dataset import write_dataset
 
 PLAN_FILE = ROOT / "config" / "cage.yaml"
 TURNS = np.arange(200) / 20.0
 
 
-def test_plan_of_the_project(monkeypatch):
-    monkeypatch.chdir(ROOT)
-    plan = read_record(CagePlan, PLAN_FILE)
-    plan.check_scenes()
-    assert len(plan.points) == np.prod([len(axis) for axis in plan.axes.values()])
-    study = study_of_cages(plan)
-    changes = study.steps[0].given({"point": list(plan.points)[-1]})["changes"]
-    assert changes["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan.gravity_m_s2)]
-    assert changes["friction.cage"] == max(plan.cage_friction)
-    assert "results/cage/tables/cage.md" in study.targets()
+@pytest.fixture(scope="module")
+def plan():
+    return validated(PLAN_FILE, "cage", check_cage)
+
+
+def test_plan_of_the_project(plan):
+    points = cage_points(plan)
+    assert len(points) == np.prod([len(axis) for axis in cage_axes(plan).values()])
+    changes = list(points.values())[-1].changes
+    assert changes["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan["gravity_m_s2"])]
+    assert changes["friction.cage"] == max(plan["cage_friction"])
 
 
 @pytest.mark.parametrize(
     ("key", "value", "told"),
     [
-        ("guide_clearance_mm", (60.0,), "guide_clearance_mm"),
+        ("guide_clearance_mm", [60.0], "guide_clearance_mm"),
         ("scene", "bearing218", "cage.material"),
+        ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected increasing"),
+        ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: got 9.81, 0, expected increasing"),
+        ("ensemble", {"least_turns": 200}, "most_turns: got 150, expected at least 200"),
     ],
 )
-def test_a_cage_that_cannot_be_is_named(key, value, told, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    plan = replace(read_record(CagePlan, PLAN_FILE), **{key: value})
+def test_a_cage_that_cannot_be_is_named(plan, key, value, told):
     with pytest.raises(ValueError) as error:
-        plan.check_scenes()
+        check_cage(plan | {key: value}, PLAN_FILE)
     assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_map_without_a_scene_is_refused(tmp_path):
+    (tmp_path / "cage.yaml").write_text("gravity_m_s2: [0.0]\n")
+    with pytest.raises(UsageError, match=r"cage.yaml: the file: 'scene' is a dependency of"):
+        validated(tmp_path / "cage.yaml", "cage", check_cage)
+    (tmp_path / "cage.yaml").write_text("{}")
+    nothing = validated(tmp_path / "cage.yaml", "cage", check_cage)
+    assert cage_points(nothing) == {} and Ensemble(**nothing["ensemble"]) == Ensemble()
 
 
 # motions
@@ -118,27 +127,28 @@ def run_by_friction(scene, start, least, most):
 
 
 @pytest.fixture(scope="module")
-def small(tmp_path_factory):
+def small(plan, tmp_path_factory):
     """A map of six cages whose runs are made up, and its file."""
     folder = tmp_path_factory.mktemp("map")
-    plan = replace(
-        read_record(CagePlan, PLAN_FILE),
-        gravity_m_s2=(0.0, 9.81),
-        guiding_race=("outer",),
-        imbalance_um=(0.0,),
-        guide_clearance_mm=(0.2,),
-        cage_friction=(0.02, 0.05, 0.1),
-    )
-    study, scene, paths = study_of_cages(plan), ROOT / plan.scene_file, []
+    plan = plan | {
+        "gravity_m_s2": [0.0, 9.81],
+        "guiding_race": ["outer"],
+        "imbalance_um": [0.0],
+        "guide_clearance_mm": [0.2],
+        "cage_friction": [0.02, 0.05, 0.1],
+    }
+    scene, paths = scene_file(plan["scene"]), []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ensemble, "cage_run", run_by_friction)
-        for name in plan.points:
+        for name, point in cage_points(plan).items():
             paths.append(folder / f"{name}.nc")
-            found = ensemble.cage_ensemble(scene, **study.steps[0].given({"point": name}))
-            write_dataset(found, paths[-1])
-    gathered = gathered_ensembles(scene, paths, json.loads(json.dumps(asdict(plan))))
-    write_dataset(gathered, folder / "cage.nc")
-    return folder / "cage.nc", gathered
+            changed = variant(scene, {**plan["set"], **point.changes})
+            write_dataset(ensemble.ensemble_of(changed, Ensemble(**plan["ensemble"])), paths[-1])
+    # as its rule gives the axes
+    asked = {"axes": cage_axes(plan), "changes": plan["set"]}
+    run, file = "studies.cage.gather.gathered_ensembles", folder / "cage.nc"
+    assert step(run, file, settings=asked, scene=scene, paths=paths) == 0
+    return file, ensemble.load(file)
 
 
 def test_what_a_map_says(small):
@@ -174,12 +184,11 @@ def test_figure_and_table_of_a_map(small, tmp_path):
     assert text.count("whirls 100 % | 20 |") == 4 and "nan" not in text
 
 
-def test_a_cage_of_the_map_is_that_of_its_scene(small):
+def test_a_cage_of_the_map_is_that_of_its_scene(plan, small):
     """A point's file says which scene its runs solved."""
     path, _ = small
-    plan = read_record(CagePlan, PLAN_FILE)
     one = next(path.parent.glob("g9.81*-mu0.02.nc"))
     scene = json.loads(ensemble.load(one).attrs["scene"])
-    changed = variant(ROOT / plan.scene_file, {"friction.cage": 0.02})
+    changed = variant(scene_file(plan["scene"]), {"friction.cage": 0.02})
     assert scene["friction"] == changed.to_dict()["friction"]
     assert scene["operation"]["gravity_m_s2"] == [0.0, 0.0, -9.81]

@@ -20,7 +20,6 @@ from bearingwear.studies.design.document.sentences import by_life
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.map import followed_point
-from bearingwear.studies.design.plan import DesignPlan
 from bearingwear.studies.design.room import NEITHER_LONGER
 from bearingwear.studies.design.search import SIMILAR
 
@@ -237,27 +236,6 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
         assert step(run, out, **files | {"beside": given}) == 2
         said = only_line(capsys)
         assert str(given) in said and why in said
-
-
-def test_an_assumption_that_is_no_scene_is_refused(monkeypatch):
-    from support import ROOT
-
-    from bearingwear.scene.checking.check import record
-
-    monkeypatch.chdir(ROOT)
-    small = {
-        "preload_method": ["constant_force"],
-        "friction": [0.08],
-        "shaft_speed_rpm": [30000],
-        "preload_N": [1.0, 2.0],
-    }
-    bad = {"words": "x", "set": {"operation.preload_N": -1}}
-    plan = {"scenes": {"gyro_s1": {"small_map": small, "beside": {"bad": bad}}}}
-    with pytest.raises(ValueError, match=r"beside\.bad: operation\.preload_N: got -1"):
-        record(DesignPlan, plan, "plan").check_scenes()
-    del plan["scenes"]["gyro_s1"]["small_map"]
-    with pytest.raises(ValueError, match="beside"):
-        record(DesignPlan, plan, "plan")
 
 
 def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp_path):

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file, step
+from support import scene_file, step
 
 from bearingwear.cli import main
 from bearingwear.document.show import sheet
@@ -17,7 +17,6 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
 from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.choice import (
@@ -29,14 +28,11 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.dynamic_check import check_scene
 from bearingwear.studies.design.map import HERTZIAN_GROOVE, life_point, map_part
-from bearingwear.studies.design.plan import DesignLimits, DesignPlan, MapAxes
+from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import mapped, recommendation_of
-from bearingwear.studies.design.study import DesignStudy
-from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.uncertainty.quantiles import quantiles_and_indices
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
-PLAN_FILE = ROOT / "config" / "design.yaml"
 NOT_CONVERGED, BEYOND_GROOVE = (STATUS_NAMES.index(n) for n in ("not_converged", "beyond_groove"))
 METHODS = ("constant_force", "fixed_position")
 LIMITS = {
@@ -55,17 +51,6 @@ def scene():
 
 
 # the plan
-
-
-def test_plan_of_the_project():
-    plan = read_record(DesignPlan, PLAN_FILE)
-    plan.check_scenes(ROOT / "config" / "scenes")
-    assert plan.small_maps
-    for maps in ({name: of.map for name, of in plan.scenes.items()}, plan.small_maps):
-        for name, axes in maps.items():
-            scene = load_scene(scene_file(name))
-            assert scene.friction.ball_race in axes.friction
-            assert scene.operation.shaft_speed_rpm in axes.shaft_speed_rpm
 
 
 # the choice
@@ -401,22 +386,3 @@ def test_figures_of_a_map_without_any_life(life, drawn, folder, tmp_path):
     given = files if drawn == "design" else {"design": files["design"]}
     draw = f"studies.design.figures.draw.draw_{drawn}"
     assert step(draw, tmp_path / "a.svg", **given) == 0
-
-
-def test_scenes_without_an_uncertainty_study_ask_for_none():
-    plan = read_record(DesignPlan, PLAN_FILE)
-    for sampled, asked in (((), False), (("gyro_s1",), True)):
-        given = [path for step in DesignStudy(plan, sampled).steps for path in asked_for(step)]
-        assert any(path.endswith("uncertainty.nc") for path in given) == asked
-
-
-def asked_for(step):
-    return [path for job in step.jobs() for path in flat_files(step.files(job))]
-
-
-def test_small_maps_are_those_of_scenes_in_the_main_study():
-    plan = read_record(DesignPlan, PLAN_FILE)
-    assert DesignStudy(plan, (), ("another",)).default_targets() == []
-    made = DesignStudy(plan, (), ("gyro_s1",)).default_targets()
-    assert "results/gyro_s1/preload/recommendation.nc" in made
-    assert "results/gyro_s1/preload/tables/design.md" in made

@@ -265,10 +265,10 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
     from bearingwear.plotting.plot import figure_of
     from bearingwear.results.netcdf import write_result
     from bearingwear.scene.read import load_scene
+    from bearingwear.studies import STUDY_PLOTS
     from bearingwear.studies.grid.grid import Case
-    from bearingwear.studies.grid.solve import solved_cases
-    from bearingwear.studies.grid.study import PLOTS
     from bearingwear.studies.grid.tables import study_tables
+    from bearingwear.studies.solve import solved_variants
 
     pair = {"kind": "spring_pair", "external_axial_N": force}
     changes = {"arrangement": pair, "wear.counts": "ball"}
@@ -277,7 +277,8 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
     mine.write_text(json.dumps(scene.to_dict()), encoding="utf-8")
     cases = [Case(method, 0.08, loss) for method in PRELOAD_METHODS for loss in (0.0, 0.35, 0.7)]
     paths = [tmp_path / f"{case.id}.nc" for case in cases]
-    for path, result in zip(paths, solved_cases(mine, cases), strict=True):
+    solved = solved_variants(mine, [case.changes for case in cases])
+    for path, result in zip(paths, solved, strict=True):
         write_result(result, path)
     gathered, lives = tmp_path / "study.nc", tmp_path / "wear_life.nc"
     write_dataset(study(paths), gathered)
@@ -291,7 +292,7 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
     assert ("QV, second bearing" in summary) == (force > 0.0) and "| rigid pair |" in summary
     for bearing in ("first", "second") if force else (None,):
         for path in (gathered, lives):
-            figure = figure_of(load(path), path, PLOTS, bearing)
+            figure = figure_of(load(path), path, STUDY_PLOTS, bearing)
             texts = figure.get_suptitle(), figure.axes[0].get_title(loc="left")
             said = " ".join(" ".join(texts).split())
             assert (f"gyro_s1, {bearing} bearing" in said) == (force > 0.0)

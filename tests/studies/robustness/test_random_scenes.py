@@ -1,20 +1,18 @@
 """Scenes far beyond the study: verified or refused with a physical reason, never wrong."""
 
-import json
 import math
 import random
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support import ROOT, only_line, scene_file
+from support import ROOT, only_line, scene_file, step
 
-from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import load
-from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset
@@ -24,22 +22,24 @@ from workflow.studies.robustness.maps import crossing
 from workflow.studies.robustness.plan import (
     WITHOUT_REASON,
     KeyAxis,
-    RobustnessPlan,
+    base_scene,
+    draw_blocks,
     drawn,
     draws,
+    read_robustness,
 )
 from workflow.studies.robustness.run import end_of, solved_values, violations
 
 FILE = ROOT / "config" / "robustness.yaml"
-PLAN = read_record(RobustnessPlan, FILE)
-BASE = load_scene(ROOT / PLAN.scene_file).to_dict()
+PLAN = read_robustness(FILE)
+BASE = load_scene(base_scene(PLAN, FILE)).to_dict()
 FEW = {"model.strips": 20}  # points: what is tried here does not hang on them
 
 
 def of_class(name, seed):
     """A scene of a class."""
     chance = random.Random(seed)
-    drawn = {key: draw.value(chance) for key, draw in draws(PLAN.draw(name)).items()} | FEW
+    drawn = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
     try:
         return drawn_scene(BASE, drawn)
     except SceneError:
@@ -69,7 +69,7 @@ def test_random_scenes_are_never_wrong(name, unexplained):
         scene = of_class(name, seed)
         if scene is None:
             return
-        fidelity = PLAN.scene_classes[name].fidelity
+        fidelity = PLAN["scene_classes"][name]["fidelity"]
         values = solved_values(scene, fidelity)
         solved += 1
         if values["status"] in WITHOUT_REASON:
@@ -84,14 +84,14 @@ def test_random_scenes_are_never_wrong(name, unexplained):
 
 def test_random_lives_with_worn_grooves_are_never_wrong():
     """Each ends at its criterion, with what it says balanced, or says why it does not."""
-    draw = draws(PLAN.draw("worn_life"))
+    draw = draws(draw_blocks(PLAN, "worn_life"))
     ends = [end_of(BASE, values, "worn_life") for values in drawn(draw, 7, 10)]
     assert [end["violations"] for end in ends] == [""] * 10
     assert sum(end["status"] == code.OK for end in ends) >= 9
 
 
 def test_what_is_wrong_with_a_life_is_said():
-    draw = draws(PLAN.draw("worn_life"))
+    draw = draws(draw_blocks(PLAN, "worn_life"))
     (values,) = drawn(draw, 1, 1)
     scene = drawn_scene(BASE, values)
     made = life(scene).values
@@ -151,52 +151,60 @@ def test_crossing_is_found_and_bisected():
     assert np.isnan(crossing(axis, [1.0] * 13, lambda y: 1.0))
 
 
-STEPS = {
+FEW_OF_EACH = {
     "scene_classes": {
-        "run": "run.random_scenes",
         "fidelity": "steady",
-        "count": 3,
+        "scenes": 3,
         "draw": {"friction.ball_race": {"log": [0.01, 1]}},
     },
     "maps": {
-        "run": "maps.state_map",
         "title": "t",
-        "changes": {},
-        "limits": {"gyroscopic_slip": 0.3},
+        "limits": ["gyroscopic_slip"],
         "x": {"key": "operation.shaft_speed_rpm", "log": [1000, 30000], "points": 2},
         "y": {"key": "operation.preload_N", "log": [1, 50000], "points": 3},
     },
     "branches": {
-        "run": "branches.branch",
         "title": "t",
-        "changes": {},
         "along": {"key": "friction.ball_race", "log": [0.01, 0.1], "points": 3},
     },
 }
+RUNS = {
+    "scene_classes": "run.random_scenes",
+    "maps": "maps.state_map",
+    "branches": "branches.branch",
+}
 
 
-def step(run, *inputs, output, **settings):
-    command = ["step", f"studies.robustness.{run}", *inputs, "-o", str(output)]
-    return main([*command, "--settings", json.dumps(settings)])
+def run(function, output, settings=None, **inputs):
+    return step(f"studies.robustness.{function}", output, settings=settings, **inputs)
 
 
-@pytest.mark.parametrize("kind", STEPS)
-def test_files_figures_and_table(kind, tmp_path):
+@pytest.fixture
+def plan(tmp_path):
+    """A plan with a few points of each kind, beside its scene."""
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "scenes/gyro_s1.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
+    few = {kind: {"few": one} for kind, one in FEW_OF_EACH.items()}
+    file = tmp_path / "plan.yaml"
+    file.write_text(yaml.safe_dump(few | {"limits": {"gyroscopic_slip": 0.3}}), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_files_figures_and_table(kind, plan, tmp_path):
     """A few points, from the step to the picture."""
     solved, table = tmp_path / "few.nc", tmp_path / "few.md"
-    scene, settings = f"scene={scene_file('gyro_s1')}", STEPS[kind] | {"name": "few"}
-    run = settings.pop("run")
-    assert step(run, scene, output=solved, **settings) == 0
+    assert run(RUNS[kind], solved, {"name": "few"}, plan=plan) == 0
     again = tmp_path / "again.nc"
-    assert step(run, scene, output=again, **settings) == 0
+    assert run(RUNS[kind], again, {"name": "few"}, plan=plan) == 0
     assert solved.read_bytes() == again.read_bytes()
     picture = tmp_path / "few.svg"
     for figure, of in (("map_figure", "maps"), ("branches_figure", "branches")):
-        status = step(f"figures.{figure}", f"solved={solved}", output=picture)
+        status = run(f"figures.{figure}", picture, solved=solved)
         assert status == (0 if of == kind else 2)
     assert picture.exists() == (kind != "scene_classes")
     counts = tmp_path / "counts.nc"
-    status = step("gather.counted_ends", f"paths+={solved}", output=counts)
+    status = run("gather.counted_ends", counts, paths=[solved])
     if kind == "branches":
         assert status == 2
         return
@@ -205,30 +213,30 @@ def test_files_figures_and_table(kind, tmp_path):
     assert found["violations"].item() == 0
     assert found["trials"].item() == {"scene_classes": 3, "maps": 6}[kind]
     assert (found["verified"] + found["refused"] + found["unexplained"] == found["trials"]).all()
-    assert step("tables.ends_table", f"counts={counts}", output=table) == 0
+    assert run("tables.ends_table", table, counts=counts) == 0
     assert "| 0 |" in table.read_text()
-    assert step("tables.wrong_answers", f"counts={counts}", output=tmp_path / "verdict.txt") == 0
+    assert run("tables.wrong_answers", tmp_path / "verdict.txt", counts=counts) == 0
 
 
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     solved, counts = tmp_path / "few.nc", tmp_path / "counts.nc"
-    settings = {"name": "few", "count": 2, "seed": 3}
-    plan = f"plan={FILE}"
-    assert step("run.fuzz", plan, output=solved, **settings | {"name": "steady_stress"}) == 0
+    more = {"name": "steady_stress", "count": 2, "seed": 3}
+    assert run("run.random_scenes", solved, more, plan=FILE) == 0
     found = load(solved)
+    assert found.attrs["seed"] == 3 and found.sizes["trial"] == 2
     found["violations"] = ("trial", np.array(["", "friction heat exceeds mu QV"], dtype=object))
     found["status"][:] = code.OK
     write_dataset(found, solved)
-    assert step("gather.counted_ends", f"paths+={solved}", output=counts) == 0
-    assert step("tables.ends_table", f"counts={counts}", output=tmp_path / "table.md") == 0
+    assert run("gather.counted_ends", counts, paths=[solved]) == 0
+    assert run("tables.ends_table", tmp_path / "table.md", counts=counts) == 0
     assert (tmp_path / "table.md").read_text().rstrip().endswith("| 0 | 1 |")
     capsys.readouterr()
     verdict = tmp_path / "verdict.txt"
-    assert step("tables.wrong_answers", f"counts={counts}", output=verdict) == 3
+    assert run("tables.wrong_answers", verdict, counts=counts) == 3
     assert not verdict.exists()
     assert "incorrect results: 1 (first: friction heat exceeds mu QV)" in capsys.readouterr().err
-    assert step("run.fuzz", plan, output=solved, **settings) == 2
-    assert "scene_classes: got few, expected steady" in capsys.readouterr().err
+    assert run("run.random_scenes", solved, {"name": "few"}, plan=FILE) == 2
+    assert "scene_classes: got few, expected steady" in only_line(capsys)
 
 
 @pytest.mark.parametrize(
@@ -236,7 +244,14 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     [
         ("log: [10,", "log: [0,", "shaft_speed_rpm.log: got [0.0, 500000.0], expected two incr"),
         ("stress_GPa:", "stress_MPa:", "steady_stress.draw.stress_MPa: got stress_MPa, expected"),
-        ("[gyroscopic_slip]", "[slip]", "limits[0]: got 'slip', expected contact, gyroscopic_sl"),
+        (
+            "like: steady\n",
+            "like: stedy\n",
+            "scene_classes.steady_stress.like: got stedy, expected steady",
+        ),
+        ("[gyroscopic_slip]", "[slip]", "limits[0]: 'slip' is not one of ['contact', 'gyrosc"),
+        ("scenes: 4000", "scenes: 0", "scene_classes.steady.scenes: 0 is less than the minimum"),
+        ("even: [0.0, 2.0], points", "points", "y: got both or neither of log and even, expected"),
     ],
 )
 def test_bad_plan_is_one_line(old, new, said, tmp_path, capsys):
@@ -244,6 +259,6 @@ def test_bad_plan_is_one_line(old, new, said, tmp_path, capsys):
     text = FILE.read_text()
     assert old in text
     plan.write_text(text.replace(old, new, 1))
-    settings = {"name": "steady", "count": 1, "seed": 1}
-    assert step("run.fuzz", f"plan={plan}", output="x.nc", **settings) == 2
+    more = {"name": "steady", "count": 1}
+    assert run("run.random_scenes", tmp_path / "x.nc", more, plan=plan) == 2
     assert said in only_line(capsys)

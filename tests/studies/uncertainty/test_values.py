@@ -7,33 +7,23 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file
+from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.distributions import value_at
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
 from bearingwear.studies.sampling import Sampling, perturbed
-from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene
+from bearingwear.studies.uncertainty.plan import uncertain_scene
 from bearingwear.studies.uncertainty.sample import sample
 
 SPREAD = {"distribution": "lognormal", "factor": 1.3}
 GOES_WITH = SPREAD | {"friction_correlation": 0.6}
-PLAN_FILE = ROOT / "config" / "uncertainty.yaml"
 
 
 @pytest.fixture
 def scene():
     return load_scene(scene_file("gyro_s1"))
-
-
-def test_plan_of_the_project():
-    plan = read_record(UncertaintyPlan, PLAN_FILE)
-    plan.check_scenes(ROOT / "config" / "scenes")
-    for name in plan.scenes:
-        scene = load_scene(scene_file(name))
-        assert plan.sampling.samples * (len(scene.uncertainty) + 2) >= 10_000
 
 
 @pytest.mark.parametrize(

@@ -7,17 +7,16 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import CheckedTable
 from workflow.studies.accuracy.effects import effects_part
 from workflow.studies.accuracy.groove_tables import grooves_part
-from workflow.studies.accuracy.plan import AccuracyPlan
+from workflow.studies.accuracy.plan import Plan, read_accuracy
 from workflow.studies.accuracy.tables import accuracy_part, points_csv
 
-DOCS_PARTS: dict[str, Callable[[xr.Dataset, AccuracyPlan], list[str | CheckedTable]]] = {
+DOCS_PARTS: dict[str, Callable[[xr.Dataset, Plan], list[str | CheckedTable]]] = {
     "accuracy": accuracy_part,
     "effects": effects_part,
     "grooves": grooves_part,
@@ -30,21 +29,21 @@ def docs_part(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
     """Paragraphs and tables of a part; CaseFileError where there is no such part."""
     if name not in DOCS_PARTS:
         raise CaseFileError(f"part: got {name}, expected {', '.join(DOCS_PARTS)}")
-    return DOCS_PARTS[name](loaded(trade, point=()), read_record(AccuracyPlan, plan))
+    return DOCS_PARTS[name](loaded(trade, point=()), read_accuracy(plan))
 
 
 def part_tables(trade: Path, plan: Path, part: str) -> str:
-    """Step: the tables of a part alone, as Markdown."""
+    """The tables of a part alone, as Markdown."""
     return "\n\n".join(_texts(tables_in(docs_part(trade, plan, part)))) + "\n"
 
 
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
-    """Step: every point as CSV, and what each simplification costs and saves as Markdown."""
+    """Every point as CSV, and what each simplification costs and saves as Markdown."""
     return points_csv(loaded(trade, point=())), part_tables(trade, plan, "accuracy")
 
 
 def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
-    """Step: the docs with a part of this run in the place of the old one, or at the end."""
+    """The docs with a part of this run in the place of the old one, or at the end."""
     begin, end = _marks(part)
     text = "\n\n".join(_texts(docs_part(trade, plan, part)))
     old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
@@ -56,7 +55,7 @@ def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
 
 
 def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
-    """Step: says that the docs agree with a run; else NotSolved with a line for each difference."""
+    """Says that the docs agree with a run; else NotSolved with a line for each difference."""
     given = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
     lines = [line for part, path in given.items() for line in differences(path, plan, docs, part)]
     if lines:

@@ -301,7 +301,7 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
 
 
 def figure(trade: Path, which: str) -> Figure:
-    """Step: one of the figures; CaseFileError where there is none of that name."""
+    """One of the figures; CaseFileError where there is none of that name."""
     if which not in _FIGURES:
         raise CaseFileError(f"figure: got {which}, expected {', '.join(_FIGURES)}")
     return _FIGURES[which](loaded(trade, point=()))

@@ -16,7 +16,7 @@ _SHARED = ("source_hash", "package_version", "numpy_version", "numba_version")
 
 
 def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Step: every point of every sweep on every scene, from their files and those of references.
+    """Every point of every sweep on every scene, from their files and those of references.
 
     Over `point`: scene, sweep, kind, against, label, value, settings; times; the quantities;
     `error_*`, relative to the reference and signed, NaN where a quantity was not solved;

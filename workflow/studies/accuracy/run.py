@@ -2,10 +2,9 @@
 
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,46 +29,45 @@ from bearingwear.solvers.race_control import race_control_motion
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
 from bearingwear.studies.dataset import filled
-from workflow.studies.accuracy.plan import SweepPoint
+from workflow.studies.accuracy.plan import (
+    SweepPoint,
+    against,
+    check_known,
+    read_accuracy,
+    scene_settings,
+    sweep_points,
+)
 from workflow.studies.accuracy.quantities import SWEEP
 from workflow.studies.accuracy.scenes import ended_scene, grown_scene, lived_through, on_a_rotor
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
 
 
-def solved_sweep(
-    scene: Path,
-    scene_name: str,
-    scene_settings: Mapping[str, str],
-    sweep_name: str,
-    title: str,
-    kind: str,
-    against: str,
-    points: Sequence[Mapping[str, Any]],
-    repeats: int,
-    seconds: float,
-) -> xr.Dataset:
-    """Step: all points (`SweepPoint` each) of a sweep, or of a reference, on one scene.
+def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
+    """All points of a sweep of a plan, or of a reference, on one of its scenes.
 
-    `scene_settings` change the scene at all points: YAML texts by key. A solve is timed `repeats`
-    times, unless these have taken `seconds` [s].
+    A solve is timed as often as the plan says, unless these repeats have taken its `seconds`.
     """
-    solves = [SweepPoint(**given) for given in points]
-    rows = []
-    for point in solves:
-        varied = load_scene(scene, point.overrides(scene_settings))
+    accuracy = read_accuracy(plan)
+    check_known(scene, accuracy["scenes"], f"{plan}: scenes")
+    check_known(sweep, (*accuracy["references"], *accuracy["sweeps"]), f"{plan}: sweeps")
+    file = plan.parent / "scenes" / f"{accuracy['scenes'][scene]['file']}.yaml"
+    changes, rows = scene_settings(accuracy, scene), []
+    for point in sweep_points(accuracy, sweep):
+        varied = load_scene(file, point.overrides(changes))
         said = {"label": point.label, "value": point.value, "settings": point.text}
-        rows.append(said | point_values(varied, point, repeats, seconds))
+        rows.append(said | point_values(varied, point, accuracy["repeats"], accuracy["seconds"]))
+    given = accuracy["sweeps"].get(sweep)
     return filled(
         SWEEP,
         {"point": len(rows)},
         rows,
-        title=f"Accuracy against time: {scene_name}, {sweep_name}",
-        scene_name=scene_name,
-        sweep_name=sweep_name,
-        sweep_title=title,
-        sweep_kind=kind,
-        against=against,
+        title=f"Accuracy against time: {scene}, {sweep}",
+        scene_name=scene,
+        sweep_name=sweep,
+        sweep_title=given["title"] if given else sweep,
+        sweep_kind=given["kind"] if given else "reference",
+        against=against(given) if given else sweep,
         comment="Wall times vary from run to run, so the file is not reproducible byte for byte.",
     )
 

@@ -17,7 +17,7 @@ from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.steady import steady_values
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import bare, with_values
-from workflow.studies.robustness.plan import KeyAxis
+from workflow.studies.robustness.plan import KeyAxis, base_scene, entry, read_robustness
 from workflow.studies.robustness.run import study_attributes
 
 BRANCH_WAYS = ("up", "down", "anew")
@@ -33,15 +33,15 @@ _BRANCH = table(
 )
 
 
-def branch(
-    scene: Path, name: str, title: str, changes: Mapping[str, Any], along: Mapping[str, Any]
-) -> xr.Dataset:
-    """Step: steady states followed up and down an axis, and found anew at each point.
+def branch(plan: Path, name: str) -> xr.Dataset:
+    """Steady states of a branch of a plan, followed up and down its axis and found anew.
 
-    `changes` are keys of the scene to set. Over `way` (up, down, anew) and `along`.
+    Over `way` (up, down, anew) and `along`.
     """
-    axis = record(KeyAxis, along, "along")
-    base = bare(with_values(load_scene(scene).to_dict(), changes))
+    robustness = read_robustness(plan)
+    one = entry(robustness, plan, "branches", name)
+    axis = record(KeyAxis, one["along"], "along")
+    base = bare(with_values(load_scene(base_scene(robustness, plan)).to_dict(), one["set"]))
     rows = []
     for way in BRANCH_WAYS:
         last: np.ndarray | None = None
@@ -56,7 +56,7 @@ def branch(
         {"way": len(BRANCH_WAYS), _ALONG: axis.values},
         rows,
         **study_attributes("branches", name),
-        shown=title,
+        shown=one["title"],
         key=axis.key,
         log=int(axis.is_log),
         ways=" ".join(BRANCH_WAYS),

@@ -70,7 +70,7 @@ def edges(values: np.ndarray, log: bool) -> np.ndarray:
 
 
 def map_figure(solved: Path) -> Figure:
-    """Step: a map with its boundaries."""
+    """A map with its boundaries."""
     return figure_of_map(load_kind(solved, "maps"))
 
 
@@ -151,7 +151,7 @@ _NANO = {"loss_rate": 1e9}
 
 
 def branches_figure(solved: Path) -> Figure:
-    """Step: steady states followed up, down, and found anew."""
+    """Steady states followed up, down, and found anew."""
     return figure_of_branches(load_kind(solved, "branches"))
 
 

@@ -15,7 +15,7 @@ _KINDS = ("scene_classes", "maps")
 
 
 def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Step: ends of all scenes by file, of random scenes and of maps.
+    """Ends of all scenes by file, of random scenes and of maps.
 
     Over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
     verified, multiple_states (of these with more than one steady state) and largest_qv_ratio (by

@@ -18,7 +18,13 @@ from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.closed_forms import closed_form
 from workflow.studies.robustness.draw import bare, with_values
-from workflow.studies.robustness.plan import KeyAxis
+from workflow.studies.robustness.plan import (
+    KeyAxis,
+    base_scene,
+    entry,
+    limit_values,
+    read_robustness,
+)
 from workflow.studies.robustness.run import solved_values, study_attributes, violations
 
 _SHOWN = ("total_qv", "skid_ratio", "residual_preload")
@@ -31,22 +37,16 @@ MAP_STATES = table(
 X, Y = (Variable(name, (name,), "", "value of a key") for name in "xy")
 
 
-def state_map(
-    scene: Path,
-    name: str,
-    title: str,
-    changes: Mapping[str, Any],
-    x: Mapping[str, Any],
-    y: Mapping[str, Any],
-    limits: Mapping[str, float | None],
-) -> xr.Dataset:
-    """Step: steady states over two axes, boundaries along y, closed-form estimates of them.
+def state_map(plan: Path, name: str) -> xr.Dataset:
+    """Steady states over two axes of a map of a plan, with its boundaries along y.
 
-    `changes` are keys of the scene to set, `x` and `y` blocks of the axes; `limits` are sought
-    along y, with the value beyond which they are, None where it needs none.
+    Each boundary is found from solutions, and estimated by closed forms.
     """
-    along_x, along_y = record(KeyAxis, x, "x"), record(KeyAxis, y, "y")
-    base = bare(with_values(load_scene(scene).to_dict(), changes))
+    robustness = read_robustness(plan)
+    one = entry(robustness, plan, "maps", name)
+    along_x, along_y = record(KeyAxis, one["x"], "x"), record(KeyAxis, one["y"], "y")
+    limits, scene = limit_values(robustness, name), base_scene(robustness, plan)
+    base = bare(with_values(load_scene(scene).to_dict(), one["set"]))
     states, borders = [], []
     for at_x in along_x.values:
         line = MapLine(base, along_x.key, at_x, along_y)
@@ -62,7 +62,7 @@ def state_map(
         axes,
         [state for row in zip(*states, strict=True) for state in row],
         **study_attributes("maps", name),
-        shown=title,
+        shown=one["title"],
         x_key=along_x.key,
         y_key=along_y.key,
         x_log=int(along_x.is_log),

@@ -1,6 +1,7 @@
-"""What the study of robustness solves: config/robustness.yaml, and its random values.
+"""What the study of robustness solves, by config/robustness.yaml, and its random values.
 
-This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+The keys of that file stand in workflow/schemas/robustness.schema.yaml. This file imports nothing
+heavy: the Snakefile reads it each time it is parsed.
 """
 
 from __future__ import annotations
@@ -8,25 +9,24 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
+from bearingwear.console import UsageError
 from bearingwear.kernels.status import NOT_CONVERGED, UNVERIFIED
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import NAME, keyed, setting
+from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import load_scene
+from bearingwear.studies.configuration import validated
 
-ROBUSTNESS_FILE = "config/robustness.yaml"
+ROBUSTNESS_FILE = Path("config/robustness.yaml")
 
 WITHOUT_REASON = (NOT_CONVERGED, UNVERIFIED)
 """Statuses that give no physical reason."""
 
 REFUSED = -1
 """Status of a draw that makes no bearing and is refused before any solve."""
-
-RANDOM_FIDELITIES = ("race_control", "steady", "dynamic", "worn_life")
-LIMIT_NAMES = ("contact", "gyroscopic_slip", "skid")
 
 STAND_INS = (
     "ball_diameter_mm",
@@ -90,21 +90,6 @@ class Draw:
         return chance.uniform(*self.even)
 
 
-@keyed
-class SceneClass:
-    """Random scenes of one kind."""
-
-    fidelity: str = setting("Model with which the scenes are solved", choices=RANDOM_FIDELITIES)
-    scenes: int = setting("Number of scenes", within="[1, inf)")
-    draw: Mapping[str, Any] = setting(
-        "Quantities to draw: keys of a scene, and values from which other keys are derived"
-    )
-    like: str = setting("Earlier class whose draws are inherited", default="")
-
-    def __post_init__(self) -> None:
-        draws(self.draw)
-
-
 def draws(blocks: Mapping[str, Any]) -> dict[str, Draw]:
     """Draws by the keys of their values; SceneError for the first block that is wrong."""
     found = {}
@@ -155,99 +140,50 @@ class KeyAxis:
         return tuple(low + (high - low) * share for share in shares)
 
 
-@keyed
-class StateMap:
-    """Steady states over two axes."""
-
-    title: str = setting("Title of the figure")
-    changes: Mapping[str, Any] = setting(
-        "Keys of the scene to set", name="set", default_factory=dict
-    )
-    x: KeyAxis = setting("Horizontal axis")
-    y: KeyAxis = setting("Vertical axis")
-    limits: tuple[str, ...] = setting("Limits to locate along y", choices=LIMIT_NAMES)
+def read_robustness(path: Path) -> dict[str, Any]:
+    """The plan in a file like config/robustness.yaml, with defaults. Raises UsageError."""
+    return validated(path, "robustness", check_robustness)
 
 
-@keyed
-class Branch:
-    """Steady states followed along an axis, both ways."""
+def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> None:
+    """Refuse draws and axes that are impossible, and read the scene. Raises ValueError."""
+    before: list[str] = []
+    for name, scene_class in plan["scene_classes"].items():
+        place, like = f"{path}: scene_classes.{name}", scene_class["like"]
+        if like and like not in before:
+            allowed = ", ".join(before) or "none, because no class precedes it"
+            raise ValueError(f"{place}.like: got {like}, expected {allowed}")
+        try:
+            draws(scene_class["draw"])
+        except SceneError as error:
+            raise ValueError(f"{place}.{error.key}: {error.problem}") from None
+        before.append(name)
+    for kind, axes in (("maps", "xy"), ("branches", ("along",))):
+        for name, one in plan[kind].items():
+            for axis in axes:
+                record(KeyAxis, one[axis], f"{path}: {kind}.{name}.{axis}")
+    if before or plan["maps"] or plan["branches"]:
+        load_scene(base_scene(plan, path))
 
-    title: str = setting("Title of the figure")
-    changes: Mapping[str, Any] = setting(
-        "Keys of the scene to set", name="set", default_factory=dict
-    )
-    along: KeyAxis = setting("Key along which the branches are followed")
+
+def base_scene(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> Path:
+    """The scene that all others differ from; it lies in `scenes/` beside the plan."""
+    return path.parent / "scenes" / f"{plan['scene']}.yaml"
 
 
-@keyed
-class LimitValues:
-    """What counts as the limit."""
+def entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dict[str, Any]:
+    """A class of scenes, a map or a branch of a plan. Raises UsageError where it is not there."""
+    if name not in plan[kind]:
+        raise UsageError(f"{path}: {kind}: got {name}, expected {', '.join(plan[kind])}")
+    return plan[kind][name]
 
-    gyroscopic_slip: float = setting("Gyroscopic slip share", within="(0, inf)")
-    skid: float = setting("Skid ratio", within="(0, inf)")
+
+def draw_blocks(plan: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """Blocks of all draws of a class, those that it inherits among them."""
+    one = plan["scene_classes"][name]
+    return (draw_blocks(plan, one["like"]) if one["like"] else {}) | one["draw"]
 
 
-@keyed
-class RobustnessPlan:
-    """Everything in config/robustness.yaml."""
-
-    scene: str = setting("Base of all scenes", pattern=NAME)
-    scene_classes: Mapping[str, SceneClass] = setting("Random scenes, by class")
-    maps: Mapping[str, StateMap] = setting("Maps of steady states")
-    limits: LimitValues = setting("Values that define the limits of a map")
-    branches: Mapping[str, Branch] = setting("Branches of steady states")
-
-    def __post_init__(self) -> None:
-        before: list[str] = []
-        for name, scene_class in self.scene_classes.items():
-            if scene_class.like and scene_class.like not in before:
-                allowed = ", ".join(before) or "none, because no class precedes it"
-                raise SceneError(
-                    f"scene_classes.{name}.like", f"got {scene_class.like}, expected {allowed}"
-                )
-            before.append(name)
-
-    @property
-    def scene_file(self) -> str:
-        return f"config/scenes/{self.scene}.yaml"
-
-    def check_scenes(self) -> None:
-        """Read the scene."""
-        load_scene(self.scene_file)
-
-    def draw(self, name: str) -> dict[str, Any]:
-        """Blocks of all draws of a class, those it takes over among them."""
-        of = self.scene_classes[name]
-        return (self.draw(of.like) if of.like else {}) | dict(of.draw)
-
-    def class_settings(self, name: str) -> dict[str, Any]:
-        """What decides the random scenes of a class besides the scene."""
-        of = self.scene_classes[name]
-        return {
-            "name": name,
-            "fidelity": of.fidelity,
-            "count": of.scenes,
-            "draw": self.draw(name),
-        }
-
-    def map_settings(self, name: str) -> dict[str, Any]:
-        """What decides a map besides the scene."""
-        of, limits = self.maps[name], asdict(self.limits)
-        return {
-            "name": name,
-            "title": of.title,
-            "changes": of.changes,
-            "x": asdict(of.x),
-            "y": asdict(of.y),
-            "limits": {limit: limits.get(limit) for limit in of.limits},
-        }
-
-    def branch_settings(self, name: str) -> dict[str, Any]:
-        """What decides branches besides the scene."""
-        of = self.branches[name]
-        return {
-            "name": name,
-            "title": of.title,
-            "changes": of.changes,
-            "along": asdict(of.along),
-        }
+def limit_values(plan: Mapping[str, Any], name: str) -> dict[str, float | None]:
+    """The limits to locate in a map, and the values that define them; contact has none."""
+    return {limit: plan["limits"].get(limit) for limit in plan["maps"][name]["limits"]}

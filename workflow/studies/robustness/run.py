@@ -10,9 +10,7 @@ import xarray as xr
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.lives.life import life
-from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
@@ -24,9 +22,12 @@ from workflow.studies.robustness.lives import WORN_LIFE, life_violations
 from workflow.studies.robustness.plan import (
     REFUSED,
     WITHOUT_REASON,
-    RobustnessPlan,
+    base_scene,
+    draw_blocks,
     drawn,
     draws,
+    entry,
+    read_robustness,
 )
 
 TRIALS = table(
@@ -37,35 +38,22 @@ TRIALS = table(
 )
 
 
-def random_scenes(
-    scene: Path,
-    name: str,
-    fidelity: str,
-    count: int,
-    draw: Mapping[str, Mapping[str, Any]],
-    seed: int = 1,
-) -> xr.Dataset:
-    """Step: how random scenes of a class end, over `trial`: `TRIALS`, and the keys drawn."""
-    base = load_scene(scene).to_dict()
+def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1) -> xr.Dataset:
+    """How random scenes of a class of a plan end, over `trial`: `TRIALS`, and the keys drawn.
+
+    count: number of scenes, by default that of the plan.
+    """
+    robustness = read_robustness(plan)
+    scene_class = entry(robustness, plan, "scene_classes", name)
+    count = count or scene_class["scenes"]
+    base = load_scene(base_scene(robustness, plan)).to_dict()
+    fidelity, draw = scene_class["fidelity"], draw_blocks(robustness, name)
     trials = list(drawn(draws(draw), seed, count))
     kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
     keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
     rows = [end_of(base, values, fidelity) | values for values in trials]
     attributes = study_attributes("scene_classes", name) | {"fidelity": fidelity, "seed": seed}
     return filled(TRIALS | keys, {"trial": count}, rows, **attributes)
-
-
-def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
-    """Step: so many random scenes of a class of the plan, with a seed of their own.
-
-    The scene that all start from is beside the plan, in `scenes/`.
-    """
-    classes = read_record(RobustnessPlan, plan)
-    if name not in classes.scene_classes:
-        allowed = ", ".join(classes.scene_classes)
-        raise CaseFileError(f"{plan}: scene_classes: got {name}, expected {allowed}")
-    settings = classes.class_settings(name) | {"count": count, "seed": seed}
-    return random_scenes(plan.parent / "scenes" / f"{classes.scene}.yaml", **settings)
 
 
 def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ NO_REASON = [STATUS_NAMES[code] for code in (OK, *WITHOUT_REASON)]
 
 
 def ends_table(counts: Path) -> str:
-    """Step: how the scenes ended, as Markdown."""
+    """How the scenes ended, as Markdown."""
     found = loaded(counts, set=(), end=())
     rows = [_row(found.isel(set=k)) for k in range(found.sizes["set"])]
     units = dict.fromkeys(rows[0], "") | {"maximum difference in QV": "%"}
@@ -44,7 +44,7 @@ def _row(one: xr.Dataset) -> dict[str, int | float | str]:
 
 
 def wrong_answers(counts: Path) -> str:
-    """Step: says that no verified answer is wrong; else NotSolved, with the first."""
+    """Says that no verified answer is wrong; else NotSolved, with the first."""
     found = loaded(counts, set=(), end=())
     wrong = int(found["violations"].sum())
     if wrong:

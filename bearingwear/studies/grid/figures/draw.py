@@ -1,11 +1,11 @@
-"""Steps of the study that draw figures: the files are read, and must be the right ones."""
+"""Figures of the main study: the files are read, and must be the right ones."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import xarray as xr
 
-from bearingwear.plotting.drawing import Figure
+from bearingwear.plotting.drawing import Figure, drawn_from
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.results.words import chosen_bearing
@@ -15,15 +15,38 @@ from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.figures.overlay import lives_side_by_side, spread
 
 
+def scene_figures(
+    study: Path,
+    lives: Path,
+    cases: Sequence[Path],
+    friction: Sequence[float],
+    uncertainty: Sequence[Path] = (),
+    bearing: str | None = None,
+) -> Iterator[Figure]:
+    """Slip across the contacts, QV and wear rates against wear, and wear over the life."""
+    yield draw_slip(cases, bearing)
+    yield draw_wear([study], friction, bearing)
+    yield draw_life(lives, friction, uncertainty, bearing)
+
+
+def friction_figures(
+    study: Path, losses_um: Sequence[float], bearing: str | None = None
+) -> Iterator[Figure]:
+    """QV and contact load against friction, a figure for each state of wear."""
+    for loss_um in losses_um:
+        yield draw_friction(study, loss_um, bearing)
+
+
 def draw_friction(study: Path, loss_um: float, bearing: str | None = None) -> Figure:
     """QV and contact load against friction at one state of wear."""
     found = _loaded(study, bearing, ball_diameter_loss=[loss_um])
-    return quasistatic.friction_figure(found, loss_um)
+    return drawn_from(quasistatic.friction_figure(found, loss_um), study)
 
 
 def draw_slip(cases: Sequence[Path], bearing: str | None = None) -> Figure:
     """Slip over the contact ellipse."""
-    return quasistatic.slip_figure([_loaded(path, bearing, strip=()) for path in cases])
+    found = [_loaded(path, bearing, strip=()) for path in cases]
+    return drawn_from(quasistatic.slip_figure(found), *cases)
 
 
 def draw_wear(
@@ -37,7 +60,7 @@ def draw_wear(
         _loaded(path, bearing, friction=[mu], ball_diameter_loss=())
         for path, mu in zip(paths, friction, strict=True)
     ]
-    return quasistatic.wear_figure(columns, friction)
+    return drawn_from(quasistatic.wear_figure(columns, friction), *studies)
 
 
 def draw_life(
@@ -48,24 +71,26 @@ def draw_life(
 ) -> Figure:
     """Wear and preload over the life."""
     found = _loaded(lives, bearing, interpolated_step=(), friction=friction)
-    return quasistatic.life_figure(found, friction, [load_quantiles(path) for path in uncertainty])
+    known = [load_quantiles(path) for path in uncertainty]
+    return drawn_from(quasistatic.life_figure(found, friction, known), lives, *uncertainty)
 
 
 def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
     """Several scenes overlaid."""
     found = [_loaded(path, None, friction=[friction], ball_diameter_loss=()) for path in studies]
-    return spread(found, friction)
+    return drawn_from(spread(found, friction), *studies)
 
 
 def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
     """Lives of several scenes overlaid."""
     found = [_loaded(path, None, interpolated_step=(), friction=[friction]) for path in lives]
-    return lives_side_by_side(found, friction)
+    return drawn_from(lives_side_by_side(found, friction), *lives)
 
 
 def draw_dynamic(study: Path, dynamic: Path) -> Figure:
     """Cases solved dynamically beside the steady ones."""
-    return dynamic_figures.beside_steady_figure(*both_ways(study, dynamic))
+    figure = dynamic_figures.beside_steady_figure(*both_ways(study, dynamic))
+    return drawn_from(figure, study, dynamic)
 
 
 def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
@@ -73,7 +98,7 @@ def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     found = loaded(case)
     if found.attrs.get("fidelity") != "dynamic" or "status" not in found or found["status"].dims:
         raise CaseFileError(f"{case}: not a case solved dynamically")
-    return dynamic_figures.running_average_figure(found, reference)
+    return drawn_from(dynamic_figures.running_average_figure(found, reference), case)
 
 
 def _loaded(path: Path, bearing: str | None, **axes: Sequence[float]) -> xr.Dataset:

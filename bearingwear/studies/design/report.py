@@ -1,0 +1,29 @@
+"""What is drawn and said of a recommended preload, for the workflow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from bearingwear.plotting.drawing import Figure
+from bearingwear.studies.design.document.charts import design_charts
+from bearingwear.studies.design.document.sheets import design_answer, tables
+from bearingwear.studies.design.figures.draw import draw_design
+
+
+def preload_report(
+    design: Path,
+    recommendation: Path,
+    uncertainty: Path | None = None,
+    beside: Path | None = None,
+    spread: Path | None = None,
+) -> tuple[Figure, str, str, str, str]:
+    """The figure, the map as CSV, the table as Markdown, the page's answer and charts as JSON.
+
+    uncertainty, beside, spread: as of `design_answer`.
+    """
+    return (
+        draw_design(design, recommendation, uncertainty),
+        *tables(design, recommendation, uncertainty),
+        design_answer(design, recommendation, uncertainty, beside, spread),
+        design_charts(design, recommendation, uncertainty, spread),
+    )

@@ -1,0 +1,36 @@
+"""Runs a command, and interrupts it with all its children when standard input closes.
+
+`bearingwear study` starts Snakemake so, as the leader of a session: however that command ends, its
+end of the pipe closes, and no job runs on.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+GRACE = 10.0
+"""Time in which an interrupted command has ended [s]."""
+
+
+def guarded() -> int:
+    signal.signal(signal.SIGINT, lambda *_: None)  # which is for the children
+    process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
+    threading.Thread(target=_interrupt_later, daemon=True).start()
+    status = process.wait()
+    return status if status >= 0 else 128 - status
+
+
+def _interrupt_later() -> None:
+    while os.read(0, 1):  # until the command that started this ends
+        pass
+    os.killpg(0, signal.SIGINT)
+    threading.Event().wait(GRACE)
+    os.killpg(0, signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    os._exit(guarded())  # its thread may still wait

@@ -1,0 +1,29 @@
+"""Compiles the kernels of a model, before many processes would each wait for them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from bearingwear.scene.read import load_scene
+from bearingwear.studies.launch import snakefile
+
+_FOLLOWED = ("model.contact=auto", "model.normal_balance=frictionless")
+"""Changes of the example with which a life follows its worn grooves."""
+
+
+def compile_model(model: str) -> None:
+    """Solve what calls every kernel of a model: `steady`, `worn` (lives) or `dynamic`."""
+    from bearingwear.lives.life import life
+    from bearingwear.solvers.solve import solve
+
+    example = Path(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
+    if model == "worn":
+        life(load_scene(example))
+        life(load_scene(example, _FOLLOWED))
+    elif model == "dynamic":
+        turns = ["model.simulated_turns=0.1"]
+        solve(load_scene(example, turns), "dynamic")
+        solve(load_scene(example, [*turns, "model.contact=paper"]), "dynamic")
+    else:
+        solve(load_scene(example), "steady")
+        solve(load_scene(example, ["model.contact=hertz"]), "steady")

@@ -1,0 +1,194 @@
+"""What the workflow reads: faults of configurations, and the values of scenes that decide."""
+
+import copy
+
+import pytest
+import yaml
+from support import ROOT, scene_file
+
+from bearingwear.measures import LIMITED
+from bearingwear.scene.checking.records import whole
+from bearingwear.scene.checking.strict_yaml import yaml_of
+from bearingwear.scene.decisive import reads_cage
+from bearingwear.scene.read import load_scene, variant
+from bearingwear.studies import configuration
+from bearingwear.studies.axis import GRID_KEYS
+from bearingwear.studies.design.plan import DesignLimits
+
+CONFIG = {
+    "studies": [
+        {
+            "scenes": ["gyro_s1"],
+            "preload_method": ["constant_force", "fixed_position"],
+            "friction": [0.02, 0.08],
+            "ball_diameter_loss_um": [0, 0.5],
+        }
+    ],
+    "dynamic": [],
+    "uncertain_lives": {"scenes": []},
+    "figures": {
+        "friction": [],
+        "wear_columns": [],
+        "spreads": {},
+        "lives": {},
+        "running_averages": {},
+    },
+}
+DYNAMIC = {
+    "scenes": ["gyro_s1"],
+    "preload_method": ["constant_force"],
+    "friction": [0.02],
+    "ball_diameter_loss_um": [0],
+    "model": {"simulated_turns": 1},
+}
+
+
+@pytest.fixture(autouse=True)
+def in_the_project(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+FAULTS = (
+    (["studies", 0, "friction"], [1 / 3], "studies[0]: friction: got 0.333"),
+    (["studies", 0, "scenes"], ["gyro_s1", "gyro_s1"], "scenes: got gyro_s1 twice"),
+    (["studies", 0, "scenes"], ["no_such"], "config/scenes/no_such.yaml"),
+    (
+        ["studies", 0, "ball_diameter_loss_um"],
+        [0, 500],
+        "loss500.00: wear.ball_diameter_loss_um: got 500, expected a number < 200",
+    ),
+    (["figures", "friction"], [0.5], "figures.friction: got 0.5, expected 0.02, 0.08"),
+    (
+        ["figures", "spreads"],
+        {"a": {"scenes": ["other"], "friction": 0.02}},
+        "spreads.a: got other",
+    ),
+    (
+        ["figures", "wear_columns"],
+        [{"scene": "gyro_s1", "friction": 0.03}],
+        "figures.wear_columns[0]: gyro_s1: got 0.03, expected 0.02, 0.08",
+    ),
+    (
+        ["figures", "running_averages"],
+        {"gyro_s1": None},
+        "averages: got gyro_s1",
+    ),
+    (["uncertain_lives", "scenes"], ["gyro_s2"], "uncertain_lives.scenes: got gyro_s2"),
+    (
+        ["dynamic"],
+        [{**DYNAMIC, "friction": [0.03]}],
+        "got gyro_s1, constant_force-mu0.03",
+    ),
+    (
+        ["dynamic"],
+        [{**DYNAMIC, "model": {"simulated_turns": "1; touch x"}}],
+        "loss0.00: model.simulated_turns: got '1; touch x', text, not a number",
+    ),
+)
+
+
+@pytest.mark.parametrize(("keys", "value", "said"), FAULTS, ids=lambda one: None)
+def test_a_faulty_configuration_is_refused_in_one_line(keys, value, said):
+    configuration.check_config(CONFIG)
+    config = place = copy.deepcopy(CONFIG)
+    for key in keys[:-1]:
+        place = place[key]
+    place[keys[-1]] = value
+    with pytest.raises(ValueError, match="^[^\n]*$") as error:
+        configuration.check_config(config)
+    assert said in str(error.value)
+
+
+def test_the_configurations_of_the_project_are_right():
+    read = {name: configuration.read(f"config/{name}.yaml") for name in ("design", "lives")}
+    configuration.check_lives(
+        {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
+    )
+    design = {
+        name: {"limits": {}, "beside": {}, **one} for name, one in read["design"]["scenes"].items()
+    }
+    configuration.check_design({"scenes": design})
+    configuration.check_sampled(configuration.read("config/uncertainty.yaml"))
+    assert configuration.read("config/none.yaml") == {}
+
+
+@pytest.mark.parametrize(
+    ("life", "said"),
+    [
+        ({"scene": "gyro_s1", "set": {"operation.preload": 1.0}}, "lives.a: operation.preload: "),
+        ({"scene": "gyro_s1", "set": {"wear.end_of_life": None}}, "lives.a: "),
+        ({"scene": "nowhere", "set": {}}, "lives.a: "),
+    ],
+)
+def test_a_faulty_life_is_named_in_one_line(life, said):
+    with pytest.raises(ValueError, match="^[^\n]*$") as error:
+        configuration.check_lives({"lives": {"a": life}})
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"beside": {"bad": {"words": "x", "set": {"operation.preload_N": -1}}}}, "beside.bad"),
+        ({"limits": {"lowest_frequency_Hz": 100}}, "arrangement"),
+    ],
+)
+def test_a_faulty_design_is_named_in_one_line(changed, said):
+    with pytest.raises(ValueError, match="^[^\n]*$") as error:
+        configuration.check_design({"scenes": {"gyro_s1": {"limits": {}, "beside": {}, **changed}}})
+    assert said in str(error.value)
+
+
+def test_limits_of_the_schema_are_those_of_the_measures():
+    schema = yaml.safe_load((ROOT / "workflow/schemas/design.schema.yaml").read_text())
+    scene = schema["properties"]["scenes"]["additionalProperties"]
+    own = whole(DesignLimits).below
+    assert set(scene["properties"]["limits"]["properties"]) == set(own) >= set(LIMITED)
+
+
+def test_a_map_has_rising_axes():
+    axes = {
+        "preload_method": ["constant_force"],
+        "friction": [0.08],
+        "shaft_speed_rpm": [30000],
+        "preload_N": {"first": 1.0, "last": 3.0, "step": 1.0},
+    }
+    assert configuration.map_axes(axes)["preload_N"] == [1.0, 2.0, 3.0]
+    with pytest.raises(ValueError, match="expected increasing numbers"):
+        configuration.map_axes(axes | {"preload_N": [2.0, 1.0]})
+
+
+# what a scene decides
+
+CHANGES = (
+    ("operation.preload_N", 8.0, {"solve", "spread", "dynamic"}),
+    ("friction.ball_race", 0.07, {"spread", "dynamic"}),
+    ("uncertainty", None, {"spread"}),
+    ("cage.pocket_clearance_mm", 0.16, {"dynamic"}),
+    ("model.cage_results", True, {"solve", "spread", "dynamic"}),
+    ("description", "Another bearing", set()),
+)
+
+
+@pytest.mark.parametrize(("key", "value", "again"), CHANGES)
+def test_a_change_of_what_a_job_does_not_read_plans_nothing(key, value, again, tmp_path):
+    """What is read by a case, by sampled lives, and by a job of the dynamic model."""
+
+    def hashes(name, scene):
+        path = str(tmp_path / f"{name}.yaml")
+        (tmp_path / f"{name}.yaml").write_text(yaml_of(scene.to_dict()), encoding="utf-8")
+        return {
+            "solve": configuration.scene_hash(path, tuple(GRID_KEYS.values()), False, False),
+            "spread": configuration.scene_hash(path, (), False, True),
+            "dynamic": configuration.scene_hash(path, (), True, False),
+        }
+
+    before = hashes("before", load_scene(scene_file("gyro_s1")))
+    after = hashes("after", variant(scene_file("gyro_s1"), {key: value}))
+    assert {name for name in before if before[name] != after[name]} == again
+
+
+def test_a_cage_is_read_where_its_results_are_asked_for():
+    assert reads_cage({"model": {"cage_results": True}})
+    assert reads_cage({"model": {"fidelity": "dynamic"}})
+    assert not reads_cage({"cage": {}, "model": None})

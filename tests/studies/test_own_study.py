@@ -1,0 +1,200 @@
+"""The study of one scene: its plan, and the folder that is made for it."""
+
+import dataclasses
+
+import pytest
+import yaml
+from support import scene_file
+
+from bearingwear.console import UsageError
+from bearingwear.lives.life import life
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.read import load_scene
+from bearingwear.studies.cage.plan import cage_axes, check_cage
+from bearingwear.studies.configuration import validated
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.own_study import plan_of, write_study
+
+LIMITS = DesignLimits(axial_stiffness_N_um=3.0)
+
+
+def plans(scene, limits=LIMITS):
+    made = plan_of(scene, "mine", limits, "mine.yaml")
+    return made["config/config.yaml"], made["config/design.yaml"]["scenes"]["mine"]
+
+
+@pytest.fixture
+def scene():
+    return load_scene(scene_file("gyro_s1"))
+
+
+def with_friction(scene, mu):
+    return dataclasses.replace(scene, friction=dataclasses.replace(scene.friction, ball_race=mu))
+
+
+def test_plan_is_around_the_scene(scene):
+    config, design = plans(scene)
+    (block,) = config["studies"]
+    assert block["scenes"] == ["mine"]
+    assert block["preload_method"] == ["constant_force", "fixed_position"]
+    assert block["friction"] == [0.04, 0.08, 0.12, 0.16]
+    assert config["figures"]["friction"] == [0.08]
+    assert config["uncertain_lives"]["scenes"] == ["mine"]
+    # to the end of its own life, by the criterion of 0.7 um
+    losses = block["ball_diameter_loss_um"]
+    end = 1e6 * float(life(scene).values["loss_at_end"])
+    assert losses[0] == 0.0 and end <= losses[-1] <= end + 0.01 and len(losses) == 9
+    assert config["figures"]["worn_loss_um"] in losses
+    axes = design["small_map"]
+    assert axes["shaft_speed_rpm"] == [30000.0] and 0.08 in axes["friction"]
+    assert 7.0 in axes["preload_N"]
+    assert axes["preload_N"][0] < 1.0 and axes["preload_N"][-1] > 200.0
+    assert design["limits"] == {"axial_stiffness_N_um": 3.0}
+    assert design["beside"]["warm"]["set"] == {"temperature.inner_ring_C": 25.0}
+    assert yaml.safe_load(yaml.safe_dump(design)) == design
+
+
+def test_plan_of_a_pair(scene):
+    """Methods are pairs of the two kinds; states of wear go to the end of the pair's life."""
+    pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
+    config, _ = plans(pair)
+    (block,) = config["studies"]
+    end = 1e6 * float(max(life(pair).values["loss_at_end"]))
+    assert end <= block["ball_diameter_loss_um"][-1] <= end + 0.01
+    other = pair.with_({"operation.preload_method": "fixed_position"})
+    assert other.arrangement.kind == "rigid_pair"
+    with pytest.raises(SceneError, match="arrangement.kind"):
+        other.with_(
+            {"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"}
+        )
+
+
+CARRIED_AWAY = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
+
+
+@pytest.mark.parametrize(
+    "given", [{"temperature.inner_ring_C": 30.0}, {"thermal.conductance_W_K": CARRIED_AWAY}]
+)
+def test_a_warm_bearing_is_also_tried_cold(scene, given):
+    warm = scene.with_(given)
+    _, design = plans(warm)
+    (case,) = design["beside"].values()
+    cold = warm.with_(case["set"])
+    assert cold.temperature is None and cold.thermal is None
+
+
+@pytest.mark.parametrize(
+    "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
+)
+def test_own_friction_is_among_those_studied(scene, mu, frictions):
+    config, _ = plans(with_friction(scene, mu))
+    assert config["studies"][0]["friction"] == frictions
+
+
+def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
+    assert "config/cage.yaml" not in plan_of(scene, "mine", LIMITS, "mine.yaml")
+    asked = scene.with_({"cage_uncertainty": {}})
+    given = plan_of(asked, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
+    (tmp_path / "cage.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "scenes/mine.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
+    axes = cage_axes(validated(tmp_path / "cage.yaml", "cage", check_cage))
+    assert axes["guide_clearance_mm"] == [0.1, 0.2]
+    assert axes["cage_friction"] == [0.025, 0.05, 0.075]
+
+
+def test_without_friction_there_is_no_study(scene):
+    with pytest.raises(SceneError, match=r"mine.yaml: friction.ball_race: got 0, expected"):
+        plans(with_friction(scene, 0.0))
+
+
+def test_no_preload_to_study_around(scene):
+    end = dataclasses.replace(scene.wear.end_of_life, preload_fraction=None)
+    scene = dataclasses.replace(
+        scene,
+        operation=dataclasses.replace(scene.operation, preload_N=0.0),
+        wear=dataclasses.replace(scene.wear, end_of_life=end),
+    )
+    with pytest.raises(SceneError, match=r"operation.preload_N: got 0, expected.*a number > 0"):
+        plans(scene)
+
+
+# the folder
+
+
+@pytest.fixture
+def mine(tmp_path):
+    """A scene that is based on another."""
+    (tmp_path / "base.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
+    file = tmp_path / "mine.yaml"
+    file.write_text("name: mine\nbased_on: base\nset: {uncertainty: null}\n")
+    return file
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
+    folder = tmp_path / "study"
+    write_study(mine, folder, LIMITS)
+    names = {path.relative_to(folder).as_posix() for path in contents(folder)}
+    plans = {"config/config.yaml", "config/design.yaml"}
+    assert names == plans | {"config/scenes/base.yaml", "config/scenes/mine.yaml"}
+    assert load_scene(folder / "config/scenes/mine.yaml") == load_scene(mine)
+    for text in contents(folder).values():
+        assert text.startswith(b"# Written by `bearingwear study mine.yaml`")
+
+
+def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mine, tmp_path):
+    folder = tmp_path / "study"
+    write_study(mine, folder, LIMITS)
+    before = contents(folder)
+    times = {path: path.stat().st_mtime_ns for path in before}
+    write_study(mine, folder, LIMITS)
+    assert {path: path.stat().st_mtime_ns for path in before} == times
+    mine.write_text(mine.read_text().replace("null}", "null, operation.preload_N: 9}"))
+    write_study(mine, folder, LIMITS)
+    copy = folder / "config/scenes/mine.yaml"
+    assert load_scene(copy).operation.preload_N == 9.0
+    base = copy.with_name("base.yaml")
+    assert base.read_bytes() == before[base]
+
+
+@pytest.mark.parametrize("name", ["scenes/mine.yaml", "scenes/base.yaml", "design.yaml"])
+def test_what_was_edited_there_is_not_replaced(mine, tmp_path, name):
+    folder = tmp_path / "study"
+    write_study(mine, folder, LIMITS)
+    edited = folder / "config" / name
+    edited.write_text(edited.read_text() + "# mine\n")
+    before = contents(folder)
+    mine.write_text(mine.read_text() + "# another\n")
+    with pytest.raises(UsageError, match=rf"{name}: got an edited file, expected"):
+        write_study(mine, folder, DesignLimits())
+    assert contents(folder) == before
+
+
+def test_a_folder_of_something_else_is_left_alone(mine, tmp_path):
+    folder = tmp_path / "study"
+    folder.mkdir()
+    (folder / "notes.txt").touch()
+    with pytest.raises(UsageError, match="got a folder with other files"):
+        write_study(mine, folder, LIMITS)
+    (folder / "notes.txt").unlink()
+    write_study(mine, folder, LIMITS)
+    other = mine.with_name("other.yaml")
+    other.write_bytes(mine.read_bytes())
+    with pytest.raises(
+        UsageError, match="a new folder, or one written by `bearingwear study other.yaml`"
+    ):
+        write_study(other, folder, LIMITS)
+    with pytest.raises(UsageError, match="cannot be used"):
+        write_study(mine, mine, LIMITS)
+
+
+def test_a_scene_of_the_dynamic_model_is_told_what_is_possible(mine, tmp_path):
+    mine.write_text(mine.read_text().replace("null}", "null, operation.rotating_load_N: 1}"))
+    with pytest.raises(SceneError) as error:
+        write_study(mine, tmp_path / "study", LIMITS)
+    assert f"bearingwear life {mine} --fidelity dynamic" in str(error.value)
+    assert not (tmp_path / "study").exists()

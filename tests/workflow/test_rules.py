@@ -1,0 +1,69 @@
+"""The rules as text: each says what it makes, and calls a function that is there."""
+
+import importlib
+import inspect
+import re
+
+import pytest
+from support import ROOT
+
+from bearingwear.provenance import PACKAGE, sources
+
+FILES = sorted(ROOT.glob("workflow/rules/*.smk"))
+TEXT = "\n".join(file.read_text(encoding="utf-8") for file in FILES)
+RULES = {name: body for name, body in re.findall(r"^rule (\w+):\n((?:    .*\n|\n)*)", TEXT, re.M)}
+
+
+def command(body: str) -> str:
+    """The shell line of a rule, its strings joined."""
+    shell = body.partition("    shell:\n")[2]
+    return "".join(re.findall(r'^ +"(.*)"$', shell, re.M))
+
+
+STEPS = {
+    name: text for name, body in RULES.items() if "bearingwear step " in (text := command(body))
+}
+
+
+def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
+    assert len(RULES) == len(re.findall(r"^ *rule\b", TEXT, re.M)) > 30
+
+
+def test_a_rule_says_in_a_sentence_what_it_makes():
+    wrong = [
+        name for name, body in RULES.items() if not re.match(r'    """[A-Z].*\S[.)]"""\n', body)
+    ]
+    assert not wrong
+
+
+def test_common_is_short():
+    assert len((ROOT / "workflow/rules/common.smk").read_text().splitlines()) < 60
+
+
+def test_the_workflow_uses_nothing_private_of_snakemake():
+    text = TEXT + (ROOT / "Snakefile").read_text(encoding="utf-8")
+    text += "".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
+    private = r"workflow\.(dag|get_rule|register|_)|logger\.handlers"
+    private += r"|from snakemake(?!\.(utils|exceptions))"
+    assert not re.findall(private, text)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_is_called_as_its_function_is(name):
+    dotted, arguments = re.search(r"bearingwear step (\S+) (.*?) -o ", STEPS[name]).groups()
+    module, _, function = dotted.rpartition(".")
+    signature = inspect.signature(getattr(importlib.import_module(module), function))
+    given = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
+    signature.bind(**dict.fromkeys(given))
+    # an edit of the function makes its results anew
+    hashed = re.search(r'code=sources\(\s*"([\w.]+)"', RULES[name])
+    if name != "verdict":  # which is called each time
+        path = ROOT.joinpath(*module.split(".")).with_suffix(".py")
+        assert hashed and path in sources(hashed[1]), dotted
+
+
+def test_files_of_the_workflow_are_installed():
+    """As data of the package, for studies outside a clone."""
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    for pattern in ("workflow/rules/*.smk", "workflow/schemas/*.yaml", "workflow/report/*.rst"):
+        assert f'"{pattern}"' in project and list(ROOT.glob(pattern))
