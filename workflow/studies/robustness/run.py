@@ -37,6 +37,9 @@ TRIALS = table(
     Variable("largest_qv_ratio", (), "1", "maximum relative difference in QV between these states"),
 )
 
+_ESTIMATES = ("_error_estimate", "torque_lost_to_regularisation")
+"""Ends of the names of estimates, which a solve leaves out where it finds none."""
+
 
 def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1) -> xr.Dataset:
     """How random scenes of a class of a plan end, over `trial`: `TRIALS`, and the keys drawn.
@@ -117,7 +120,7 @@ def _of_both(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str
         states = {
             name: value
             for name, value in one.items()
-            if not name.startswith("steady_state_") and not name.endswith("_error_estimate")
+            if not (name.startswith("steady_state_") or name.endswith(_ESTIMATES))
         }
         found += [f"bearing {k + 1}: {text}" for text in _of_values(side, fidelity, states)]
     rounding = np.max(values["equilibrium_rounding"])
