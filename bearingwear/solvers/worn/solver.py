@@ -17,7 +17,6 @@ from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import friction_used
-from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.condition import Condition, SolvedBearing
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
@@ -62,8 +61,9 @@ class Worn(Steady):
     def elsewhere(self, scene: Scene) -> "Worn":
         """The same bearing with its grooves at another speed or temperature, where none wears."""
         other = copy.copy(self)
-        other.scene, other.problem = scene, ThrustProblem.of(scene).without_finer
+        other.scene, other.problem = scene, self.problem.of(scene).without_finer
         other.mounted = other.problem.preload.delta_a
+        other.bearing = copy.copy(self.bearing)
         other.bearing.wears = False
         return other
 
