@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -19,7 +20,8 @@ from bearingwear.studies.design.plan import DesignLimits
 
 DIGITS = 3  # of a preload, at least
 STEEPEST_LIFE = 1.5
-"""How fast a life rises between two preloads at most, as a power, other than at a jump."""
+"""How fast a life rises between two preloads at most, as a power, other than at a jump or beside
+one."""
 
 _SLACK = 0.4  # by which a slope inside an interval may differ from those outside of it
 _WIDE = 0.45  # width in log preload of an interval that needs most of that
@@ -96,20 +98,20 @@ class Neighbours(NamedTuple):
             return max(lives) * math.exp(STEEPEST_LIFE * width)
         slack = _SLACK * min(1.0, 0.25 + width / _WIDE)
         step = math.log(lives[1] / lives[0])
-        if (met := self.limit_met()) is not None:
-            end, share, is_all = met
-            if is_all:
-                rise = max(step if end is self.a else -step, 0.0) + slack * width
-                return end.life * math.exp(rise * min(1.0, _SAFETY * share))
         # beyond the ends of the map the trend between these two continues
         before = (self.before, self.a) if self.before else (self.a, self.b)
         after = (self.b, self.after) if self.after else (self.a, self.b)
-        rise = min(_slope(*before, STEEPEST_LIFE) + slack, STEEPEST_LIFE)
-        fall = max(_slope(*after, -STEEPEST_LIFE) - slack, -STEEPEST_LIFE)
+        rise, fall = _rise(_slope(*before), slack), -_rise(-_slope(*after), slack)
+        if (met := self.limit_met()) is not None:
+            end, share, is_all = met
+            if is_all and (rise if end is self.a else -fall) <= STEEPEST_LIFE:
+                growth = max(step if end is self.a else -step, 0.0) + slack * width
+                return end.life * math.exp(growth * min(1.0, _SAFETY * share))
         if rise * width <= step or -fall * width <= -step:
             return max(lives)
         crossing = (step - fall * width) / (rise - fall)  # of both lines
-        return lives[0] * math.exp(rise * crossing)
+        most = max(lives) * math.exp(STEEPEST_LIFE * width)
+        return min(lives[0] * math.exp(rise * crossing), most)
 
     @property
     def jumps(self) -> bool:
@@ -150,12 +152,22 @@ class Neighbours(NamedTuple):
         return round_number(math.exp(middle), self.a.preload, self.b.preload)
 
 
-def _slope(a: Tried, b: Tried, unknown: float) -> float:
-    """Of the life over preload, both as logarithms; at most the steepest."""
-    if not min(a.life, b.life) > 0.0:
-        return unknown
-    slope = math.log(b.life / a.life) / math.log(b.preload / a.preload)
-    return slope if abs(slope) < STEEPEST_LIFE else unknown
+def _slope(a: Tried, b: Tried) -> float:
+    """Of the life over preload, both as logarithms; a life of zero is as short as can be."""
+    lives = (max(one.life, sys.float_info.min) for one in (a, b))
+    first, second = map(math.log, lives)
+    return (second - first) / math.log(b.preload / a.preload)
+
+
+def _rise(slope: float, slack: float) -> float:
+    """How fast a life goes on to rise at most behind an interval in which it rose by a slope.
+
+    Where it rose faster than anywhere but at a jump, the jump may not be over: it may be a rise
+    that lasts until another criterion ends the life. Nothing is known of it behind a fall so fast.
+    """
+    if slope <= -STEEPEST_LIFE:
+        return STEEPEST_LIFE
+    return max(min(slope + slack, STEEPEST_LIFE), slope)
 
 
 def _room(values: Mapping[str, Any], limits: DesignLimits) -> np.ndarray:

@@ -86,6 +86,7 @@ from bearingwear.studies.design.room import (
     verdict_on,
 )
 from bearingwear.studies.design.search import (
+    GAIN,
     Asking,
     Found,
     Request,
@@ -309,9 +310,17 @@ class Search:
         if not max(lives) > 0.0:
             return
         k = int(np.argmax(lives))
-        best = lines[k].tried[rows[k]["preload"]]
-        asking = [settable(lines[k], best, self.limits)]
-        ((low, high),) = answered(asking, partial(self._solve, _SEARCH))
+        line, solve = lines[k], partial(self._solve, _SEARCH)
+        while True:
+            longest = line.longest(self.limits)
+            best = line.tried[rows[k]["preload"]]
+            ((low, high),) = answered([settable(line, best, self.limits)], solve)
+            if line.longest(self.limits) <= GAIN * longest:
+                break
+            # the lives that show the range may be longer than all before
+            (found,) = answered([self._searched(line)], solve)
+            assert found is not None
+            rows[k] = _row(line, found, self.limits)
         rows[k] |= {"least_preload": low, "most_preload": high}
 
     def _searched(self, line: PreloadLine) -> Asking:

@@ -81,6 +81,18 @@ def search(line: PreloadLine, limits: DesignLimits) -> Asking:
     """Ask for the lives that show the best preload within the limits; returns `Found` or None."""
     yield from lives_needed(line, limits)
     yield from guide(line, limits, GUIDED_GAIN)
+    while True:
+        best = yield from _longest(line, limits)
+        if best is None:
+            return None
+        found = yield from _off_the_cliff(line, best, limits)
+        # the lives beside a cliff may be longer than all before
+        if line.longest(limits) <= GAIN * best.life:
+            return found
+
+
+def _longest(line: PreloadLine, limits: DesignLimits) -> Asking:
+    """Ask for exact lives until no other preload seems better; returns the best one or None."""
     for _ in range(_MOST):
         best = line.best(limits, GAIN)
         if best is not None and (missing := _window(line, best.preload)):
@@ -92,9 +104,7 @@ def search(line: PreloadLine, limits: DesignLimits) -> Asking:
         if one is None:
             break
         yield [(line, one.split(), True)]
-    if (best := line.best(limits, GAIN)) is None:
-        return None
-    return (yield from _off_the_cliff(line, best, limits))
+    return line.best(limits, GAIN)
 
 
 def _ends(line: PreloadLine, preload: float) -> tuple[float, float]:
