@@ -1,19 +1,15 @@
 """Kernels of lives are compiled in a process beside the first command."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
 from bearingwear.cli import main
-from bearingwear.kernels.build.folder import tell
 from bearingwear.kernels.steady.thrust import thrust_case
 from bearingwear.kernels.worn import pressure, state
 from bearingwear.lives.life import life
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.solve import solve
-from bearingwear.studies import ahead, launch
+from bearingwear.studies import ahead
 
 KERNELS = pressure.contact_cells, state.worn_state
 
@@ -66,13 +62,3 @@ def test_one_process_that_ends_with_its_command(file, tmp_path, monkeypatch):
         process = ahead._started(file, ())
     process.kill()
     process.wait()
-
-
-def test_jobs_of_a_study_announce_compilation_once(capsys):
-    tell.cache_clear()
-    text = "compiling part of the solver ...\n"
-    command = [sys.executable, "-c", f"import sys\nsys.stderr.write({text!r} * 2 + 'done\\n')"]
-    assert launch._relayed(command, Path(), []) == 0
-    first, *others = capsys.readouterr().err.splitlines()
-    assert first.startswith("compiling part of the solver (only once)")
-    assert others == ["done"]

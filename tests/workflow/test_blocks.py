@@ -39,6 +39,12 @@ SHOWN = {
     r"make study|snakemake -j2( --rerun-incomplete)?$|bearingwear study$": (
         "tests/workflow/test_study.py::test_a_run_makes_everything_and_then_nothing"
     ),
+    r"grep .* workflow/rules/": (
+        "tests/workflow/test_rules.py::test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop"
+    ),
+    r"snakemake --list": (
+        "tests/workflow/test_rules.py::test_a_rule_says_in_a_sentence_what_it_makes"
+    ),
     r"snakemake -n": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -j2 -f results": "tests/workflow/test_study.py::test_one_point_again",
@@ -238,7 +244,7 @@ def test_every_line_shown_is_run_somewhere():
             assert where, f"{named(page)}: {line}"
             # without a number of jobs Snakemake runs none
             assert not re.match("snakemake", line) or re.search(
-                r" (-j\d|-n|--unlock|--report|--workflow-profile)\b", line
+                r" (-j\d|-n|--list|--unlock|--report|--workflow-profile)\b", line
             ), line
             if where == "Makefile":
                 assert re.search(rf"^{line.split()[1]}:", makefile, re.M), line

@@ -63,7 +63,6 @@ class Worn(Steady):
         other = copy.copy(self)
         other.scene, other.problem = scene, self.problem.of(scene).without_finer
         other.mounted = other.problem.preload.delta_a
-        other.bearing = copy.copy(self.bearing)
         other.bearing.wears = False
         return other
 
