@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.atomic import check_folder, check_output
 from bearingwear.console import ProgressLines, UsageError, one_line, printable
-from bearingwear.measures import LIMITED
+from bearingwear.measures import LIMITED, plain
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
 
@@ -429,7 +429,8 @@ def _tried(path: str) -> list[str]:
         axial, radial = (1e-6 * one for one in pair.rigidity)
         lines.append(
             f"stiffness of a rigid pair of these bearings at rest: {axial:.3g} N/um axial, "
-            f"{radial:.3g} N/um radial; an axial force of {pair.lift_off:.3g} N unloads one bearing"
+            f"{radial:.3g} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
+            "bearing"
         )
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from bearingwear.measures import plain
 from bearingwear.scene.arrangement import flat_keys, set_over_pair
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
@@ -152,7 +153,7 @@ def _pair_words(a: Mapping[str, Any], preload: float) -> list[str]:
     if max(a.get("tandem", [1])) > 1:
         side = f"{preload:g} N on each side"
         if a["kind"] == "rigid_pair":
-            side += f", as bearings matched for a pair of {matched_pair(a, preload):.3g} N give"
+            side += f", as bearings matched for a pair of {plain(matched_pair(a, preload))} N give"
         words.append("{} and {} in tandem ({})".format(*a["tandem"], side))
     if a["external_axial_N"]:
         words.append(f"external axial force {a['external_axial_N']:g} N")

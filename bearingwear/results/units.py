@@ -52,6 +52,10 @@ LEAST_PERCENT = 1e-3
 """Percentages below are shown as less than this one."""
 
 
+LEAST_SHOWN = {"": 1e-15, "N": 1e-9, "degree": 1e-9, "um": 1e-9}
+"""Smaller numbers are what rounding leaves of zero, and are shown as that, by their unit."""
+
+
 class Display(NamedTuple):
     """Display of a quantity: its unit, and the factor on a value of the file."""
 
@@ -103,6 +107,8 @@ def digits(value: float, unit: str = "") -> str:
     """
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value:g}"
+    if abs(value) < LEAST_SHOWN.get(unit, 0.0):
+        return "0"
     if unit.startswith("%") and 0.0 < abs(value) < LEAST_PERCENT:
         return f"< {LEAST_PERCENT:g}"
     return f"{rounded(value) + 0.0:.7g}"

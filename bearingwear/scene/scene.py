@@ -340,12 +340,14 @@ def key_of_scene(path: str) -> Part | None:
 
 def _check_materials(scene: Scene) -> None:
     blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
-    for key, name in leaves({key: vars(block) for key, block in blocks.items() if block}).items():
-        if key.endswith("material") and name is not None and name not in scene.materials:
-            problem = (
-                f"got {name!r}, which is not under materials, expected {', '.join(scene.materials)}"
-            )
-            raise SceneError(key, problem, ("materials",))
+    for block, values in blocks.items():
+        for key, name in vars(values).items() if values else ():
+            if key.endswith("material") and name is not None and name not in scene.materials:
+                problem = (
+                    f"got {name!r}, which is not under materials, "
+                    f"expected {', '.join(scene.materials)}"
+                )
+                raise SceneError(f"{block}.{key}", problem, ("materials",))
 
 
 def most_balls(diameter: float, pitch_diameter: float) -> int:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.measures import plain
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import COVERED, Bare
@@ -108,7 +109,7 @@ def preload_spread(solver: Warm) -> str:
         other = replace(G, ball_race=factor * G.ball_race)
         thermal = replace(scene.thermal, conductance_W_K=other)
         found = Warm(solver.at(replace(scene, thermal=thermal)))(solver.start)
-        preload = f"{found.force:.3g} N"
+        preload = f"{plain(found.force)} N"
         if found.status != code.OK:
             preload = code.STATUS_NAMES[found.status]
         sentences.append(f"{preload} with {other.ball_race:.2g} W/K")

@@ -37,6 +37,23 @@ def test_the_unit_is_scaled(units, values, unit, text):
     assert chosen.text(values[0] if values else math.nan) == text
 
 
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (7.58e-19, "N", "0"),
+        (-1.69e-15, "um", "0"),
+        (3.9e-16, "degree", "0"),
+        (1.18e-18, "", "0"),
+        (2e-8, "", "2e-08"),  # a wear coefficient
+        (3.31e-5, "degree", "3.31e-05"),
+        (1920.0, "N", "1920"),
+        (4.59e-12, "s/Pa", "4.59e-12"),
+    ],
+)
+def test_what_rounding_leaves_of_zero_is_shown_as_zero(value, unit, text):
+    assert digits(value, unit) == text
+
+
 def test_a_row_has_one_unit():
     """The largest magnitude decides; what is not known does not count."""
     unit = display("W", [2e-3, np.nan, -0.5], [[30.0]])

@@ -13,6 +13,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
 from bearingwear.kernels.dynamic import record
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.measures import plain
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Archard
@@ -162,8 +163,8 @@ class _Progress:
         left = (self.turns - done) * (now - then) / (done - before)
         drift = "not yet known" if slopes is None else f"{slopes[0]:+.1e} per turn"
         self.say(
-            f"{done:.0f} of {self.turns:.0f} turns, {1e3 * done * self.turn:.3g} ms simulated in "
-            f"{now - self.begun:.0f} s, about {left:.0f} s left, QV drift {drift}"
+            f"{done:.0f} of {self.turns:.0f} turns, {plain(1e3 * done * self.turn)} ms simulated "
+            f"in {now - self.begun:.0f} s, about {left:.0f} s left, QV drift {drift}"
         )
 
 

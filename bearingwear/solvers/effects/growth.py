@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from bearingwear.kernels.params import Geometry
+from bearingwear.measures import plain
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.scene.warmth import LARGEST_STRAIN, Fits, expansion
 from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_preload
@@ -210,17 +211,11 @@ def interference_sizes(found: Sequence[TriedFit], running: float) -> str:
     without, *fits = found
     made = []
     for one in fits:
-        at_speed = _three_digits(running + one.running - without.running)
+        at_speed = plain(running + one.running - without.running)
         loose = f"loose from {_leaving(one.leaves_rpm)}"
-        made.append(f"{one.um:g} um about {_three_digits(one.at_rest)} and {at_speed} N ({loose})")
-    now = (
-        f"{_three_digits(without.at_rest)} N at rest and about {_three_digits(running)} N at speed"
-    )
+        made.append(f"{one.um:g} um about {plain(one.at_rest)} and {at_speed} N ({loose})")
+    now = f"{plain(without.at_rest)} N at rest and about {plain(running)} N at speed"
     return f"{now}; on the shaft, {', '.join(made)}"
-
-
-def _three_digits(value: float) -> str:
-    return f"{float(f'{value:.3g}'):.12g}"
 
 
 def _leaving(rpm: float) -> str:

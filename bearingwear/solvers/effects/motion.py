@@ -129,9 +129,9 @@ def _set_preload(scene: Scene, a: Arrangement) -> str:
         return of_side
     times = set_over_pair(a.tandem)
     return (
-        f"{of_side}; bearings matched for a pair of {preload / times:.3g} N give it, because a set "
-        f"has {times:.3g} times the preload of the pair (if {preload:g} N is that of a pair, set "
-        f"{preload * times:.3g} N)"
+        f"{of_side}; bearings matched for a pair of {plain(preload / times)} N give it, because a "
+        f"set has {times:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
+        f"set {plain(preload * times)} N)"
     )
 
 

@@ -138,6 +138,7 @@ class WornBearing:
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
         kept = self.seat, self.u, self.reference
+        cells = self.races, self.ends.copy(), list(self.rows_added)
         even, wider = code.OK, _MOST_WIDENINGS * [self._with_rows]
         if self.wears:
             starts = self._on_other_motion, self._counted_anew, *wider, self._after_less_grip
@@ -156,6 +157,8 @@ class WornBearing:
             status = even  # nothing holds the balls, however they are worn
         if status != code.OK:
             self.seat, self.u, self.reference = kept
+            if not self.wears:  # cells added in vain would slow down each solve that follows
+                self.races, self.ends, self.rows_added = cells
             self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference

@@ -47,6 +47,8 @@ _MOVES, _AS_SLOW = (-0.07, 0.07, -0.15, 0.15), 0.01
 """By how much a speed is moved where there is no state at it, over it, and how slow is as good as
 at rest, over the full speed."""
 
+_ON_THE_WAY = 4  # speeds from the last one that was solved, where a worn bearing is far from that
+
 _NARROW = 1e-3  # of the full speed: speeds so close are one
 _WIDE, _CLOSE = 0.2, 0.02
 """Of the full speed: a span of three speeds round the worst that is halved, and what is no half."""
@@ -189,7 +191,7 @@ class Everywhere(NamedTuple):
                     found.add(share)
             for place in cold_places(self.scene):
                 if not found.is_lost:
-                    found.others.append(found.at(place))
+                    found.add_place(place)
         except _Unsolved as lost:
             return OtherSpeeds({}, found.solves, lost.status, lost.where)
         return OtherSpeeds(merged([*found.known.values(), *found.others]), found.solves)
@@ -223,6 +225,7 @@ class _Speeds:
     wear: str
     known: dict[float, Extremes]  # by shares of the full speed
     others: list[Extremes] = field(default_factory=list)
+    last: float = 1.0  # the share of the full speed that was solved last
     solves: int = 0
     is_lost: bool = False  # whether some bearing carries nothing somewhere, which is enough to know
 
@@ -230,28 +233,49 @@ class _Speeds:
         """Solve at a share of the full speed, or next to it where there is no state at that.
 
         The speeds are as good as those beside them; at some the motion goes over to another one.
+        Worn bearings that seem unloaded may only be too far from the state that was solved last:
+        speeds on the way from that lead to them.
         """
-        lost: _Unsolved | None = None
-        for near in (share, *(max(share * (1.0 + move), _AS_SLOW) for move in _MOVES)):
-            try:
-                self.known[near] = self.at(OperatingCondition(at_share(self.of.scene, near)))
+        ways = [[share]]
+        if self.wear != NEW:
+            ways.append(np.linspace(self.last, share, _ON_THE_WAY + 1)[1:].tolist())
+        beside = [[max(share * (1.0 + move), _AS_SLOW)] for move in _MOVES]
+        first = OtherSpeeds({})
+        for way in ways + beside:
+            if way in beside and first.status in UNLOADED:
+                break
+            for near in way:
+                found = self.at(OperatingCondition(at_share(self.of.scene, near)))
+                if found.status != code.OK:
+                    break
+                self.known[near], self.last = found.extremes, near
+            else:
                 return
-            except _Unsolved as failed:
-                lost = lost or failed
-        assert lost is not None
-        raise lost
+            first = first if first.unsolved else found
+        self.known[share] = self._without(first)
 
-    def at(self, place: OperatingCondition) -> Extremes:
+    def add_place(self, place: OperatingCondition) -> None:
+        """Solve at a speed and a temperature."""
+        found = self.at(place)
+        self.others.append(found.extremes if found.status == code.OK else self._without(found))
+
+    def at(self, place: OperatingCondition) -> OtherSpeeds:
+        """Extremes at one speed and temperature, or how they were not solved."""
         where = place.where(wear=self.wear)
         self.solves += 1
         states = self.solve(place.scene)
         status = next((state.status for state in states if state.status != code.OK), code.OK)
-        if status in UNLOADED:
-            self.is_lost = True
-            return {KEPT: {**where, "value": 0.0, "status": code.STATUS_NAMES[status]}}
-        if status != code.OK:
-            raise _Unsolved(status, where | {"status": code.STATUS_NAMES[status]})
-        return state_extremes(place.scene, states, where, own=False)
+        if status == code.OK:
+            return OtherSpeeds(state_extremes(place.scene, states, where, own=False))
+        return OtherSpeeds({}, 1, status, where | {"status": code.STATUS_NAMES[status]})
+
+    def _without(self, found: OtherSpeeds) -> Extremes:
+        """Extremes where some bearing carries nothing. Raises where that is not why."""
+        assert found.unsolved is not None
+        if found.status not in UNLOADED:
+            raise _Unsolved(found.status, found.unsolved)
+        self.is_lost = True
+        return {KEPT: found.unsolved | {"value": 0.0}}
 
 
 def _turn(
@@ -275,6 +299,8 @@ def _turn(
     if value < least - SPEED_FOUND_TO * abs(least):
         return place
     k = int(np.argmin(y))
+    if k == len(x) - 1 and x[k] - x[k - 1] > _WIDE:
+        return float(0.5 * (x[k - 1] + x[k]))  # it may turn just below the full speed
     if 0 < k < len(x) - 1 and x[k + 1] - x[k - 1] > _WIDE:
         # neighbours so far away say little of what is between them
         turn = turns[k - 1]

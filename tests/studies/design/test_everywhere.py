@@ -259,3 +259,20 @@ def test_where_nothing_is_solved_says_so(spindle):
     bad = held_by(spindle, "fixed_position", 0.001)
     point = followed_point(bad, STIFF)
     assert point["status"] == OK or point[NOT_SOLVED_AT]["status"]
+
+
+def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
+    # on a jump between speeds the solver lost the contacts, though a third of the preload is left
+    scene = bearingwear.new(
+        designation="7004C", speed=60000, preload_method="fixed_position", preload=55
+    )
+    point = followed_point(scene, DesignLimits(maximum_pressure_GPa=2.0))
+    assert point["status"] == OK
+    assert 0.25 < point[DECIDING]["preload_kept"]["value"] < 0.35
+
+
+def test_the_worst_speed_may_be_just_below_the_full_one():
+    scene = held_by(bearingwear.load("config/scenes/gyro_s1.yaml"), "constant_force", 2.48)
+    worst = followed_point(scene, DesignLimits(gyroscopic_slip_share=0.3))[DECIDING]
+    # 0.300 at full speed
+    assert worst["gyroscopic_slip_share"]["value"] == pytest.approx(0.3065, rel=5e-3)
