@@ -37,7 +37,7 @@ quick: $(STAMP) # half a minute: what solves little and starts no other programs
 test-long: $(STAMP) # whole studies run again and again, not part of `make test`
 	$(BIN)/python -m pytest $(ALL_CORES) -m long
 
-test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
+test-slurm: $(STAMP) # starts a Slurm of one node, as root, with slurm-wlm and munge installed; and a submit command
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
 	$(BIN)/python -m pytest -rs -m cluster
 

@@ -57,7 +57,10 @@ SHOWN = {
     r"(snakemake|bearingwear study all) --report": (
         "tests/workflow/test_study.py::test_the_report_of_the_jobs"
     ),
-    r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
+    r"snakemake --workflow-profile .* --executor cluster-generic": (
+        "tests/workflow/test_submit_command.py::test_jobs_are_given_to_a_submit_command"
+    ),
+    r"snakemake --workflow-profile \S+$": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
     r"python benchmarks/\w+\.py( \w+| -o \S+)?$": "benchmarks",
 }

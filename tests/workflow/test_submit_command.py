@@ -1,0 +1,35 @@
+"""The study by a batch system that has only a command to submit a job: here, one that runs it.
+
+`make test-slurm`; skipped where the plugin cluster-generic (extra slurm) is missing.
+"""
+
+import pytest
+
+pytest.importorskip("snakemake_executor_plugin_cluster_generic")
+pytestmark = pytest.mark.cluster
+
+SUBMIT = """\
+#!/bin/sh
+# arguments: memory in MB, minutes, script of the job; prints the identifier of the job
+echo "$1 $2" >> submitted.txt
+nohup sh "$3" > job.txt 2>&1 &
+echo $!
+"""
+
+
+def test_jobs_are_given_to_a_submit_command(new_project, first_run):
+    project, target = new_project(), "results/gyro_s1/study.nc"
+    script = project.root / "submit.sh"
+    script.write_text(SUBMIT, encoding="utf-8")
+    script.chmod(0o755)
+    run = project.run(
+        "--workflow-profile", "workflow/profiles/slurm", "--executor", "cluster-generic",
+        "--cluster-generic-submit-cmd", "./submit.sh {resources.mem_mb} {resources.runtime}",
+        target,
+    )  # fmt: skip
+    assert run.status == 0, run.text
+    assert run.jobs["solve"] == 4
+    # memory of one line, minutes of four; what takes a second was not submitted
+    assert (project.root / "submitted.txt").read_text(encoding="utf-8") == "1000 4\n"
+    assert (project.root / target).read_bytes() == (first_run[0].root / target).read_bytes()
+    assert "Nothing to be done" in project.run("-n", target).text
