@@ -8,7 +8,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from bearingwear.atomic import reason, write_text
@@ -44,16 +44,19 @@ def run_study(
     more: Sequence[str] = (),
     folder: Path = Path(),
     files: Sequence[int] = (),
+    scene_folder: str = "",
 ) -> int:
     """Run a target of the workflow in a folder with a configuration; the exit status of Snakemake.
 
     more: further arguments of Snakemake.
     files: open files that Snakemake keeps open while it runs.
+    scene_folder: that of the study of one scene.
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
     command = ["-m", "snakemake", "--snakefile", str(snakefile()), f"-j{jobs}", target, *more]
-    return _guarded([sys.executable, "-P", *command], folder, files)
+    environment = {**os.environ, **({OWN_STUDY: scene_folder} if scene_folder else {})}
+    return _guarded([sys.executable, "-P", *command], folder, files, environment)
 
 
 def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, Path | None]:
@@ -62,15 +65,16 @@ def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[in
     Returns `status`: the exit status of Snakemake.
     Returns `page`: the report page, beside the folders of the study; none where none was made.
     """
-    os.environ[OWN_STUDY] = str(folder)
     with _only_run(folder) as held:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
         more = [*more, "--nolock", "--rerun-incomplete"]
-        status = run_study("all", jobs, more, folder, [held])
+        status = run_study("all", jobs, more, folder, [held], str(folder))
     return status, None if DRY_RUN & set(more) else own_page(folder)
 
 
-def _guarded(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
+def _guarded(
+    command: Sequence[str], folder: Path, files: Sequence[int], environment: Mapping[str, str]
+) -> int:
     """Run a command in a folder until it ends; it never outlives this process."""
     # the program's own handler would end without waiting for the command
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -79,6 +83,7 @@ def _guarded(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
         cwd=folder,
         stdin=subprocess.PIPE,
         pass_fds=files,
+        env=environment,
         start_new_session=True,
     )
     try:

@@ -119,7 +119,9 @@ def test_an_interrupt_ends_everything(elsewhere):
     run.send_signal(signal.SIGINT)
     _, said = run.communicate(timeout=60)
     assert run.returncode == 130 and said.endswith("interrupted\n") and "Traceback" not in said
-    assert not [one for one in below if one.is_running()]
+    _, left = psutil.wait_procs(below, timeout=30)
+    # one that ended may stay in the table of processes where nobody asks for its status
+    assert not [one for one in left if one.status() != psutil.STATUS_ZOMBIE]
 
 
 @pytest.mark.long
@@ -132,7 +134,7 @@ def test_a_killed_command_leaves_nothing_running_and_no_lock(elsewhere, seconds)
     run.kill()
     run.wait()
     _, left = psutil.wait_procs(below, timeout=30)
-    assert not left
+    assert not [one for one in left if one.status() != psutil.STATUS_ZOMBIE]
     again = subprocess.run([*STUDY, "-n"], timeout=120, **elsewhere)
     assert again.returncode == 0
 
