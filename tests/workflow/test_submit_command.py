@@ -5,7 +5,6 @@
 
 import pytest
 
-pytest.importorskip("snakemake_executor_plugin_cluster_generic")
 pytestmark = pytest.mark.cluster
 
 SUBMIT = """\
@@ -17,7 +16,12 @@ echo $!
 """
 
 
-def test_jobs_are_given_to_a_submit_command(new_project, first_run):
+@pytest.fixture(scope="module")
+def plugin():
+    return pytest.importorskip("snakemake_executor_plugin_cluster_generic")
+
+
+def test_jobs_are_given_to_a_submit_command(plugin, new_project, first_run):
     project, target = new_project(), "results/gyro_s1/study.nc"
     script = project.root / "submit.sh"
     script.write_text(SUBMIT, encoding="utf-8")
