@@ -8,13 +8,14 @@ from __future__ import annotations
 import functools
 import json
 import shlex
+import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from bearingwear.console import UsageError
 from bearingwear.document.document import load_document
-from bearingwear.provenance import PACKAGE, text_hash
+from bearingwear.provenance import PACKAGE, other_copy, text_hash
 from bearingwear.results.pair_variables import BEARINGS
 from bearingwear.scene.arrangement import Arrangement, one_bearing
 from bearingwear.scene.assumed import assumed_keys
@@ -56,6 +57,17 @@ def validated(
     except (WorkflowError, ValueError) as error:
         raise UsageError(fault(path, error)) from None
     return data
+
+
+def refuse_other_copy() -> None:
+    """End with status 2 where an installed copy differs: commands would be of other sources."""
+    if copy := other_copy():
+        print(
+            f"{copy}: got an installed copy that differs from the sources of this workflow; "
+            "expected the same ones: run `make venv` or `pip install -c constraints.txt -e .`",
+            file=sys.stderr,
+        )
+        raise SystemExit(2)
 
 
 def fault(path: str | Path, error: Exception) -> str:

@@ -1,8 +1,6 @@
 # Reads and checks the configuration; the lists that rules expand.
 
-import os
 import sys
-from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import validate
@@ -15,6 +13,7 @@ from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.configuration import loss_name, mu_name, scene_values, settings
 
 set_environment()  # for all jobs
+configuration.refuse_other_copy()
 
 
 def checked(name, check, data=None):

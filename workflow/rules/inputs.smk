@@ -1,6 +1,8 @@
 # Functions of wildcards: what a scene or the configuration decides that a rule requires. No rule stands here.
 
+import os
 from glob import glob
+from pathlib import Path
 from types import SimpleNamespace
 
 
