@@ -15,7 +15,6 @@ from bearingwear.lives.grooves import (
     WORN_CELLS,
     Grooves,
     follow_grooves,
-    point_of,
 )
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.scene import COUNTS, Scene
@@ -120,7 +119,7 @@ class _Compared(Grooves):
     def worn_off(self, states: States) -> np.ndarray:
         """Rate of loss of each bearing, from mean depths over the width when new [m/s]."""
         each, share = zip(self.sides, states, strict=True), 0.5 * ARC_STEP
-        rates = [side.rate(point_of(state)) for side, state in each]
+        rates = [side.rate(state.answer) for side, state in each]
         return np.array([w.ball + share * (w.grooves.sum() + 2.0 * w.band.sum()) for w in rates])
 
 

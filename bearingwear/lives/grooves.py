@@ -124,7 +124,7 @@ class Grooves:
     def rates(self, node: Node) -> Wears:
         """Wear per second of each bearing."""
         each = zip(self.sides, node.states, strict=True)
-        return tuple(side.rate(point_of(state)) for side, state in each)
+        return tuple(side.rate(state.answer) for side, state in each)
 
     def moved(
         self, worn: Wears, spans: Sequence[tuple[float, Wears]], on_the_way: bool = False
@@ -199,7 +199,11 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[np.n
     if len(states) < 2:
         first, point = states[0], point_of(states[0])
         worn_by = first["qv"][None], first["semi_major_axis"][None], point.track[None]
-        return [wear_values(side.scene, np.array([point.D]), *worn_by)["ball_diameter_loss_rate"]]
+        return [
+            wear_values(first.answer.scene, np.array([point.D]), *worn_by)[
+                "ball_diameter_loss_rate"
+            ]
+        ]
     loss = np.array([state.loss for state in states])
     # A last step that is short says nothing of a rate.
     steps = np.diff(times)
