@@ -42,7 +42,7 @@ def nasa_bearing() -> Scene:
 
 def revolutions(scene: Scene) -> float:
     """Life of the bearing, by the program."""
-    hours = bearingwear.life(scene).life.sel(counts="ball_and_races").item()
+    hours = bearingwear.life(scene).life.item()
     return hours * 60.0 * scene.operation.shaft_speed_rpm
 
 
@@ -187,7 +187,9 @@ wear coefficient of the nearest row is used there, with a warning.
 4. [Brewe, Scibbe, Wisander, 1973](https://id.scribd.com/document/175017241/19730018685-1973018685)
 5. [Nosaka and others, 1993](https://www.scilit.net/publications/d14c1a0a71f25a93674a469b727af1f5)
 6. [Seynstahl and others, 2023](https://www.mdpi.com/2075-4442/11/8/335)
-7. Akron, [44th Aerospace Mechanisms Symposium]({SYMPOSIUM}), p. 141
+7. University of Akron, proceedings of the
+   [44th Aerospace Mechanisms Symposium]({SYMPOSIUM})
+   (2018), p. 141
 8. ESTL, same volume, p. 151
 
 Only the abstracts of references 1 to 6 were read, and the tables of 7 and 8.
