@@ -200,7 +200,7 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[floa
         first, point = states[0], point_of(states[0])
         worn_by = first["qv"][None], first["semi_major_axis"][None], point.track[None]
         values = wear_values(first.answer.scene, np.array([point.D]), *worn_by)
-        return [values["ball_diameter_loss_rate"]]
+        return [float(values["ball_diameter_loss_rate"])]
     loss = np.array([state.loss for state in states])
     # A last step that is short says nothing of a rate.
     steps = np.diff(times)
