@@ -22,6 +22,8 @@ def test_a_cubic_millimetre_per_newton_metre():
     assert_allclose(M2_PER_N, (1e-3) ** 3, rtol=1e-15)
     # PTFE, 6e-4 mm3/(N m) by its authors
     assert_allclose(M2_PER_N * MEASURED_WEAR["ptfe"].wear[0], 6e-13)
+    in_air = [M2_PER_N * MEASURED_WEAR[name].wear[1] for name in ("akron", "akron_hot")]
+    assert_allclose(in_air, [6.2e-16, 1.15e-15])
 
 
 def test_the_page_is_that_of_the_table():
