@@ -111,6 +111,13 @@ def test_a_table_requires_a_coefficient(capsys):
     assert expected in capsys.readouterr().err
 
 
+def test_an_exponent_of_earlier_versions_takes_a_line(capsys):
+    argv = ["check", str(scene_file("mos2_gyro")), "--set", "friction.film.pressure_exponent=3.6"]
+    assert main(argv) == 2
+    error = capsys.readouterr().err
+    assert "no longer exists" in error and "give friction.film.wear_table" in error
+
+
 @pytest.fixture(scope="module")
 def lives():
     """Lives and slips of the outer film, whose contact is pressed as the tests were."""
