@@ -146,7 +146,9 @@ def _asked(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
             span(float(one.frequencies[k]) for one in states if one.frequencies is not None)
             for k in range(2)
         )
-        largest = f"the largest expected in {asked.duration_s:g} s, at least three sigma"
+        largest = "three sigma"
+        if asked.duration_s > 0.0:
+            largest = f"the largest expected in {asked.duration_s:g} s, at least three sigma"
         lines.append(
             f"accelerations from Miles' equation ({largest}; Q = {asked.amplification:g}) at "
             f"{axial} Hz axial, {radial} Hz radial"
@@ -178,7 +180,7 @@ def _random_rows(states: Sequence[Launched]) -> tuple[Row, ...]:
         responses = [one.random[way] for one in states]
         for label, unit, name, values in (
             (f"{way}, largest expected", "g", "largest_g", [one.largest_g for one in responses]),
-            ("over the rms", "1", "expected_peak", [one.expected for one in responses]),
+            ("over the rms", "", "expected_peak", [one.expected for one in responses]),
             ("three sigma", "g", "three_sigma_g", [one.three_sigma_g for one in responses]),
         ):
             rows.append(Row(label, unit, tuple(values), f"{way}_{name}"))
