@@ -138,12 +138,12 @@ class FilmWear(EvenWear):
 
     def wearing(self, values: Mapping[str, Any], worn: np.ndarray) -> Factors:
         """K_s/H of balls and races under the pressures and at the temperatures of a state."""
-        tested: Any = 1.0
+        table_factor: Any = 1.0
         if self.films.table is not None:
             pressure = PEAK_OVER_MEAN * mean_pressure(self.scene, values["semi_major_axis"])
             temperature = contact_temperatures(self.scene, values.get("part_temperature"))
-            tested = self.films.tested(pressure, temperature)
-        return self.films.wearing(self.coating.cover, 0.5 * worn[0], worn[1:3], tested)
+            table_factor = self.films.table_factor(pressure, temperature)
+        return self.films.wearing(self.coating.cover, 0.5 * worn[0], worn[1:3], table_factor)
 
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
         """What a state has of its films."""

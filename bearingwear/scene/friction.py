@@ -169,10 +169,10 @@ def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
         raise SceneError(
             "friction.film.wear_coefficient", "got nothing; wear_table requires this key", (key,)
         )
-    ones = sum(row.relative_life == 1.0 for row in rows)
-    if ones != 1:
+    references = sum(row.relative_life == 1.0 for row in rows)
+    if references != 1:
         problem = "expected exactly one, at which the wear_coefficient of the film applies"
-        raise SceneError(key, f"got {ones} rows with a relative_life of 1, {problem}", (key,))
+        raise SceneError(key, f"got {references} rows with a relative_life of 1, {problem}", (key,))
     given = Counter((row.pressure_MPa, row.temperature_C) for row in rows)
     for pressure in sorted({row.pressure_MPa for row in rows}):
         for temperature in sorted({row.temperature_C for row in rows}):

@@ -83,6 +83,7 @@ def test_a_scene_takes_a_pair_with_its_spread(pair, film):
     else:
         assert scene.friction.ball_race is None and scene.friction.film.thickness_um == 0.6
         assert len(scene.friction.film.wear_table) == 6
+        assert scene_from_dict(scene.to_dict(), "a") == scene
 
 
 def test_ninety_percent_lie_between_the_rows():

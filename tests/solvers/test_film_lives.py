@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from support import benchmark, scene_file
 
 from bearingwear.cli import main
+from bearingwear.document.rows import TABLE_TESTS
 from bearingwear.lives.life import life
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.coefficients import FILM_SCATTER, MOS2_LIVES, MOS2_WEAR
@@ -174,9 +175,12 @@ def test_a_network_finds_the_temperature_of_the_film(scene):
     contacts = 0.5 * (np.array([inner, outer]) + balls)
     factor = Films.of(given).table.factor(case["maximum_pressure"][0], contacts)
     assert_allclose(case["race_wear_rate"] / plain["race_wear_rate"], factor, rtol=0.02)
-    end = {"wear.end_of_life": {"film_worn_share": 0.5}}
-    v = life(scene("mos2_gyro", changes | {"thermal": network} | end)).values
+    changes |= {"thermal": network, "wear.end_of_life": {"film_worn_share": 0.5}}
+    v = life(scene("mos2_gyro", changes)).values
     assert_allclose(v["history_race_wear_rate"][0], case["race_wear_rate"], rtol=1e-6)
+    worn = life(scene("mos2_gyro", changes | {"model.contact": "worn"})).values
+    # Hertz's pressure there, that of fitted factors here
+    assert_allclose(worn["history_race_wear_rate"][0], case["race_wear_rate"], rtol=0.02)
 
 
 def by_power(exponent):
@@ -247,6 +251,14 @@ def test_coefficients_are_those_of_the_row_whose_life_is_one():
     converted = 4e-15 / table.factor(1e9 * np.sqrt(1.1 * 1.6), 23.0)
     assert two_discs == pytest.approx(converted, rel=0.02)
     assert in_vacuum == pytest.approx(benchmark("film_tests").bound(), rel=0.02)
+
+
+def test_sheets_say_what_the_tests_of_films_found():
+    tests = benchmark("film_tests")
+    lasted = tests.SEEN / tests.revolutions(tests.nasa_bearing())
+    measured, computed = tests.wear_over_warmth()
+    assert f"at least {lasted:.0f} times as long" in TABLE_TESTS
+    assert f"too large by a factor of {computed / measured:.2g} " in TABLE_TESTS
 
 
 def test_films_scatter_as_those_of_gears():

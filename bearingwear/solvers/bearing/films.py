@@ -59,7 +59,7 @@ class Surface:
         return (self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)) / self.below.H
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WearTable:
     """K_s of films by peak pressure and temperature, from their lives in tests.
 
@@ -74,18 +74,21 @@ class WearTable:
 
     @classmethod
     def of(cls, rows: Sequence[FilmLife]) -> "WearTable":
-        (one,) = (row for row in rows if row.relative_life == 1.0)
+        (reference,) = (row for row in rows if row.relative_life == 1.0)
         life = {(row.pressure_MPa, row.temperature_C): row.relative_life for row in rows}
         pressures, temperatures = (sorted(set(column)) for column in zip(*life, strict=True))
         factors = [
-            [2.0 * math.log(one.pressure_MPa / p) - math.log(life[p, T]) for T in temperatures]
+            [
+                2.0 * math.log(reference.pressure_MPa / p) - math.log(life[p, T])
+                for T in temperatures
+            ]
             for p in pressures
         ]
         return cls(
             pressure=MPA * np.array(pressures),
             temperature=np.array(temperatures),
             log_factor=np.array(factors),
-            reference=one.temperature_C,
+            reference=reference.temperature_C,
         )
 
     def factor(self, pressure: Any, temperature: Any) -> np.ndarray:
@@ -107,17 +110,17 @@ def _shares(rows: np.ndarray, values: Any) -> np.ndarray:
     return np.maximum(1.0 - abs(np.interp(values, rows, numbers)[..., None] - numbers), 0.0)
 
 
-def surface_factor(part: Surface, partner: Surface, depth, covered, partner_covered, tested):
+def surface_factor(part: Surface, partner: Surface, depth, covered, partner_covered, table_factor):
     """K_s/H of a part worn so deep [m] [1/Pa]: a number, or one for each place.
 
-    That of its own film, times the factor of `Films.tested`. Without one, or where it is worn
+    That of its own film, times the factor of `Films.table_factor`. Without one, or where it is worn
     through, that of its partner's film, which covers the part (assumed). Where neither is left,
     that of what lies below. Covered are shares of each place, or whether films stand there.
     """
     found = part.below_at(depth)
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = share * tested * film.K_s / film.H + (1.0 - share) * found
+            found = share * table_factor * film.K_s / film.H + (1.0 - share) * found
     return found
 
 
@@ -146,7 +149,7 @@ class Films:
             return cls(*surfaces)
         return cls(*surfaces, WearTable.of(given.wear_table))
 
-    def tested(self, pressure: Any, temperature: Any) -> Any:
+    def table_factor(self, pressure: Any, temperature: Any) -> Any:
         """Factor on K_s of films by peak pressures [Pa] and temperatures [degC]; 1 by no table."""
         return 1.0 if self.table is None else self.table.factor(pressure, temperature)
 
@@ -178,16 +181,18 @@ class Films:
         inner, outer, ball = cover
         return not (inner or ball), not (outer or ball)
 
-    def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, tested=1.0):
+    def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, table_factor=1.0):
         """K_s/H of a ball and of a race [1/Pa]: what covers them, depths [m]."""
         return (
-            surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, tested),
-            surface_factor(self.race, self.ball, race_depths, on_race, on_ball, tested),
+            surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, table_factor),
+            surface_factor(self.race, self.ball, race_depths, on_race, on_ball, table_factor),
         )
 
-    def wearing(self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, tested=1.0) -> Factors:
+    def wearing(
+        self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, table_factor=1.0
+    ) -> Factors:
         """K_s/H of a ball in both contacts and of both races, worn so deep [m] (..., 2) [1/Pa]."""
-        return self.factors(cover[2], cover[:2], ball_depth, race_depths, tested)
+        return self.factors(cover[2], cover[:2], ball_depth, race_depths, table_factor)
 
 
 def limits_depth(scene: Scene) -> bool:

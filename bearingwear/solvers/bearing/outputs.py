@@ -156,8 +156,10 @@ def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
     """K_s/H of balls and races as when new, in contacts of semi-major axes (..., 2) [m]."""
     if films.table is None:
         return films.unworn
-    tested = films.tested(PEAK_OVER_MEAN * mean_pressure(scene, a), contact_temperatures(scene))
-    return films.wearing(films.thickness > 0.0, tested=tested)
+    table_factor = films.table_factor(
+        PEAK_OVER_MEAN * mean_pressure(scene, a), contact_temperatures(scene)
+    )
+    return films.wearing(films.thickness > 0.0, table_factor=table_factor)
 
 
 def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):

@@ -134,7 +134,7 @@ def histories(scene: Scene, history: record.History, length: int) -> dict:
     worn_by = log.qv
     if films.table is not None:
         pressure = PEAK_OVER_MEAN * pressure_of_load(scene, log.load)
-        worn_by = log.qv * films.tested(pressure, contact_temperatures(scene))
+        worn_by = log.qv * films.table_factor(pressure, contact_temperatures(scene))
     in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     values = {
         "time": log.time,

@@ -33,7 +33,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
         if np.isnan(contact_temperatures(scene)).any():
             warmth = f"at {films.table.reference:g} degC (the scene gives no temperature)"
         yield (
-            f"wear of films: by their lives in tests ({_tested(films.table)}), under the Hertzian "
+            f"wear of films: by their lives in tests ({_table_range(films.table)}), under the Hertzian "
             f"peak pressure of each contact and {warmth}"
         )
     coated = {"races": films.race, "balls": films.ball}
@@ -53,7 +53,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
             )
 
 
-def _tested(table: WearTable) -> str:
+def _table_range(table: WearTable) -> str:
     """Range of pressures and temperatures of a table."""
     both = (table.pressure / MPA, table.temperature)
     pressures, temperatures = (" to ".join(dict.fromkeys(map(plain, one[[0, -1]]))) for one in both)
@@ -83,7 +83,7 @@ def film_beyond_tests(e: Evidence) -> Finding | None:
         return None
     excess, what, above = max(beyond)
     advice = "expect a shorter life than computed" if above else "the life computed is cautious"
-    return {"what": what, "range": _tested(table), "advice": advice, "excess": excess}
+    return {"what": what, "range": _table_range(table), "advice": advice, "excess": excess}
 
 
 def film_worn(e: Evidence) -> Finding | None:

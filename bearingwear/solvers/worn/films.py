@@ -71,8 +71,8 @@ class WornFilms:
         [Pa] and at a temperature [degC].
         """
         on_ball = cover(self.films.ball, ball_depth)
-        tested = self.films.tested(pressure, temperature)
-        return self.films.factors(on_ball, on_race, ball_depth, race_depth, tested)
+        table_factor = self.films.table_factor(pressure, temperature)
+        return self.films.factors(on_ball, on_race, ball_depth, race_depth, table_factor)
 
     def time_through(self, depths: np.ndarray, rates: np.ndarray) -> float:
         """Time in which the first film that still covers would wear by its whole thickness [s].
