@@ -32,9 +32,10 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
         warmth = "at the mean temperature of ring and balls"
         if np.isnan(contact_temperatures(scene)).any():
             warmth = f"at {films.table.reference:g} degC (the scene gives no temperature)"
+        rows = _table_range(films.table)
         yield (
-            f"wear of films: by their lives in tests ({_table_range(films.table)}), under the Hertzian "
-            f"peak pressure of each contact and {warmth}"
+            f"wear of films: by their lives in tests ({rows}), under the Hertzian peak pressure of "
+            f"each contact and {warmth}"
         )
     coated = {"races": films.race, "balls": films.ball}
     for part, surface in coated.items():
