@@ -14,6 +14,7 @@ from pathlib import Path
 from bearingwear.scene.coefficients import (
     ASSUMED_FRICTION,
     ASSUMED_WEAR,
+    FILM_SCATTER,
     M2_PER_N,
     MEASURED_WEAR,
     RUBBING,
@@ -85,7 +86,9 @@ published test results."""
 
 _TAKEN = """\
 `bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median for the pair and a
-lognormal distribution whose 90 % interval covers the values from the sources for that pair.
+lognormal distribution whose 90 % interval covers the values from the sources for that pair. The
+K_s/H of MoS2 holds in the test of estl whose life is 1. The scene takes the lives of its six tests
+as `friction.film.wear_table` ([section 23](theory/23-films.md)).
 *Factor* denotes the geometric standard deviation."""
 
 _SPREAD = """\
@@ -94,11 +97,14 @@ pair of materials to the values in the scene, and report which spread was used. 
 identified as steel by its Young's modulus and density; any film is treated as MoS2, the only film
 for which a source was found. For any other pair, the spread is assumed: a factor of {wear.factor:g}
 for K_s/H and {friction.factor:g} for friction. The assumed scatter in wear within a batch is a
-factor of {scatter:g}."""
+factor of {scatter:g}. That of films is a factor of {films:g}, which four pairs of gears with
+sputtered MoS2 had in vacuum ([NASA Glenn](https://ntrs.nasa.gov/citations/20180003085), Proceedings
+of the 44th Aerospace Mechanisms Symposium (2018) 127)."""
 
 _NO_SOURCE = """\
-`mos2_gyro` uses the steel/steel value with mos2 (1.2e-16 m²/N) for its film, and the archard value
-(2.0e-14 m²/N) for the steel beneath. The values in all other scenes are assumed, because
+`mos2_gyro` uses the geometric mean of bearing_in_vacuum and two_discs as they were measured
+(1.2e-16 m²/N, at every pressure and temperature) for its film, and the archard value (2.0e-14 m²/N)
+for the steel beneath. The values in all other scenes are assumed, because
 no source was found:"""
 
 
@@ -121,7 +127,9 @@ def page_of_coefficients() -> str:
         f"by {one.taken_by}. {one.why[0].upper()}{one.why[1:]}."
         for one in ASSUMED
     ]
-    spread = _SPREAD.format(wear=ASSUMED_WEAR, friction=ASSUMED_FRICTION, scatter=WEAR_SCATTER)
+    spread = _SPREAD.format(
+        wear=ASSUMED_WEAR, friction=ASSUMED_FRICTION, scatter=WEAR_SCATTER, films=FILM_SCATTER
+    )
     parts = [_INTRODUCTION, _items(rows), "## Pairs", _TAKEN, _items(pairs), _wrapped(spread)]
     return "\n\n".join([*parts, "## Assumed", _wrapped(_NO_SOURCE), _items(assumed)]) + "\n"
 

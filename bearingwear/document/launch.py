@@ -18,6 +18,11 @@ _ROUNDING = 1e-9
 _SHOWN = 2  # states of one case: new and worn
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
+SOFT_PAIR_GAPS = (
+    "a spring-loaded pair that gaps strikes back: its loads may be 2 to 4 times those of three "
+    "sigma, as measured (docs/launch.md)"
+)
+
 _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
     ("axial load", "N", "axial_load", lambda one: one.axial),
     ("radial load", "N", "radial_load", lambda one: one.radial),
@@ -35,7 +40,11 @@ def launch_document(scene: Scene, found: Mapping[str, Launched]) -> Document:
 
     found: as of `lives.margin.launched_by_wear`.
     """
-    blocks = [Block("axial acceleration limits", tuple(found), _limits(list(found.values())))]
+    states = list(found.values())
+    blocks = [Block("axial acceleration limits", tuple(found), _limits(states))]
+    if states[0].random:
+        title = f"random vibration over {(scene.launch or Launch()).duration_s:g} s"
+        blocks.append(Block(title, tuple(found), _random_rows(states)))
     for words in _told(found):
         loads, state = found[words].loads, f", {words}" if len(found) > 1 else ""
         if loads:
@@ -45,7 +54,7 @@ def launch_document(scene: Scene, found: Mapping[str, Launched]) -> Document:
                 Block(f"bearing {k + 1}{state}", columns, tuple(_bearing_rows(loads, k)))
                 for k in range(2)
             ]
-    said = launch_verdict(found)
+    said = launch_verdict(found) + _soft_pair_lines(scene, found)
     facts = {"kind": "launch", "scene": scene.name, "verdict": said}
     heading = (operation_lines(json.loads(scene.json))[0], *_asked(scene, found))
     return Document((*heading, *said), facts, tuple(blocks))
@@ -81,15 +90,20 @@ def launch_verdict(found: Mapping[str, Launched]) -> list[str]:
         if load.rotor is None
     ]
     opened = [
-        (bearing.gap, k + 1, load.name)
+        (max(bearing.gap, bearing.past), k + 1, load.name, bearing.past > 0.0)
         for load in found[worst].loads
         if load.rotor is not None
         for k, bearing in enumerate(load.rotor.bearings)
-        if not bearing.load.any()
+        if bearing.is_open
     ]
     if opened:
-        gap, k, name = max(opened)
+        gap, k, name, is_past = max(opened)
         said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}{state}")
+        if is_past:
+            said.append(
+                f"bearing {k} passes its gap onto the other side of its grooves, {name}: add "
+                "a stop (arrangement.stop_um)"
+            )
     elif found[worst].loads and not said:
         states = " and ".join(dict.fromkeys(words.partition(" (")[0] for words in found))
         states += ", in every case" if len(found) > _SHOWN else ""
@@ -104,6 +118,12 @@ def launch_verdict(found: Mapping[str, Launched]) -> list[str]:
             f"{digits(_GPA * one.pressure)} GPa, {one.source}{state}"
         )
     return said
+
+
+def _soft_pair_lines(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
+    """That a pair on a spring that gaps sees higher loads than any computed at rest."""
+    gaps = scene.operation.preload_method == "constant_force" and _gap(found[_worst(found, _gap)])
+    return [SOFT_PAIR_GAPS] if gaps else []
 
 
 def _asked(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
@@ -126,8 +146,11 @@ def _asked(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
             span(float(one.frequencies[k]) for one in states if one.frequencies is not None)
             for k in range(2)
         )
+        largest = "three sigma"
+        if asked.duration_s > 0.0:
+            largest = f"the largest expected in {asked.duration_s:g} s, at least three sigma"
         lines.append(
-            f"accelerations from Miles' equation (three sigma, Q = {asked.amplification:g}) at "
+            f"accelerations from Miles' equation ({largest}; Q = {asked.amplification:g}) at "
             f"{axial} Hz axial, {radial} Hz radial"
         )
     return lines
@@ -147,6 +170,20 @@ def _limits(found: Sequence[Launched]) -> tuple[Row, ...]:
                 ("axial", "radial", "conical"), zip(*known, strict=True), strict=True
             )
         ]  # fmt: skip
+    return tuple(rows)
+
+
+def _random_rows(states: Sequence[Launched]) -> tuple[Row, ...]:
+    """Largest accelerations expected, beside three sigma."""
+    rows = []
+    for way in states[0].random:
+        responses = [one.random[way] for one in states]
+        for label, unit, name, values in (
+            (f"{way}, largest expected", "g", "largest_g", [one.largest_g for one in responses]),
+            ("over the rms", "", "expected_peak", [one.expected for one in responses]),
+            ("three sigma", "g", "three_sigma_g", [one.three_sigma_g for one in responses]),
+        ):
+            rows.append(Row(label, unit, tuple(values), f"{way}_{name}"))
     return tuple(rows)
 
 

@@ -14,7 +14,6 @@ from bearingwear.lives.grooves import (
     QUICK_GROOVES,
     Grooves,
     follow_grooves,
-    point_of,
 )
 from bearingwear.lives.surfaces import is_one_integral, surface_life
 from bearingwear.scene.scene import Scene
@@ -119,8 +118,8 @@ class _Compared(Grooves):
     def worn_off(self, states: States) -> np.ndarray:
         """Rate of loss of each bearing, from mean depths over the width when new [m/s]."""
         each, share = zip(self.sides, states, strict=True), 0.5 * ARC_STEP
-        rates = [side.rate(point_of(state)) for side, state in each]
-        return np.array([w.ball + share * (w.grooves.sum()) for w in rates])
+        rates = [side.rate(state.answer) for side, state in each]
+        return np.array([w.ball + share * w.grooves.sum() for w in rates])
 
 
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:

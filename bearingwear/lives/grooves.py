@@ -131,7 +131,7 @@ class Grooves:
     def rates(self, node: Node) -> Wears:
         """Wear per second of each bearing."""
         each = zip(self.sides, node.states, strict=True)
-        return tuple(side.rate(point_of(state)) for side, state in each)
+        return tuple(side.rate(state.answer) for side, state in each)
 
     def worn_on(self, worn: Wears, spans: Sequence[tuple[float, Wears]]) -> Wears:
         """Wear after some times at a rate each."""
@@ -215,7 +215,7 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[floa
     if len(states) < 2:
         first, point = states[0], point_of(states[0])
         worn_by = first["qv"][None], first["semi_major_axis"][None], point.track[None]
-        values = wear_values(side.scene, np.array([point.D]), *worn_by)
+        values = wear_values(first.answer.scene, np.array([point.D]), *worn_by)
         return [float(values["ball_diameter_loss_rate"])]
     loss = np.array([state.loss for state in states])
     # A last step that is short says nothing of a rate.

@@ -151,7 +151,7 @@ class Motion:
             more |= {"friction_power": power} | run.warmth
             wearing = None
             if self.films.changes:
-                wearing = self.films.wearing(run.values["semi_major_axis"], self.depths(worn))
+                wearing = self.films.wearing(run.values | run.warmth, self.depths(worn))
             run = replace(run, rates=self.parts.rates(run.values, wearing))
             more |= self._of_wear(run, worn)
         return (replace(state.with_values(more), answer=run),)

@@ -4,7 +4,7 @@ The state depends on what each bearing has lost, and, where films or running in 
 surface wears, on how deep that is.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import accumulate
 from typing import Any
 
@@ -16,9 +16,11 @@ from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import (
+    PEAK_OVER_MEAN,
     Bare,
     Factors,
     Films,
+    contact_temperatures,
     follows_depths,
     limits_depth,
     mean_pressure,
@@ -134,10 +136,14 @@ class FilmWear(EvenWear):
         ]
         return min(times, default=np.inf)
 
-    def wearing(self, major: np.ndarray, worn: np.ndarray) -> Factors:
-        """K_s/H of balls and races, in contacts of these semi-major axes (..., 2) [m]."""
-        pressed = self.films.pressed(mean_pressure(self.scene, major))
-        return self.films.wearing(self.coating.cover, 0.5 * worn[0], worn[1:3], pressed)
+    def wearing(self, values: Mapping[str, Any], worn: np.ndarray) -> Factors:
+        """K_s/H of balls and races under the pressures and at the temperatures of a state."""
+        table_factor: Any = 1.0
+        if self.films.table is not None:
+            pressure = PEAK_OVER_MEAN * mean_pressure(self.scene, values["semi_major_axis"])
+            temperature = contact_temperatures(self.scene, values.get("part_temperature"))
+            table_factor = self.films.table_factor(pressure, temperature)
+        return self.films.wearing(self.coating.cover, 0.5 * worn[0], worn[1:3], table_factor)
 
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
         """What a state has of its films."""
@@ -147,7 +153,7 @@ class FilmWear(EvenWear):
         }
 
     def state(self, state: State, worn: np.ndarray) -> State:
-        wearing = self.wearing(state["semi_major_axis"], worn)
+        wearing = self.wearing(state.values, worn)
         ball, race = (np.broadcast_to(part, 2) for part in wearing)
         of_ball, of_races = state["loss_per_wear"]
         off_ball, off_races = float(of_ball @ ball), of_races * race

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from bearingwear.scene.accuracy import ACCURACY, STANDARD
@@ -47,6 +49,18 @@ class RunningIn:
 
 
 @keyed
+class FilmLife:
+    """Life of a film in one test, over that in the test whose relative life is 1."""
+
+    # fmt: off
+    pressure_MPa: float = setting("Peak pressure of the Hertzian contact", "MPa", "(0, 20000]")
+    temperature_C: float = setting("Temperature of the film", "degC", "[-273, 1000]")
+    relative_life: float = setting("Life of the film at the same slip, over that in the row whose "
+        "relative life is 1, where the wear_coefficient of the film applies", "1", "[1e-9, 1e9]")
+    # fmt: on
+
+
+@keyed
 class FilmFriction:
     """Friction of a solid film, S_0/p_m + alpha_S under the mean pressure p_m of a contact."""
 
@@ -68,12 +82,10 @@ class FilmFriction:
     bare_ball_race: float | None = setting(
         "Coulomb friction coefficient where the film is worn through (if omitted, that of the "
         "film)", "1", "[0, 2]", default=None)
-    pressure_exponent: float | None = setting("Exponent n of film wear, which is proportional "
-        "to (mean contact pressure/reference_pressure_GPa)^n (none if omitted)", "1", "[0, 10]",
-        default=None)
-    reference_pressure_GPa: float | None = setting(
-        "Mean contact pressure at which the wear_coefficient of the film applies", "GPa", "(0, 20]",
-        default=None)
+    wear_table: tuple[FilmLife, ...] | None = setting("Lives of the film by pressure and "
+        "temperature, a row for each pair of them; between the rows, the logarithm of the life is "
+        "linear in that of the pressure and in temperature (if omitted, the wear_coefficient holds "
+        "at every pressure and temperature)", default=None)
     # fmt: on
 
 
@@ -144,15 +156,29 @@ def check_films(scene: Scene) -> None:
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)
-    if given is not None:
-        names = ("pressure_exponent", "reference_pressure_GPa")
-        for name, other in (names, names[::-1]):
-            if getattr(given, name) is not None and getattr(given, other) is None:
-                raise SceneError(
-                    f"friction.film.{other}",
-                    f"got nothing, but {name} is given, expected both or neither",
-                    (),
-                )
+    if given is not None and given.wear_table is not None:
+        _check_wear_table(scene, given.wear_table)
+
+
+def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
+    """Refuse a table that is no grid of pressures and temperatures, or that no film uses."""
+    key, b = "friction.film.wear_table", scene.bearing
+    coated = (scene.materials[name].film for name in (b.ball_material, b.race_material))
+    assert scene.friction.film is not None
+    if scene.friction.film.wear_coefficient is None and not any(coated):
+        raise SceneError(
+            "friction.film.wear_coefficient", "got nothing; wear_table requires this key", (key,)
+        )
+    references = sum(row.relative_life == 1.0 for row in rows)
+    if references != 1:
+        problem = "expected exactly one, at which the wear_coefficient of the film applies"
+        raise SceneError(key, f"got {references} rows with a relative_life of 1, {problem}", (key,))
+    given = Counter((row.pressure_MPa, row.temperature_C) for row in rows)
+    for pressure in sorted({row.pressure_MPa for row in rows}):
+        for temperature in sorted({row.temperature_C for row in rows}):
+            if (count := given[pressure, temperature]) != 1:
+                where = f"{pressure:g} MPa at {temperature:g} degC"
+                raise SceneError(key, f"got {count} rows for {where}, expected one", (key,))
 
 
 def _check_wear_of_films(scene: Scene) -> None:

@@ -25,7 +25,7 @@ class Launch:
         "gravity", "1", _G, default=0.0)
     axial_density_g2_Hz: float | None = setting("Spectral density of the random axial "
         "acceleration at the rotor's axial natural frequency; axial_g is computed from it by "
-        "Miles' equation (three sigma)",
+        "Miles' equation, as the largest acceleration expected in duration_s",
         "1/Hz",
         _DENSITY, default=None)
     radial_density_g2_Hz: float | None = setting(
@@ -35,6 +35,9 @@ class Launch:
     amplification: float = setting(
         "Amplification Q = 1/(2 x damping ratio) at the rotor's natural frequencies (default: 10, "
         "assumed)", "1", "[0.5, 1000]", default=10.0)
+    duration_s: float = setting(
+        "Duration of the random vibration (default: 120 s per axis, assumed; 0: three sigma)", "s",
+        "[0, 1e6]", default=120.0)
     after_wear_um: float | None = setting("Total wear depth up to which the bearings may have worn "
         "before the launch, in tests and running-in; if omitted, that at the end of life", "um",
         "[0, 50000]", default=None)

@@ -285,7 +285,7 @@ def plain_data(value: Any) -> Any:
         return plain
     if isinstance(value, Mapping):
         return {key: plain_data(part) for key, part in value.items()}
-    return list(value) if isinstance(value, tuple) else value
+    return [plain_data(part) for part in value] if isinstance(value, tuple) else value
 
 
 _MOST_KEPT = 256

@@ -120,7 +120,7 @@ class Steady:
             return State.unsolved(solution.status, loss)
         g, c = problem.g, case.contacts
         D, qv = float(g.D0 - loss), c[:, summary.QV].tolist()
-        ball_rate, race_rate, loss_rate = rates_when_new(self.scene, self.films, D, c)
+        ball_rate, race_rate, loss_rate = rates_when_new(solution.scene, self.films, D, c)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
         used = friction_used(c[:, summary.FRICTION], D, gyroscopic, c[:, summary.LOAD])
         values = {

@@ -31,7 +31,12 @@ FILM = {
         "bare_ball_race": 0.1,
     },
 }
-PRESSED = {"friction.film.pressure_exponent": 2.0, "friction.film.reference_pressure_GPa": 0.7}
+PRESSED = {
+    "friction.film.wear_table": [
+        {"pressure_MPa": 600, "temperature_C": 20, "relative_life": 10.0},
+        {"pressure_MPa": 1050, "temperature_C": 20, "relative_life": 1.0},
+    ]
+}
 ON_BALLS = {
     f"{STEEL}.film": {"thickness_um": 0.03, "wear_coefficient": 1e-6},
     "friction.film.thickness_um": None,

@@ -131,7 +131,7 @@ def test_volume_of_the_film_is_what_archard_takes(marched):
     found = marched(FILM | THICK)
     state, bearing = found.states[1], found.wearing.sides[0].bearing
     point = point_of(state)
-    rate = bearing.rate(point, K_H, K_H)
+    rate = bearing.rate(point, K_H, K_H, found.wearing.scene)
     for k in range(2):
         off = rate.grooves[k].sum() * bearing.arc_step[k] * 2.0 * np.pi * point.track[k]
         assert off == pytest.approx(9 * K_H * point.slip[k, 0], rel=1e-9)

@@ -9,7 +9,7 @@ from support import ROOT, benchmark, scene_file
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.strict_yaml import data_of
-from bearingwear.scene.coefficients import M2_PER_N, MEASURED_WEAR, RUBBING
+from bearingwear.scene.coefficients import M2_PER_N, MEASURED_WEAR, MOS2_WEAR, RUBBING
 from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.bearing.films import Films
@@ -22,6 +22,8 @@ def test_a_cubic_millimetre_per_newton_metre():
     assert_allclose(M2_PER_N, (1e-3) ** 3, rtol=1e-15)
     # PTFE, 6e-4 mm3/(N m) by its authors
     assert_allclose(M2_PER_N * MEASURED_WEAR["ptfe"].wear[0], 6e-13)
+    in_air = [M2_PER_N * MEASURED_WEAR[name].wear[1] for name in ("akron", "akron_hot")]
+    assert_allclose(in_air, [6.2e-16, 1.15e-15])
 
 
 def test_the_page_is_that_of_the_table():
@@ -80,12 +82,14 @@ def test_a_scene_takes_a_pair_with_its_spread(pair, film):
         assert scene.friction.ball_race == one.friction.median
     else:
         assert scene.friction.ball_race is None and scene.friction.film.thickness_um == 0.6
+        assert len(scene.friction.film.wear_table) == 6
+        assert scene_from_dict(scene.to_dict(), "a") == scene
 
 
 def test_ninety_percent_lie_between_the_rows():
     mos2 = RUBBING["steel/steel", "mos2"].wear
     ends = [mos2.median * mos2.factor ** (sign * 1.6449) for sign in (-1, 1)]
-    assert_allclose(ends, [3.6e-18, 4e-15], rtol=1e-6)
+    assert_allclose(ends, MOS2_WEAR, rtol=1e-6)
 
 
 def test_what_has_no_source_is_refused():
@@ -99,7 +103,8 @@ def test_what_has_no_source_is_refused():
 def test_the_scene_with_a_film_takes_the_pair():
     scene = load_scene(ROOT / "config/scenes/mos2_gyro.yaml")
     race = Films.of(scene).race
-    mos2, steel = RUBBING["steel/steel", "mos2"].wear, MEASURED_WEAR["archard"].wear
-    assert_allclose(race.film.factor, mos2.median, rtol=0.03)
+    measured = MEASURED_WEAR["bearing_in_vacuum"].wear[1], MEASURED_WEAR["two_discs"].wear[1]
+    steel = MEASURED_WEAR["archard"].wear
+    assert_allclose(race.film.factor, M2_PER_N * np.sqrt(np.prod(measured)), rtol=0.03)
     below = race.below.factor
     assert M2_PER_N * steel[0] <= below <= 1.01 * M2_PER_N * steel[1]

@@ -258,16 +258,28 @@ def test_an_instrument_bearing_has_the_stiffness_of_its_maker(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("argv", "is_small"),
-    [(["608"], True), (["--bore", "9.9", "--outside", "24"], True), (["6000"], False)],
+    ("argv", "is_small", "grooves"),
+    [
+        (["608"], True, (0.52, 0.53)),
+        (["--bore", "9.9", "--outside", "24"], True, (0.57, 0.57)),
+        (["--bore", "2", "--outside", "6", "--contact-angle", "15"], True, (0.57, 0.57)),
+        (["--bore", "10", "--outside", "24"], False, (0.52, 0.53)),
+        (["6000"], False, (0.52, 0.53)),
+    ],
 )
-def test_small_bearings_have_uncertain_grooves(argv, is_small, tmp_path, capsys):
+def test_small_bearings_have_uncertain_grooves(argv, is_small, grooves, tmp_path, capsys):
+    """Those without an ISO designation are instrument bearings: Dynaroll prints 0.56 +-0.03."""
     assert new(tmp_path / "a.yaml", *argv) == 0
-    assert ("makers of small bearings use 0.52 to 0.58" in told(capsys)) == is_small
+    lines = told(capsys)
+    assert ("makers of small bearings use 0.52 to 0.58" in lines) == is_small
+    assert ("Dynaroll: 0.56 +-0.03" in lines) == (grooves[0] == 0.57)
     scene = load_scene(tmp_path / "a.yaml")
-    assert (scene.bearing.inner_groove_factor, scene.bearing.outer_groove_factor) == (0.52, 0.53)
+    assert (scene.bearing.inner_groove_factor, scene.bearing.outer_groove_factor) == grooves
     for race in ("inner", "outer"):
         assert (f"{race}_groove_factor" in scene.uncertainty) == is_small
+        if is_small:
+            spread = scene.uncertainty[f"{race}_groove_factor"]
+            assert (spread.low, spread.high) == (0.52, 0.58)
 
 
 @pytest.mark.parametrize(

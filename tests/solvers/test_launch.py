@@ -10,7 +10,7 @@ from support import benchmark
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.document.launch import launch_document
+from bearingwear.document.launch import SOFT_PAIR_GAPS, launch_document
 from bearingwear.lives.margin import launched_by_wear
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, SceneError
@@ -20,6 +20,7 @@ from bearingwear.solvers.bearing.launch import (
     GRAVITY,
     RotorAtRest,
     check_launch,
+    expected_peak,
     launch_values,
     launched,
     miles,
@@ -163,14 +164,76 @@ def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
 
 
 def test_miles_equation(pair):
-    """g = 3 sqrt(pi/2 f Q PSD) by hand, at the own frequency."""
-    assert miles(0.1, 100.0, 10.0) == pytest.approx(3.0 * math.sqrt(50.0 * math.pi))
-    random = pair.with_({"launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0})
+    """sqrt(pi/2 f Q PSD) by hand, at the own frequency; three sigma of no duration."""
+    assert miles(0.1, 100.0, 10.0) == pytest.approx(math.sqrt(50.0 * math.pi))
+    random = pair.with_(
+        {"launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0, "launch.duration_s": 0.0}
+    )
     found = launched(random)
     by_hand = 3.0 * math.sqrt(0.5 * math.pi * found.frequencies[0] * 20.0 * 0.1)
     assert found.axial_g == pytest.approx(by_hand, rel=1e-12)
+    longer = launched(random.with_({"launch.duration_s": 120.0}))
+    factor = math.sqrt(2.0 * math.log(120.0 * found.frequencies[0]))
+    assert longer.random["axial"].three_sigma_g == pytest.approx(by_hand, rel=1e-12)
+    assert longer.axial_g == pytest.approx(by_hand * factor / 3.0, rel=1e-12)
+    assert longer.pressure_share > found.pressure_share
     plain = launched(pair.with_({"launch.axial_g": by_hand}))
     assert plain.gap == pytest.approx(found.gap, rel=1e-12) and plain.gap > 0.0
+
+
+def test_the_largest_expected_of_a_narrow_band_response():
+    """4.58 sigma in 120 s at 300 Hz; the mean of the largest of drawn Rayleigh amplitudes."""
+    assert expected_peak(300.0, 120.0) == pytest.approx(4.58, abs=0.005)
+    assert expected_peak(300.0, 0.0) == 0.0 and expected_peak(0.5, 1.0) == 0.0
+    draws = np.random.default_rng(7).rayleigh(size=(400, 3000)).max(axis=1)
+    # the mean lies above by Euler's constant over the factor
+    factor = expected_peak(300.0, 10.0)
+    assert draws.mean() == pytest.approx(factor + 0.5772 / factor, rel=0.01)
+
+
+def test_carts_on_a_shaker_saw_more_than_three_sigma():
+    """ESA, 44th Aerospace Mechanisms Symposium (2018) 83: pressure goes as load^(1/3)."""
+    carts = benchmark("launch_tests").CARTS
+    factor = expected_peak(300.0, 120.0) / 3.0
+    ratios = {cart.name: cart.load_ratios for cart in carts}
+    assert len(ratios) == 3 and all(one.size == 6 for one in ratios.values())
+    hard = ratios.pop("hard, 160 N")
+    assert np.all(abs(hard / factor - 1.0) < 0.1)
+    assert abs(hard.mean() / factor - 1.0) < 0.05
+    soft = np.concatenate(list(ratios.values()))
+    assert 2.3 < soft.min() and soft.max() < 3.95
+
+
+def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
+    """Without a stop a soft spring lets a bearing pass onto the other side of its grooves."""
+    soft = pair.with_(SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_g": 120.0})
+    through = RotorAtRest.of(soft).under(-3000.0)
+    first, second = through.bearings
+    assert first.axial < 0.0 and first.gap == 0.0 and second.past == 0.0 and not second.is_open
+    assert through.gap == first.past > 100e-6 and first.is_open
+    assert launch_values(soft)["launch_gap"] > 100e-6
+    heading = launch_document(soft, {"new": launched(soft)}).heading
+    assert any("passes its gap" in line for line in heading)
+    assert not any("no gap" in line for line in heading)
+
+
+def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
+    """Not a hard pair, nor a soft one that stays loaded."""
+    soft = SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_density_g2_Hz": 0.1}
+    for changes, is_told in (
+        (soft, True),
+        (soft | {"launch.axial_density_g2_Hz": 1e-7}, False),
+        ({"launch.axial_g": 100.0}, False),
+    ):
+        scene = pair.with_(changes)
+        found = {"new": launched(scene)}
+        heading = launch_document(scene, found).heading
+        assert (SOFT_PAIR_GAPS in heading) == is_told
+    rows = {row.name: row.values[0] for row in launch_document(pair.with_(soft), {
+        "new": launched(pair.with_(soft))}).blocks[1].rows}  # fmt: skip
+    assert rows["axial_largest_g"] / rows["axial_three_sigma_g"] == pytest.approx(
+        rows["axial_expected_peak"] / 3.0
+    )
 
 
 def test_warmth_changes_what_a_rigid_pair_holds(pair):

@@ -143,7 +143,11 @@ def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
     return rank, SceneError(path, problem)
 
 
-FORMER_KEYS = {"wear.ball_track": "balls always wear evenly (spread); delete the key"}
+FORMER_KEYS = {
+    "wear.ball_track": "balls always wear evenly (spread); delete the key",
+    "friction.film.pressure_exponent": "give friction.film.wear_table",
+    "friction.film.reference_pressure_GPa": "give friction.film.wear_table",
+}
 """Keys of earlier versions, and what to do."""
 
 

@@ -28,11 +28,12 @@ SMALL_BORE = 10.0
 """Bore [mm] below which makers' groove factors differ widely."""
 
 SMALL_GROOVES = (0.52, 0.58)
-"""Least and largest groove factor of small bearings. The series S of GMN has 0.52 to 0.53 there."""
+"""Least and largest groove factor of small bearings. Series S of GMN (catalogue 4000 0813 EN) has
+0.52 to 0.53 there; Dynaroll (https://dynaroll.com/raceway-curvature.asp) prints 0.56 +-0.03."""
 
 INSTRUMENT_GROOVES = (0.57, 0.57)
-"""Those assumed of a deep groove bearing below `SMALL_BORE` without an ISO designation: an
-instrument bearing R168 (6.35 x 9.525 mm, radial play 8 um) then has the stiffness of its maker."""
+"""Those assumed of a bearing below `SMALL_BORE` without a designation: an instrument bearing R168
+(6.35 x 9.525 mm, radial play 8 um) then has the stiffness of its maker."""
 
 SEAT_CLASS = "js4"
 """Tolerance of the shaft that makers recommend for spindle bearings: GMN, catalogue 4000 0813 EN,
@@ -175,7 +176,7 @@ def numbers_of(
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
-    grooves, groove_rule, assumed = grooves_of(size, deep_groove)
+    grooves, groove_rule, assumed = grooves_of(size)
     inner = decide("bearing.inner_groove_factor", grooves[0], groove_rule, assumed)
     outer = decide("bearing.outer_groove_factor", grooves[1], groove_rule, assumed)
     if entry is not None:
@@ -228,13 +229,14 @@ def _usual_speed(
     return rounded_to(factor * entry.speed_grease, 3), rule
 
 
-def grooves_of(size: Designation, deep_groove: bool) -> tuple[tuple[float, float], str, bool]:
+def grooves_of(size: Designation) -> tuple[tuple[float, float], str, bool]:
     """Inner and outer groove factor, where they come from, and whether they are assumed."""
     known = size.entry and MAKERS[size.entry.maker].grooves
     if known:
         return known, "inferred from the printed rigidities", False
-    if deep_groove and not size.name and size.bore < SMALL_BORE:
-        return INSTRUMENT_GROOVES, f"instrument bearing; {_SMALL}", True
+    if not size.name and size.bore < SMALL_BORE:
+        rule = "instrument bearing (Dynaroll: 0.56 +-0.03 for low torque)"
+        return INSTRUMENT_GROOVES, f"{rule}; {_SMALL}", True
     rule = "the largest factor for which ISO 281 load ratings apply"
     return GROOVES, f"{rule}; {_SMALL}" if grooves_vary(size) else rule, True
 

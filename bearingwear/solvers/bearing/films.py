@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.scene.blocks import Material
-from bearingwear.scene.friction import FilmFriction, changes_as_it_wears
+from bearingwear.scene.friction import FilmFriction, FilmLife, changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
+from bearingwear.solvers.bearing.growth import part_temperatures
 from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
 
 MPA = 1e6
@@ -58,17 +59,68 @@ class Surface:
         return (self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)) / self.below.H
 
 
-def surface_factor(part: Surface, partner: Surface, depth, covered, partner_covered, pressed):
+@dataclass(frozen=True, eq=False)
+class WearTable:
+    """K_s of films by peak pressure and temperature, from their lives in tests.
+
+    In a test the depth worn off grows as K_s p^2 with the pressure p, because the load goes as p^3
+    and the width of the track as p. So K_s goes as 1/(p^2 x life).
+    """
+
+    pressure: np.ndarray  # (P,) of the rows, rising [Pa]
+    temperature: np.ndarray  # (T,) of the rows, rising [degC]
+    log_factor: np.ndarray  # (P, T) of K_s over that of the row whose relative life is 1
+    reference: float  # temperature of that row, for films whose temperature is not known [degC]
+
+    @classmethod
+    def of(cls, rows: Sequence[FilmLife]) -> "WearTable":
+        (reference,) = (row for row in rows if row.relative_life == 1.0)
+        life = {(row.pressure_MPa, row.temperature_C): row.relative_life for row in rows}
+        pressures, temperatures = (sorted(set(column)) for column in zip(*life, strict=True))
+        factors = [
+            [
+                2.0 * math.log(reference.pressure_MPa / p) - math.log(life[p, T])
+                for T in temperatures
+            ]
+            for p in pressures
+        ]
+        return cls(
+            pressure=MPA * np.array(pressures),
+            temperature=np.array(temperatures),
+            log_factor=np.array(factors),
+            reference=reference.temperature_C,
+        )
+
+    def factor(self, pressure: Any, temperature: Any) -> np.ndarray:
+        """K_s over that of the reference row, at peak pressures [Pa] and temperatures [degC].
+
+        Bilinear in the logarithm; beyond the rows that of the nearest one, where Archard's law
+        then holds.
+        """
+        T = np.where(np.isnan(temperature), self.reference, temperature)
+        with np.errstate(divide="ignore"):  # no load, no pressure
+            by_pressure = _shares(np.log(self.pressure), np.log(pressure))
+        by_temperature = _shares(self.temperature, T)
+        return np.exp(np.einsum("...p,pt,...t->...", by_pressure, self.log_factor, by_temperature))
+
+
+def _shares(rows: np.ndarray, values: Any) -> np.ndarray:
+    """Weights (..., n) of n rising rows at values, by linear interpolation between them."""
+    numbers = np.arange(len(rows))
+    return np.maximum(1.0 - abs(np.interp(values, rows, numbers)[..., None] - numbers), 0.0)
+
+
+def surface_factor(part: Surface, partner: Surface, depth, covered, partner_covered, table_factor):
     """K_s/H of a part worn so deep [m] [1/Pa]: a number, or one for each place.
 
-    That of its own film, times the factor of its pressure. Without one, or where it is worn
+    That of its own film, times the factor of `Films.table_factor`. Without one, or where it is worn
     through, that of its partner's film, which covers the part (assumed). Where neither is left,
     that of what lies below. Covered are shares of each place, or whether films stand there.
     """
     found = part.below_at(depth)
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = share * pressed * film.K_s / film.H + (1.0 - share) * found
+            found = share * table_factor * film.K_s / film.H + (1.0 - share) * found
     return found
 
 
@@ -78,8 +130,7 @@ class Films:
 
     ball: Surface
     race: Surface
-    exponent: float = 0.0
-    reference: float = 1.0  # [Pa]
+    table: WearTable | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> "Films":
@@ -94,17 +145,17 @@ class Films:
         endless = given is not None and given.thickness_um is None
         on_races = None if endless and ball.film is not None else given
         surfaces = _surface(ball, None, given), _surface(race, on_races, given)
-        if given is None or given.pressure_exponent is None:
+        if given is None or given.wear_table is None:
             return cls(*surfaces)
-        return cls(*surfaces, given.pressure_exponent, (given.reference_pressure_GPa or 1.0) * GPA)
+        return cls(*surfaces, WearTable.of(given.wear_table))
 
-    def pressed(self, pressure):
-        """Factor on the wear of films under a mean pressure [Pa], (p/p_ref)^n."""
-        return (pressure / self.reference) ** self.exponent if self.exponent else 1.0
+    def table_factor(self, pressure: Any, temperature: Any) -> Any:
+        """Factor on K_s of films by peak pressures [Pa] and temperatures [degC]; 1 by no table."""
+        return 1.0 if self.table is None else self.table.factor(pressure, temperature)
 
     @functools.cached_property
     def unworn(self) -> Factors:
-        """`wearing` of new surfaces, where pressure does not matter: of each contact (2,) each."""
+        """`wearing` of new surfaces without a table: of each contact (2,) each."""
         ball, race = self.wearing(self.thickness > 0.0)
         return np.broadcast_to(ball, 2), np.broadcast_to(race, 2)
 
@@ -130,16 +181,18 @@ class Films:
         inner, outer, ball = cover
         return not (inner or ball), not (outer or ball)
 
-    def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, pressed=1.0):
+    def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, table_factor=1.0):
         """K_s/H of a ball and of a race [1/Pa]: what covers them, depths [m]."""
         return (
-            surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, pressed),
-            surface_factor(self.race, self.ball, race_depths, on_race, on_ball, pressed),
+            surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, table_factor),
+            surface_factor(self.race, self.ball, race_depths, on_race, on_ball, table_factor),
         )
 
-    def wearing(self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, pressed=1.0) -> Factors:
+    def wearing(
+        self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, table_factor=1.0
+    ) -> Factors:
         """K_s/H of a ball in both contacts and of both races, worn so deep [m] (..., 2) [1/Pa]."""
-        return self.factors(cover[2], cover[:2], ball_depth, race_depths, pressed)
+        return self.factors(cover[2], cover[:2], ball_depth, race_depths, table_factor)
 
 
 def limits_depth(scene: Scene) -> bool:
@@ -178,6 +231,17 @@ def _surface(
     )
 
 
+def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> np.ndarray:
+    """Mean of ring and balls in both contacts (2,) [degC]; NaN of a scene without temperatures.
+
+    parts: temperatures as of `part_temperatures`, in place of those of the scene.
+    """
+    if scene.temperature is None and scene.thermal is None:
+        return np.full(2, math.nan)
+    inner, balls, outer = (part_temperatures(scene) if parts is None else parts)[:3]
+    return np.array([0.5 * (inner + balls), 0.5 * (outer + balls)])
+
+
 def _semi_axis_factors(scene: Scene) -> np.ndarray:
     """Semi-axes over the cube root of the load (2, 2): of both contacts, major and minor."""
     g = mounted_geometry(scene)
@@ -189,6 +253,10 @@ def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
     """Mean Hertz pressure [Pa] by fitted factors, from semi-major axes (..., 2) [m]."""
     c_a, c_b = _semi_axis_factors(scene)
     return major / (math.pi * c_a * c_a * c_b)
+
+
+PEAK_OVER_MEAN = 1.5
+"""Peak over mean pressure of a Hertzian contact."""
 
 
 def pressure_of_load(scene: Scene, load: np.ndarray) -> np.ndarray:

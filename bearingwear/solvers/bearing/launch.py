@@ -26,6 +26,9 @@ from bearingwear.solvers.roots import brent_root
 
 GRAVITY = 9.80665  # standard [m/s2]
 FARTHEST_G = 1e9  # in place of no end, which cannot be interpolated
+THREE_SIGMA = 3.0
+"""Factor on the rms by which launch loads are usually stated (FEMCI book, NASA Goddard, 2001)."""
+
 _BALANCED = 1e-14  # force left, over the largest sum of loads
 _MOST_STEPS = 300
 _SOFTEST, _HARDEST = 1e-12, 1e6  # damping, over the stiffness of the balls
@@ -138,6 +141,12 @@ class RestingBearing:
     load: np.ndarray  # (n,) of each ball [N]
     pressure: np.ndarray  # (n, 2) peak, inner and outer race [Pa]
     gap: float  # axial distance to its first contact, where none is left [m]
+    past: float  # the same where it is pressed, through its gap, on the other side of its grooves
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has lost contact on the side of its contact angle."""
+        return self.past > 0.0 or not self.load.any()
 
 
 @dataclass(frozen=True)
@@ -153,7 +162,7 @@ class RestingRotor:
     @property
     def gap(self) -> float:
         """The largest gap of a bearing [m]."""
-        return max(one.gap for one in self.bearings)
+        return max(max(one.gap, one.past) for one in self.bearings)
 
     @property
     def pressure(self) -> float:
@@ -297,14 +306,16 @@ class RotorAtRest:
             b = seat.balls(q)
             left = left + seat.tandem * (b.Q @ b.along)
             free = seat.g.r_i + seat.g.r_o - seat.D
-            to_touch = np.sqrt(np.maximum(free**2 - b.A2**2, 0.0)) - b.A1
+            to_touch = float((np.sqrt(np.maximum(free**2 - b.A2**2, 0.0)) - b.A1).min())
+            loaded = b.s[b.Q > 0.0]
             found.append(
                 RestingBearing(
                     axial=float(b.Q @ b.s),
                     radial=float(b.Q @ (b.c * np.cos(seat.psi))),
                     load=b.Q,
                     pressure=seat.peak * np.cbrt(b.Q)[:, None],
-                    gap=0.0 if b.Q.any() else float(to_touch.min()),
+                    gap=0.0 if loaded.size else to_touch,
+                    past=to_touch if loaded.size and loaded.max() < 0.0 else 0.0,
                 )
             )
         on_stop = 0.0
@@ -330,6 +341,7 @@ class Launched:
     loads: tuple[LaunchLoad, ...]
     axial_g: float  # given or by Miles' equation
     radial_g: float  # the same across
+    random: dict[str, "RandomResponse"]  # by the direction of each density that is given
     frequencies: np.ndarray | None  # axial, radial, conical, at rest; None without a span [Hz]
     opening_g: float  # along the axis alone, at which a bearing opens
     denting_g: float  # the same, at which one is dented
@@ -350,18 +362,46 @@ class Launched:
 
 
 def miles(density: float, frequency: float, amplification: float) -> float:
-    """Three times the rms acceleration of an oscillator under a density, both in one unit.
+    """The rms acceleration of an oscillator under a density, both in one unit.
 
-    J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753; three sigma as in the FEMCI book (2001).
+    J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753.
     """
-    return 3.0 * math.sqrt(0.5 * math.pi * frequency * amplification * density)
+    return math.sqrt(0.5 * math.pi * frequency * amplification * density)
+
+
+def expected_peak(frequency: float, duration: float) -> float:
+    """The largest expected of a narrow-band response over a duration [s], over its rms [1].
+
+    sqrt(2 ln(f t)), of f t independent amplitudes after Rayleigh: Cartwright and Longuet-Higgins,
+    Proc. R. Soc. A 237 (1956) 212.
+    """
+    cycles = frequency * duration
+    return math.sqrt(2.0 * math.log(cycles)) if cycles > 1.0 else 0.0
+
+
+@dataclass(frozen=True)
+class RandomResponse:
+    """Acceleration of the rotor under random vibration in one direction."""
+
+    rms_g: float
+    expected: float  # largest over the duration of the test, over the rms [1]
+
+    @property
+    def three_sigma_g(self) -> float:
+        return THREE_SIGMA * self.rms_g
+
+    @property
+    def largest_g(self) -> float:
+        """The largest expected, at least three sigma."""
+        return max(THREE_SIGMA, self.expected) * self.rms_g
 
 
 def check_launch(scene: Scene, source: str) -> None:
     """Refuse a scene of whose rotor too little is known."""
     a, asked = scene.arrangement, scene.launch or Launch()
     needed = ["rotor_mass_kg"]
-    if asked != Launch(axial_g=asked.axial_g, after_wear_um=asked.after_wear_um):
+    densities = (asked.axial_density_g2_Hz, asked.radial_density_g2_Hz)
+    if asked.radial_g or densities != (None, None):
         needed.append("span_mm")
     for name in needed:
         if a is None or getattr(a, name) is None:
@@ -380,13 +420,17 @@ def launched(scene: Scene, losses: Sequence[float] | None = None) -> Launched:
     assert a is not None and a.rotor_mass_kg is not None
     weight = a.rotor_mass_kg * GRAVITY
     frequencies = rest.frequencies(a) if a.span_mm is not None else None
-    found = [asked.axial_g, asked.radial_g]
+    given_g = {"axial": asked.axial_g, "radial": asked.radial_g}
     densities = (asked.axial_density_g2_Hz, asked.radial_density_g2_Hz)
-    for k, density in enumerate(densities):
+    random = {}
+    for k, (way, density) in enumerate(zip(given_g, densities, strict=True)):
         if density is not None:
             assert frequencies is not None
-            found[k] = miles(density, frequencies[k], asked.amplification)
-    axial, across = (g * weight for g in found)
+            f = float(frequencies[k])
+            rms_g = miles(density, f, asked.amplification)
+            random[way] = RandomResponse(rms_g, expected_peak(f, asked.duration_s))
+            given_g[way] = random[way].largest_g
+    axial, across = (g * weight for g in given_g.values())
     asked_for = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
     if across:
         asked_for |= {"across": (0.0, across)}
@@ -396,8 +440,9 @@ def launched(scene: Scene, losses: Sequence[float] | None = None) -> Launched:
     limit, source = min((yield_pressure(one) for one in scene.sides), key=lambda one: one[0])
     return Launched(
         loads=tuple(loads),
-        axial_g=found[0],
-        radial_g=found[1],
+        axial_g=given_g["axial"],
+        radial_g=given_g["radial"],
+        random=random,
         frequencies=frequencies,
         opening_g=rest.along.opening_force / weight,
         denting_g=rest.denting_force(limit * GPA) / weight,

@@ -12,7 +12,13 @@ from bearingwear.kernels.contact.friction import friction_capacity, has_friction
 from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.films import Factors, Films, mean_pressure
+from bearingwear.solvers.bearing.films import (
+    PEAK_OVER_MEAN,
+    Factors,
+    Films,
+    contact_temperatures,
+    mean_pressure,
+)
 
 TURN = 2.0 * np.pi
 
@@ -148,9 +154,12 @@ def wear_rates(
 
 def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
     """K_s/H of balls and races as when new, in contacts of semi-major axes (..., 2) [m]."""
-    if not films.exponent:
+    if films.table is None:
         return films.unworn
-    return films.wearing(films.thickness > 0.0, pressed=films.pressed(mean_pressure(scene, a)))
+    table_factor = films.table_factor(
+        PEAK_OVER_MEAN * mean_pressure(scene, a), contact_temperatures(scene)
+    )
+    return films.wearing(films.thickness > 0.0, table_factor=table_factor)
 
 
 def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):

@@ -11,7 +11,12 @@ from bearingwear.kernels.dynamic.model import BearingModel
 from bearingwear.kernels.steady.thrust import skid_ratio
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import Films, pressure_of_load
+from bearingwear.solvers.bearing.films import (
+    PEAK_OVER_MEAN,
+    Films,
+    contact_temperatures,
+    pressure_of_load,
+)
 from bearingwear.solvers.bearing.outputs import contact_values
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.windows import TimeRun, wear_per_joule
@@ -127,8 +132,9 @@ def histories(scene: Scene, history: record.History, length: int) -> dict:
     ball, race = parameters.wear_factors(scene)
     films = Films.of(scene)
     worn_by = log.qv
-    if films.exponent:
-        worn_by = log.qv * films.pressed(pressure_of_load(scene, log.load))
+    if films.table is not None:
+        pressure = PEAK_OVER_MEAN * pressure_of_load(scene, log.load)
+        worn_by = log.qv * films.table_factor(pressure, contact_temperatures(scene))
     in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     values = {
         "time": log.time,

@@ -5,9 +5,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bearingwear.measures import plain
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.films import Films, pressure_of_load
-from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
+from bearingwear.solvers.bearing.films import (
+    MPA,
+    PEAK_OVER_MEAN,
+    Films,
+    WearTable,
+    contact_temperatures,
+    pressure_of_load,
+)
+from bearingwear.solvers.bearing.mounted import UM, mounted_geometry
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding
 
@@ -20,11 +28,14 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
             f"friction: film shear strength ({given.shear_strength_MPa:g} MPa) divided by the "
             f"mean pressure of each contact{plus}; about {_at_rest(scene)} at rest"
         )
-    if films.exponent:
+    if films.table is not None:
+        warmth = "at the mean temperature of ring and balls"
+        if np.isnan(contact_temperatures(scene)).any():
+            warmth = f"at {films.table.reference:g} degC (the scene gives no temperature)"
+        rows = _table_range(films.table)
         yield (
-            f"wear of films: proportional to (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, "
-            "where p is the mean pressure of each contact; a dynamic case uses the mean load, and "
-            "its history uses the instantaneous load"
+            f"wear of films: by their lives in tests ({rows}), under the Hertzian peak pressure of "
+            f"each contact and {warmth}"
         )
     coated = {"races": films.race, "balls": films.ball}
     for part, surface in coated.items():
@@ -41,6 +52,39 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
                 f"running-in of the {part}: K_s from {surface.first:g} to "
                 f"{float(surface.below.K_s):g}, over {surface.running_in / UM:g} um"
             )
+
+
+def _table_range(table: WearTable) -> str:
+    """Range of pressures and temperatures of a table."""
+    both = (table.pressure / MPA, table.temperature)
+    pressures, temperatures = (" to ".join(dict.fromkeys(map(plain, one[[0, -1]]))) for one in both)
+    return f"{pressures} MPa, {temperatures} degC"
+
+
+NEAR_TESTS_K = 5.0
+"""Kelvin beyond the temperatures of a table from which on it is warned of, assumed."""
+
+
+def film_beyond_tests(e: Evidence) -> Finding | None:
+    """The contact whose pressure or temperature lies farthest beyond the tests of its film."""
+    table, found = Films.of(e.scene).table, []
+    if table is None:
+        return None
+    pressures = PEAK_OVER_MEAN * pressure_of_load(e.scene, e.contacts("contact_load").mean(axis=0))
+    for pressure in pressures.tolist():
+        low, high = table.pressure[[0, -1]].tolist()
+        excess = max(pressure / high, low / pressure) if pressure > 0.0 else math.nan
+        found.append((excess, f"peak pressure of {plain(pressure / MPA)} MPa", pressure > high))
+    for kelvin in contact_temperatures(e.scene, e.state["part_temperature"]).tolist():
+        low, high = table.temperature[[0, -1]].tolist()
+        excess = 1.0 + (max(kelvin - high, low - kelvin) - NEAR_TESTS_K) / 100.0
+        found.append((excess, f"temperature of {plain(kelvin)} degC", kelvin > high))
+    beyond = [one for one in found if not math.isnan(one[0])]
+    if not beyond:
+        return None
+    excess, what, above = max(beyond)
+    advice = "expect a shorter life than computed" if above else "the life computed is cautious"
+    return {"what": what, "range": _table_range(table), "advice": advice, "excess": excess}
 
 
 def film_worn(e: Evidence) -> Finding | None:

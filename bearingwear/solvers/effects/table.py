@@ -260,6 +260,13 @@ EFFECTS = (
         "set friction.film.bare_ball_race, or use film_worn_share as an end-of-life criterion",
         modelled=films.film_sentences,
     ),
+    Effect(
+        "film_beyond_tests",
+        films.film_beyond_tests,
+        "a {what} is beyond the tests of its film's wear ({range}), so the wear coefficient of the "
+        "nearest test is used",
+        "{advice}; give friction.film.wear_table rows for it",
+    ),
     Effect("balls", modelled=motion.balls),
     Effect(
         "growth_left_out",

@@ -20,6 +20,8 @@ from bearingwear.kernels.worn.cells import contact_buffers
 from bearingwear.kernels.worn.friction import FrictionWork, friction_work
 from bearingwear.kernels.worn.pressure import FULL_WIDTH, contact_cells
 from bearingwear.kernels.worn.state import WornSeat, state_work, worn_state
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.films import PEAK_OVER_MEAN, contact_temperatures
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.check import WornCheck
 from bearingwear.solvers.worn.depths import (
@@ -430,10 +432,11 @@ class WornBearing:
             ]
         )
 
-    def rate(self, point: WornPoint, ball: float, race: float) -> WornDepths:
+    def rate(self, point: WornPoint, ball: float, race: float, scene: Scene) -> WornDepths:
         """Wear per second in a state (theory.md Eqs. 73-74).
 
-        By K_s/H of ball and race [1/Pa], where films and running in do not decide them.
+        By K_s/H of ball and race [1/Pa], where films and running in do not decide them; the scene
+        has the temperatures of the state.
         """
         g, D = point.problem.g, point.D
         grooves, off_ball = np.zeros_like(self.arc), point.slip[:, 0].copy()
@@ -446,10 +449,12 @@ class WornBearing:
                 depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
                 covered = self.films.cover_of_race(depth, self.spread)
                 hertz = force.hertz
-                pressure = force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
-                _, factor = self.films.factors(covered, depth, on_ball, pressure)
+                # of the unworn contact, as those of the tests are
+                pressure = PEAK_OVER_MEAN * force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
+                of_test = float(pressure), float(contact_temperatures(scene)[k])
+                _, factor = self.films.factors(covered, depth, on_ball, *of_test)
                 covered = self.at_cells(covered, k, x, force.alpha, g)
-                there, _ = self.films.factors(covered, covered, on_ball, pressure)
+                there, _ = self.films.factors(covered, covered, on_ball, *of_test)
                 qv = qv * (there / ball)
                 off_ball[k] *= qv.sum() / point.qv_along[k].sum()
             grooves[k] = g.n_balls * factor * wear / (2.0 * np.pi * point.track[k])

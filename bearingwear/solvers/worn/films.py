@@ -63,13 +63,16 @@ class WornFilms:
         race_depth: np.ndarray,
         ball_depth: float,
         pressure: float = np.nan,
+        temperature: float = np.nan,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """K_s/H of ball and race at each place of a track [1/Pa], under a mean pressure [Pa].
+        """K_s/H of ball and race at each place of a track [1/Pa].
 
-        In proportion to what each film still covers.
+        In proportion to what each film still covers, under the peak pressure of the unworn contact
+        [Pa] and at a temperature [degC].
         """
-        on_ball, pressed = cover(self.films.ball, ball_depth), self.films.pressed(pressure)
-        return self.films.factors(on_ball, on_race, ball_depth, race_depth, pressed)
+        on_ball = cover(self.films.ball, ball_depth)
+        table_factor = self.films.table_factor(pressure, temperature)
+        return self.films.factors(on_ball, on_race, ball_depth, race_depth, table_factor)
 
     def time_through(self, depths: np.ndarray, rates: np.ndarray) -> float:
         """Time in which the first film that still covers would wear by its whole thickness [s].

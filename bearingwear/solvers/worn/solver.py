@@ -102,8 +102,8 @@ class Worn(Steady):
         inner, outer = (float(n * heat) for heat in point.slip[:, 1])
         return HeatFlow(inner, outer, drag=float(n * drag))
 
-    def rate(self, point: WornPoint) -> WornDepths:
-        return self.bearing.rate(point, *self.factors)
+    def rate(self, solution: SolvedBearing) -> WornDepths:
+        return self.bearing.rate(solution.answer, *self.factors, solution.scene)
 
     def approach_loss(self, point: WornPoint) -> float:
         """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
@@ -154,21 +154,22 @@ class Worn(Steady):
     def state(self, solution: SolvedBearing) -> State:
         """State of a point; its rate of loss, and stiffnesses, are not known from it alone."""
         point = solution.answer
-        values = self._values(point) | self._of_films(point)
+        values = self._values(point) | self._of_films(solution)
         values["friction_power"] = self.heat(solution).total
         return State(point.status, values, solution)
 
-    def _of_films(self, point: WornPoint) -> dict[str, Any]:
+    def _of_films(self, solution: SolvedBearing) -> dict[str, Any]:
         """What of a state films and running in decide; nothing without any."""
-        films, D, shares = self.bearing.films, point.D, []
+        films, point = self.bearing.films, solution.answer
         if films is None:
             return {}
+        D, shares = point.D, []
         for k, force in enumerate(point.forces):
             bare = self.bearing.bare(point.wear, k)
             g = point.problem.g
             bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha, g)
             shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
-        rate = self.rate(point)
+        rate = self.rate(solution)
         area = rate.grooves.sum(axis=1) * self.bearing.arc_step
         return {
             "ball_wear_rate": 0.5 * np.pi * D * D * rate.ball,

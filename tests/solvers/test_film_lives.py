@@ -1,0 +1,267 @@
+"""Wear of films by tables of their lives: the table, what it refuses, and what follows from it."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from support import benchmark, scene_file
+
+from bearingwear.cli import main
+from bearingwear.document.rows import TABLE_TESTS
+from bearingwear.lives.life import life
+from bearingwear.results.warnings import warnings_in
+from bearingwear.scene.coefficients import FILM_SCATTER, MOS2_LIVES, MOS2_WEAR
+from bearingwear.scene.friction import FilmLife
+from bearingwear.solvers.bearing.films import Films, WearTable
+from bearingwear.solvers.solve import solve
+
+NAMES = ("pressure_MPa", "temperature_C", "relative_life")
+ROWS = [dict(zip(NAMES, row, strict=True)) for row in MOS2_LIVES]
+TABLE = {"friction.film.wear_table": ROWS}
+HERTZ = {"model.contact": "hertz"}
+SET = "friction.film.wear_table"
+
+
+def warm(kelvin):
+    parts = ("inner_ring_C", "balls_C", "outer_ring_C", "reference_C")
+    return {"temperature": dict.fromkeys(parts, kelvin)}
+
+
+def relative_life(pressure, kelvin):
+    """Life over that at 1500 MPa and 23 degC, by Archard's law on a track: 1/(K_s p^2)."""
+    table = WearTable.of([FilmLife(**row) for row in ROWS])
+    return 1.0 / (table.factor(1e6 * pressure, kelvin) * (pressure / 1500.0) ** 2)
+
+
+@pytest.mark.parametrize(("pressure", "kelvin", "expected"), MOS2_LIVES)
+def test_each_test_has_its_life(pressure, kelvin, expected):
+    """ESTL, 44th Aerospace Mechanisms Symposium (2018) 151, entered by hand."""
+    entered = {
+        850: {23: 8.591, 120: 1.867}, 1500: {23: 1.0, 120: 0.194}, 2000: {23: 0.060, 120: 0.007},
+    }  # fmt: skip
+    assert expected == entered[pressure][kelvin]
+    assert relative_life(pressure, kelvin) == pytest.approx(expected, rel=1e-14)
+
+
+def test_powers_of_the_pressure_between_the_rows():
+    """The exponents of the source's own numbers: 3.8 from 850 to 1500 MPa, 9.8 from there on."""
+    for low, high, power in ((850.0, 1500.0, 3.8), (1500.0, 2000.0, 9.8)):
+        p = np.geomspace(low, high, 7)
+        powers = -np.diff(np.log(relative_life(p, 23.0))) / np.diff(np.log(p))
+        assert_allclose(powers, power, atol=0.05)
+
+
+@given(
+    st.floats(850.0, 2000.0), st.floats(850.0, 2000.0), st.floats(23.0, 120.0),
+    st.floats(23.0, 120.0),
+)  # fmt: skip
+def test_lives_fall_with_pressure_and_temperature(p, other_p, T, other_T):
+    low_p, high_p = sorted((p, other_p))
+    low_T, high_T = sorted((T, other_T))
+    most = relative_life(low_p, low_T)
+    assert max(relative_life(high_p, low_T), relative_life(low_p, high_T)) <= most * (1.0 + 1e-12)
+    assert 0.007 * (1.0 - 1e-12) <= relative_life(high_p, high_T) <= 8.591 * (1.0 + 1e-12)
+
+
+def test_beyond_the_rows_the_coefficient_is_that_of_the_nearest():
+    table = WearTable.of([FilmLife(**row) for row in ROWS])
+    corners = table.factor(np.array([850e6, 2000e6]), np.array([23.0, 120.0]))
+    assert_allclose(table.factor(np.array([0.0, 1e10]), np.array([-60.0, 300.0])), corners)
+    assert_allclose(table.factor(1500e6, np.nan), 1.0)  # a temperature that is not known
+    (one,) = [FilmLife(pressure_MPa=700, temperature_C=20, relative_life=1)]
+    assert_allclose(WearTable.of([one]).factor(np.geomspace(1e8, 1e10, 5), 80.0), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("rows", "problem"),
+    [
+        ("3", f"{SET}: got 3, expected a list of blocks of keys"),
+        ("[]", f"{SET}: got 0 rows with a relative_life of 1, expected exactly one"),
+        ("[{pressure_MPa: 850, temperature_C: 23}]",
+         f"{SET}[0].relative_life: got nothing, expected a number"),
+        ("[{pressure_MPa: -850, temperature_C: 23, relative_life: 1}]",
+         f"{SET}[0].pressure_MPa: got -850, expected a number > 0"),
+        ("[{pressure_MPa: 8, temperature_C: 2, relative_life: 1}, "
+         "{pressure_MPa: 9, temperature_C: 2, relative_life: 1}]",
+         f"{SET}: got 2 rows with a relative_life of 1"),
+        ("[{pressure_MPa: 8, temperature_C: 2, relative_life: 1}, "
+         "{pressure_MPa: 9, temperature_C: 3, relative_life: 2}]",
+         f"{SET}: got 0 rows for 8 MPa at 3 degC, expected one"),
+        ("[{pressure_MPa: 8, temperature_C: 2, relative_life: 1}, "
+         "{pressure_MPa: 8, temperature_C: 2, relative_life: 2}]",
+         f"{SET}: got 2 rows for 8 MPa at 2 degC, expected one"),
+    ],
+)  # fmt: skip
+def test_what_is_no_table_takes_a_line(rows, problem, capsys):
+    assert main(["check", str(scene_file("mos2_gyro")), "--set", f"{SET}={rows}"]) == 2
+    error = capsys.readouterr().err
+    assert problem in error and error.count("\n") == 1
+
+
+def test_a_table_requires_a_coefficient(capsys):
+    without = [
+        f"friction.film.{name}=null"
+        for name in ("wear_coefficient", "thickness_um", "bare_ball_race")
+    ]
+    without.append("wear.end_of_life.film_worn_share=null")
+    rows = "[{pressure_MPa: 8, temperature_C: 2, relative_life: 1}]"
+    argv = ["check", str(scene_file("mos2_gyro")), "--set", *without, f"{SET}={rows}"]
+    assert main(argv) == 2
+    expected = "friction.film.wear_coefficient: got nothing; wear_table requires this key"
+    assert expected in capsys.readouterr().err
+
+
+def test_an_exponent_of_earlier_versions_takes_a_line(capsys):
+    argv = ["check", str(scene_file("mos2_gyro")), "--set", "friction.film.pressure_exponent=3.6"]
+    assert main(argv) == 2
+    error = capsys.readouterr().err
+    assert "no longer exists" in error and "give friction.film.wear_table" in error
+
+
+@pytest.fixture(scope="module")
+def lives():
+    """Lives and slips of the outer film, whose contact is pressed as the tests were."""
+    from bearingwear.scene.read import variant
+
+    found = {}
+    for pressure, kelvin, _ in MOS2_LIVES:
+        preload, changes = 30.0, {
+            **TABLE, **HERTZ, **warm(kelvin), "wear.end_of_life": {"film_worn_share": 0.5},
+            "bearing.inner_groove_factor": 0.52,  # the outer contact bears the higher pressure
+        }  # fmt: skip
+        for _ in range(5):
+            scene = variant(scene_file("mos2_gyro"), changes | {"operation.preload_N": preload})
+            case = solve(scene).values
+            preload *= (1e6 * pressure / case["maximum_pressure"].max()) ** 3
+        assert case["maximum_pressure"][0, 1] == pytest.approx(1e6 * pressure, rel=1e-4)
+        hours = life(scene).values["race_film_worn_through"][1]
+        found[pressure, kelvin] = hours, case["qv"][0, 1] / case["contact_load"][0, 1]
+    return found
+
+
+def test_films_of_a_bearing_last_as_those_of_the_tests(lives):
+    """At the same slip within 2 %; contacts that are larger slip more, up to 1.5 times here."""
+    reference, slip = lives[1500.0, 23.0]
+    for pressure, kelvin, expected in MOS2_LIVES:
+        hours, own_slip = lives[pressure, kelvin]
+        assert hours * own_slip / (reference * slip) == pytest.approx(expected, rel=0.02)
+    assert lives[850.0, 23.0][0] / reference == pytest.approx(1.46 * 8.591, rel=0.02)
+    assert lives[2000.0, 23.0][0] / reference == pytest.approx(0.826 * 0.060, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "at_23", "at_120", "within"), [(850, 8.591, 1.867, 0.1), (1500, 1.0, 0.194, 0.12)]
+)
+def test_warmth_shortens_lives_with_worn_grooves(scene, pressure, at_23, at_120, within):
+    """Not nearer: the other contact is pressed less, and steel wears where the film is gone."""
+    changes = TABLE | {"bearing.inner_groove_factor": 0.52, "model.contact": "worn"}
+    changes["operation.preload_N"] = {850: 5.24, 1500: 30.0}[pressure]
+    changes["wear.end_of_life"] = {"film_worn_share": 0.5}
+    cold, hot = (life(scene("mos2_gyro", changes | warm(T))).values for T in (23.0, 120.0))
+    assert cold["life"] / hot["life"] == pytest.approx(at_23 / at_120, rel=within)
+
+
+def test_a_network_finds_the_temperature_of_the_film(scene):
+    """The rate of a state is that of its own temperatures, along a life and in a case."""
+    conductance = dict.fromkeys(("inner_ring_shaft", "outer_ring_housing", "ball_race"), 0.02)
+    network = {"conductance_W_K": conductance, "shaft_C": 60.0, "housing_C": 40.0}
+    changes = TABLE | HERTZ | {"operation.preload_N": 15.0, "wear.end_of_life": None}
+    given = scene("mos2_gyro", changes | {"thermal": network})
+    case = solve(given).values
+    inner, balls, outer = case["part_temperature"][:3]
+    assert len({inner, balls, outer}) == 3 and min(inner, balls, outer) > 40.0
+    plain = solve(scene("mos2_gyro", changes | {SET: None, "thermal": network})).values
+    contacts = 0.5 * (np.array([inner, outer]) + balls)
+    factor = Films.of(given).table.factor(case["maximum_pressure"][0], contacts)
+    assert_allclose(case["race_wear_rate"] / plain["race_wear_rate"], factor, rtol=0.02)
+    changes |= {"thermal": network, "wear.end_of_life": {"film_worn_share": 0.5}}
+    v = life(scene("mos2_gyro", changes)).values
+    assert_allclose(v["history_race_wear_rate"][0], case["race_wear_rate"], rtol=1e-6)
+    worn = life(scene("mos2_gyro", changes | {"model.contact": "worn"})).values
+    # Hertz's pressure there, that of fitted factors here
+    assert_allclose(worn["history_race_wear_rate"][0], case["race_wear_rate"], rtol=0.02)
+
+
+def by_power(exponent):
+    """A table by which K_s of a film goes as the pressure to a power, 1 at 1 GPa on the mean."""
+    lives = ((p, (p / 1500.0) ** -(exponent + 2.0)) for p in (150.0, 1500.0, 15000.0))
+    return [dict(zip(NAMES, (p, 20.0, length), strict=True)) for p, length in lives]
+
+
+def test_wear_of_a_film_by_pressure(scene):
+    """So many times the wear at so many times the pressure, in each contact."""
+    film = {"friction.ball_race": None, "uncertainty": None} | HERTZ | {
+        f"friction.film.{name}": value
+        for name, value in {
+            "shear_strength_MPa": 24.8, "thickness_um": 0.5, "wear_coefficient": 5e-6,
+        }.items()
+    }  # fmt: skip
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
+    for load in (7.0, 28.0):
+        changes = film | end | {"operation.preload_N": load}
+        plain, tested = (scene("gyro_s1", changes | more) for more in ({}, {SET: by_power(3.6)}))
+        without, with_it = solve(plain).values, solve(tested).values
+        Q, a, b = (without[n] for n in ("contact_load", "semi_major_axis", "semi_minor_axis"))
+        expected = (1e-9 * Q / (np.pi * a * b)) ** 3.6
+        assert_allclose(
+            with_it["race_wear_rate"] / without["race_wear_rate"], expected.ravel(), rtol=0.05
+        )
+        # counting balls and races: the balls alone lose as much only on bare races
+        ratio = life(plain).values["life"] / life(tested).values["life"]
+        assert 0.95 * expected.min() < ratio < 1.05 * expected.max()
+
+
+def test_wear_by_a_table_in_a_dynamic_case(scene):
+    """Pure thrust: as the steady state has it, in the means and in the history."""
+    given = scene("mos2_gyro", HERTZ | TABLE)
+    steady, dynamic = (solve(given, fidelity) for fidelity in ("steady", "dynamic"))
+    for name in ("race_wear_rate", "ball_wear_rate"):
+        assert_allclose(dynamic.values[name].mean(), steady.values[name].mean(), rtol=1e-3)
+        history = dynamic.values[f"history_{name}"].mean(axis=0)
+        # pressures of the means by their axes, of the history by their loads
+        assert_allclose(history, dynamic.values[name], rtol=0.02)
+    assert (
+        "wear of films: by their lives in tests (850 to 2000 MPa, 23 to 120 degC)"
+        in (dynamic.attrs["modelled"])
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"operation.preload_N": 15.0}, ""),
+        ({"operation.preload_N": 1.0}, "peak pressure of"),
+        ({"operation.preload_N": 15.0} | warm(180.0), "temperature of 180 degC"),
+        ({"operation.preload_N": 15.0} | warm(20.0), ""),
+        ({"operation.preload_N": 90.0}, "shorter life"),
+    ],
+)
+def test_warned_beyond_the_tests(scene, changes, words):
+    found = warnings_in(solve(scene("mos2_gyro", TABLE | HERTZ | changes)).attrs)
+    told = [one for one in found if one["id"] == "film_beyond_tests"]
+    assert bool(told) == bool(words)
+    assert all(words in f"{one['sentence']} {one['advice']}" for one in told)
+
+
+def test_coefficients_are_those_of_the_row_whose_life_is_one():
+    """The ends of the interval, converted by the table: 1.1 to 1.6 GPa, and a life of a bearing."""
+    table = WearTable.of([FilmLife(**row) for row in ROWS])
+    in_vacuum, two_discs = MOS2_WEAR
+    converted = 4e-15 / table.factor(1e9 * np.sqrt(1.1 * 1.6), 23.0)
+    assert two_discs == pytest.approx(converted, rel=0.02)
+    assert in_vacuum == pytest.approx(benchmark("film_tests").bound(), rel=0.02)
+
+
+def test_sheets_say_what_the_tests_of_films_found():
+    tests = benchmark("film_tests")
+    lasted = tests.SEEN / tests.revolutions(tests.nasa_bearing())
+    measured, computed = tests.wear_over_warmth()
+    assert f"at least {lasted:.0f} times as long" in TABLE_TESTS
+    assert f"too large by a factor of {computed / measured:.2g} " in TABLE_TESTS
+
+
+def test_films_scatter_as_those_of_gears():
+    """Pinion revolutions of four pairs: NASA Glenn, 44th Aerospace Mechanisms Symposium p. 127."""
+    revolutions = np.array([53_333.0, 61_667.0, 190_333.0, 83_000.0])
+    assert np.exp(np.std(np.log(revolutions), ddof=1)) == pytest.approx(FILM_SCATTER, rel=0.02)
