@@ -1,5 +1,6 @@
 # Reads and checks the configuration; the lists that rules expand.
 
+import logging
 import sys
 
 from snakemake.exceptions import WorkflowError
@@ -13,6 +14,9 @@ from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.configuration import loss_name, mu_name, scene_values, settings
 
 set_environment()  # for all jobs
+logging.raiseExceptions = (
+    False  # on a full disk the failed jobs are told, not each lost log line
+)
 configuration.refuse_other_copy()
 
 
@@ -38,10 +42,8 @@ KERNELS = kernels_hash()
 GRIDS = configuration.grids(config)
 DYNAMIC = configuration.grids(config, "dynamic")
 SCENES = [*dict.fromkeys([*GRIDS, *DYNAMIC, *DESIGN["scenes"]])]
-# Losses of all grids, as in file names. A solve takes milliseconds, so each line of a grid is solved at all of them.
-LOSSES = sorted(
-    {loss for grid in GRIDS.values() for loss in grid.loss_names}, key=float
-)
+# Losses of all grids, as in file names: each line is solved at all of them, which takes milliseconds.
+LOSSES = sorted({k for grid in GRIDS.values() for k in grid.loss_names}, key=float)
 
 
 wildcard_constraints:
