@@ -28,7 +28,7 @@ PRINTED = Path(__file__).parent / "catalogue"
 TABLE = Path(__file__).resolve().parents[1] / "bearingwear" / "scene" / "new" / "catalogue.csv"
 
 GROOVE, E_STAR, STATIC_PRESSURE = 0.52, 207e9 / (2.0 * (1.0 - 0.3**2)), 4.2e9  # as ISO 76 has it
-RATED = 1.3 * 38.2 * 26.0**0.41  # b_m of ISO 281, and f_c of its table within 0.2 %
+RATED = 1.3 * 38.2  # b_m of ISO 281, and f_c of its table within 0.2 %
 LARGE, LARGE_FACTOR = 25.4, 3.647  # mm; C goes with D^1.4 above, ISO 281
 
 SCATTER, F0_SCATTER = 0.004, 0.03  # of ratings and f0 beside the rounding of what is printed
@@ -89,15 +89,31 @@ def static_factors() -> np.ndarray:
     return np.array([static_factor(gamma) for gamma in GAMMA])
 
 
+def dynamic_rating(
+    Z: np.ndarray,
+    D: np.ndarray,
+    dm: float,
+    angle: float,
+    inner: float = GROOVE,
+    outer: float = GROOVE,
+) -> np.ndarray:
+    """C [N] of balls (n,) by ISO 281 with groove factors; lengths in mm, the angle in degrees."""
+    cosine = math.cos(math.radians(angle))
+    gamma = D * cosine / dm
+    open_inner, open_outer = (2.0 * f / (2.0 * f - 1.0) for f in (inner, outer))
+    of_rings = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72 * (open_inner / open_outer) ** 0.41
+    f_c = gamma**0.3 * (1.0 - gamma) ** 1.39 / np.cbrt(1.0 + gamma)
+    f_c *= open_inner**0.41 * (1.0 + of_rings ** (10.0 / 3.0)) ** -0.3
+    size = np.where(D <= LARGE, D**1.8, LARGE_FACTOR * D**1.4)
+    return RATED * f_c * cosine**0.7 * np.cbrt(Z) ** 2 * size
+
+
 def ratings(Z: np.ndarray, D: np.ndarray, dm: float, angle: float) -> tuple[np.ndarray, ...]:
     """C0, C [N] and f0 of balls (n,) on a pitch circle; lengths in mm, the angle in degrees."""
     cosine = math.cos(math.radians(angle))
     gamma = D * cosine / dm
     f0 = np.interp(gamma, GAMMA, static_factors())
-    of_rings = (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72) ** (10.0 / 3.0)
-    f_c = gamma**0.3 * (1.0 - gamma) ** 1.39 / np.cbrt(1.0 + gamma) * (1.0 + of_rings) ** -0.3
-    size = np.where(D <= LARGE, D**1.8, LARGE_FACTOR * D**1.4)
-    return f0 * Z * D**2 * cosine, RATED * f_c * cosine**0.7 * np.cbrt(Z) ** 2 * size, f0
+    return f0 * Z * D**2 * cosine, dynamic_rating(Z, D, dm, angle), f0
 
 
 @functools.cache
@@ -247,6 +263,30 @@ def snfa_found_again() -> list[Known]:
     return known
 
 
+class Rated(NamedTuple):
+    """A bearing of GMN: its inner groove by C0, and C by ISO 281 with that over the printed one."""
+
+    designation: str
+    groove: float
+    dynamic: float
+
+
+def gmn_rated() -> list[Rated]:
+    """Every bearing of GMN whose print is clear."""
+    found = []
+    for row in rows_of("gmn"):
+        if row["certain"] != "yes":
+            continue
+        C0, C, D, dm, angle = (
+            float(row[name]) for name in ("C0_N", "C_N", "ball_mm", "pitch_mm", "angle_deg")
+        )
+        Z = int(row["balls"])
+        groove = inner_groove(C0, Z, D, dm, angle)
+        own = dynamic_rating(np.array(Z), np.array(D), dm, angle, groove, GMN_OUTER_GROOVE)
+        found.append(Rated(row["designation"], groove, float(own) / C))
+    return found
+
+
 def table() -> list[list[str]]:
     """Rows of the package's table, its heads first."""
     heads = "maker designation angle_deg bore_mm outside_mm width_mm balls ball_mm source"
@@ -307,6 +347,12 @@ def main() -> None:
     right = sum(one.right for one in known)
     print(f"SNFA: {right} of {len(known)} sizes found again")
     print(f"  of {len(sure)} that would be called certain {sum(one.right for one in sure)}")
+    for series in ("S", "SM", "KH"):
+        rated = [one for one in gmn_rated() if one.designation.split()[0] == series]
+        off = 100.0 * np.array([one.dynamic - 1.0 for one in rated])
+        middle = np.median([one.groove for one in rated])
+        print(f"GMN {series}: inner groove {middle:.4f}, C by ISO 281 {off.mean():+.1f} % "
+              f"(scatter {off.std():.1f} %)")  # fmt: skip
 
 
 if __name__ == "__main__":
