@@ -159,6 +159,9 @@ def gmn_sentences(groups: Sequence[Group]) -> str:
         if entry.maker == "GMN" and entry.grooves:
             inner[entry.designation.split()[0]].append(entry.grooves[0])
     each = ", ".join(f"{np.median(all_of):.4f} ({series})" for series, all_of in inner.items())
+    thin = 100.0 * np.sqrt(
+        np.mean([row.difference**2 for row in groups[0].rows if row.what.startswith("S 618")])
+    )
     closed = " and ".join(
         f"{100.0 * Group('', 'GMN', gmn_rows(CLOSED_GROOVE)[series], 0.03).rms:.0f} %"
         for series in ("SM", "KH")
@@ -170,7 +173,8 @@ def gmn_sentences(groups: Sequence[Group]) -> str:
     return textwrap.fill(
         f"The median inner groove factors from the load ratings are {each}. With one outer groove "
         f"factor of {GMN_OUTER_GROOVE:g} for all bearings, the rigidities differ by {rms} rms. "
-        f"The outer factor is the only number that was inferred from the rigidities. With a factor "
+        f"The thin bearings S 618 differ most, by {thin:.1f} %. The outer factor is the only "
+        "number that was inferred from the rigidities. With a factor "
         f"of {CLOSED_GROOVE:g} in all inner races, series SM and KH differ by {closed} rms.",
         100,
         break_on_hyphens=False,

@@ -20,13 +20,14 @@ from identify import rows_of
 import bearingwear
 from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure, save
 from bearingwear.scene.new.catalogue import CatalogueBearing, bearings, entry_of
-from bearingwear.scene.new.minimum_preload import SKF_FACTORS
+from bearingwear.scene.new.minimum_preload import skf_factors
 from bearingwear.scene.scene import Scene
 
 FRICTIONS = (0.05, 0.08)  # of a starved and of a dry contact
 BETWEEN = (0.02, 0.05)  # friction that holds balls at the makers' least preload
-SKF_WITHIN = 0.05  # of their mean
 SKF_SPEED = 0.3e6  # mm r/min, a third of what a spindle runs at; its rule has no speed of its own
+SKF_ANGLES = {"AC": 25.0, "B": 40.0}
+SKF_COLORS = {"AC": "0.6", "B": "0.8"}
 GROUPS = (("S", 15.0), ("S", 25.0), ("SM", 15.0), ("SM", 17.0), ("SM", 19.0), ("KH", 17.0),
           ("KH", 25.0))  # fmt: skip
 DRAWN = {
@@ -74,7 +75,7 @@ def skf_scene(designation: str, speed_factor: float, friction: float) -> Scene:
     """A bearing of SKF, balls and grooves assumed by `new`; the speed factor is in mm r/min."""
     b = bearingwear.new(designation=designation, preload=1.0).bearing
     speed = speed_factor / b.pitch_diameter_mm
-    load = 1e3 * SKF_FACTORS[designation] * (1e-3 * speed) ** 2
+    load = 1e3 * skf_factors()[designation] * (1e-3 * speed) ** 2
     return bearingwear.new(
         designation=designation,
         preload=load,
@@ -128,11 +129,24 @@ def gmn_frictions(groups: Groups, rigid: bool = False) -> dict[tuple[str, float]
     }
 
 
-def skf_states() -> dict[str, list[Held]]:
-    """Each bearing at its least load, at each of `FRICTIONS`."""
+Loads = dict[str, dict[str, list[Held]]]
+
+
+def skf_groups() -> Loads:
+    """Each bearing at its least load, at each of `FRICTIONS`, by the suffix of its angle."""
     return {
-        name: [held(skf_scene(name, SKF_SPEED, mu)) for mu in FRICTIONS] for name in SKF_FACTORS
+        suffix: {
+            name: [held(skf_scene(name, SKF_SPEED, mu)) for mu in FRICTIONS]
+            for name in skf_factors()
+            if name.endswith(suffix)
+        }
+        for suffix in SKF_ANGLES
     }
+
+
+def skf_frictions(group: dict[str, list[Held]]) -> np.ndarray:
+    """Friction that holds the balls of each bearing of a group, at a friction of 0.08."""
+    return np.array([states[-1].friction for states in group.values()])
 
 
 def mean(values: np.ndarray) -> float:
@@ -140,8 +154,8 @@ def mean(values: np.ndarray) -> float:
     return float(np.exp(np.mean(np.log(values))))
 
 
-def lines(groups: Groups, skf: dict[str, list[Held]]) -> str:
-    """A line for each group of GMN, and for SKF's bearings together."""
+def lines(groups: Groups, skf: Loads) -> str:
+    """A line for each group of either maker."""
     heads = ("group", "bearings", "F/C", "scatter", "n dm", "friction", "range", "rigid",
              *(f"share {mu:g}" for mu in FRICTIONS))  # fmt: skip
     ratios, rows = preloads_over_rating(), []
@@ -157,27 +171,31 @@ def lines(groups: Groups, skf: dict[str, list[Held]]) -> str:
              f"{friction.min():.3f} to {friction.max():.3f}", f"{mean(rigid):.4f}",
              *(f"{np.mean([m.states[k].share for m in members]):.2f}" for k in (0, 1)))
         )  # fmt: skip
-    friction = np.array([states[-1].friction for states in skf.values()])
-    rows.append(
-        ("SKF 72, 73, 25°", str(len(skf)), "-", "-", f"{1e-6 * SKF_SPEED:.2f}",
-         f"{mean(friction):.4f}", f"{friction.min():.3f} to {friction.max():.3f}", "-",
-         *(f"{np.mean([states[k].share for states in skf.values()]):.2f}" for k in (0, 1)))
-    )  # fmt: skip
+    for suffix, members in skf.items():
+        friction = skf_frictions(members)
+        rows.append(
+            (f"SKF {suffix}, {SKF_ANGLES[suffix]:g}°", str(len(members)), "-", "-",
+             f"{1e-6 * SKF_SPEED:.2f}", f"{mean(friction):.4f}",
+             f"{friction.min():.3f} to {friction.max():.3f}", "-",
+             *(f"{np.mean([states[k].share for states in members.values()]):.2f}" for k in (0, 1)))
+        )  # fmt: skip
     return table(heads, rows, 1)
 
 
-def sentences(groups: Groups, skf: dict[str, list[Held]]) -> str:
+def sentences(groups: Groups, skf: Loads) -> str:
     """What the two makers have in common."""
     means = [mean(values) for values in gmn_frictions(groups).values()]
     rigid = [mean(values) for values in gmn_frictions(groups, rigid=True).values()]
-    friction = np.array([states[-1].friction for states in skf.values()])
-    off = np.abs(friction / friction.mean() - 1.0).max()
+    of_skf = " and ".join(
+        f"{mean(friction):.4f} for {len(friction)} bearings of {SKF_ANGLES[suffix]:g} degrees "
+        f"(scatter {100.0 * np.std(np.log(friction)):.1f} %)"
+        for suffix, friction in ((suffix, skf_frictions(group)) for suffix, group in skf.items())
+    )
     return textwrap.fill(
         f"At GMN's least preload and largest speed, the mean friction that holds the balls lies "
         f"between {min(means):.4f} and {max(means):.4f} in the seven groups; with rigid rings, "
-        f"between {min(rigid):.4f} and {max(rigid):.4f}. At SKF's least load it "
-        f"is {mean(friction):.4f}, and each of the ten bearings is within {100.0 * off:.1f} % "
-        "of the mean, although their balls and grooves are assumed.",
+        f"between {min(rigid):.4f} and {max(rigid):.4f}. At SKF's least load it is {of_skf}, "
+        "although their balls and grooves are assumed.",
         100,
         break_on_hyphens=False,
     )
@@ -195,29 +213,32 @@ def drawn() -> Figure:
         friction.plot(x, [one.friction for one in states[1]], color=color)
         for mu_states, style in zip(states, ("--", "-"), strict=True):
             share.plot(x, [one.share for one in mu_states], color=color, linestyle=style)
-    factors = np.linspace(0.05e6, 0.8e6, 8)
-    for name in SKF_FACTORS:
-        for k, style in enumerate(("--", "-")):
-            states_of = [held(skf_scene(name, one, FRICTIONS[k])) for one in factors]
-            share.plot(1e-6 * factors, [one.share for one in states_of], color="0.5", linewidth=0.8,
-                       linestyle=style)  # fmt: skip
-        friction.plot(1e-6 * factors, [one.friction for one in states_of], color="0.5",
-                      linewidth=0.8)  # fmt: skip
+    factors = np.linspace(0.05e6, 0.8e6, 6)
+    for suffix, color in SKF_COLORS.items():
+        names = [name for name in skf_factors() if name.endswith(suffix)]
+        for mu in FRICTIONS:
+            states = [[held(skf_scene(name, one, mu)) for one in factors] for name in names]
+            shares = np.array([[one.share for one in own] for own in states])
+            share.fill_between(1e-6 * factors, shares.min(0), shares.max(0), color=color, zorder=1)
+        own = np.array([[one.friction for one in own] for own in states])
+        friction.fill_between(1e-6 * factors, own.min(0), own.max(0), color=color, zorder=1)
     for axes in (friction, share):
         axes.set_xlabel("speed × pitch diameter (10⁶ mm/min)")
         from_zero(axes)
-    friction.axhspan(*BETWEEN, color="0.92")
     friction.set_title("friction that holds the balls", loc="left")
     share.set_title("gyroscopic share of the slip", loc="left")
     handles = [
         *(key(f"GMN {name}", color=color) for name, color in DRAWN.items()),
-        key("SKF, ten bearings of 25°", color="0.5"),
+        *(
+            key(f"SKF, {SKF_ANGLES[suffix]:g}°", color=color, linewidth=6.0)
+            for suffix, color in SKF_COLORS.items()
+        ),
         key("friction 0.08", color="0.2"),
         key("friction 0.05", color="0.2", linestyle="--"),
     ]
     frame(
         figure,
-        "At two makers' least preloads, a friction of 0.02 to 0.04 holds the balls",
+        "At two makers' least preloads, a friction of 0.02 to 0.05 holds the balls",
         handles,
         4,
     )
@@ -225,7 +246,7 @@ def drawn() -> Figure:
 
 
 def main() -> None:
-    groups, skf = gmn_groups(), skf_states()
+    groups, skf = gmn_groups(), skf_groups()
     page = PAGE.read_text(encoding="utf-8")
     page = with_block(page, "minimum", f"{sentences(groups, skf)}\n\n{lines(groups, skf)}")
     PAGE.write_text(page, encoding="utf-8")

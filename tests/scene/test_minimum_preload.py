@@ -4,7 +4,11 @@ import pytest
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.scene.new.minimum_preload import minimum_preload, minimum_preload_line
+from bearingwear.scene.new.minimum_preload import (
+    minimum_preload,
+    minimum_preload_line,
+    skf_factors,
+)
 
 GMN = {"designation": "S 6007 E", "maker": "GMN", "preload": 140.0}
 
@@ -20,6 +24,17 @@ def test_gmn_prints_it_at_the_largest_speed():
     assert least(bearingwear.new(**GMN, speed=15000.0)).load == pytest.approx(715.0 / 4.0)
     turned = bearingwear.new(**GMN, speed=15000.0).with_({"operation.outer_speed_rpm": -15000.0})
     assert least(turned).load == pytest.approx(715.0)
+
+
+def test_factors_of_skf_grow_with_the_size():
+    """A wrong place of the tables would stand out: bearings of one series, by their size."""
+    factors = skf_factors()
+    for series in ("72", "73"):
+        for suffix in ("AC", "B"):
+            own = [f for name, f in sorted(factors.items())
+                   if name.startswith(series) and name.endswith(suffix)]  # fmt: skip
+            assert own == sorted(own) and len(own) >= 8
+            assert all(1.0 < b / a < 3.5 for a, b in zip(own, own[1:], strict=False))
 
 
 def test_skf_prints_a_factor():

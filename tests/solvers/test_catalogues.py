@@ -81,6 +81,14 @@ def test_starting_torque_is_of_one_pair(catalogues):
 def test_the_page_has_these_totals(catalogues, groups):
     page = catalogues.PAGE.read_text(encoding="utf-8")
     assert catalogues.totals(groups) in page
+    at_rest = [group for group in groups if group.source in ("NSK", "GMN")]
+    relative = [group.rms for group in at_rest if not group.rows[0].absolute]
+    ends = f"{100.0 * min(relative):.1f} to {100.0 * max(relative):.1f} % rms"
+    values = sum(len(group.rows) for group in at_rest)
+    assert f"| {values} values of NSK and GMN, {ends} |" in page
+    (torque,) = [group for group in groups if group.fails]
+    starting = max(group.differences.max() for group in groups if group.source == "NASA")
+    assert f"{100.0 * starting:+.0f} %; one maker, {100.0 * torque.rms:.0f} % rms |" in page
     assert catalogues.row_table(catalogues.makers.misprint_rows()) in page
 
 

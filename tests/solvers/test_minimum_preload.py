@@ -23,13 +23,16 @@ def gmn(minimum):
 
 @pytest.fixture(scope="module")
 def skf(minimum):
-    return minimum.skf_states()
+    return minimum.skf_groups()
 
 
 def test_the_page_has_these_numbers(minimum, gmn, skf):
     page = minimum.PAGE.read_text(encoding="utf-8")
     assert minimum.sentences(gmn, skf) in page and minimum.lines(gmn, skf) in page
-    assert sum(map(len, gmn.values())) == 267 and len(skf) == 10
+    means = [minimum.mean(friction) for friction in minimum.gmn_frictions(gmn).values()]
+    means += [minimum.mean(minimum.skf_frictions(group)) for group in skf.values()]
+    assert f": friction {min(means):.3f} to {max(means):.3f} |" in page
+    assert sum(map(len, gmn.values())) == 267 and sum(map(len, skf.values())) == 57
 
 
 def test_least_preload_of_gmn_needs_one_friction(minimum, gmn):
@@ -51,9 +54,15 @@ def test_least_preload_of_gmn_is_a_share_of_the_rating(minimum):
 
 
 def test_least_loads_of_skf_need_one_friction(minimum, skf):
-    friction = np.array([states[-1].friction for states in skf.values()])
-    assert minimum.BETWEEN[0] < friction.min() and friction.max() < minimum.BETWEEN[1]
-    assert np.abs(friction / friction.mean() - 1.0).max() <= minimum.SKF_WITHIN
+    """By angle, though their balls and grooves are assumed from the size alone."""
+    for suffix, scatter in (("AC", 0.05), ("B", 0.10)):
+        friction = minimum.skf_frictions(skf[suffix])
+        assert minimum.BETWEEN[0] < minimum.mean(friction) < minimum.BETWEEN[1]
+        assert np.std(np.log(friction)) < scatter
+        assert friction.min() > 0.03 and friction.max() < 0.053
+    sizes = ("7208", "7209", "7210", "7212", "7213", "7307", "7308", "7309", "7311", "7312")
+    some = np.array([skf["AC"][f"{size}AC"][-1].friction for size in sizes])
+    assert np.abs(some / some.mean() - 1.0).max() < 0.05
 
 
 def test_units_of_a_load_of_skf(minimum):

@@ -9,28 +9,27 @@ Importing this file imports nothing heavy.
 
 from __future__ import annotations
 
+import csv
+import functools
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 
-SKF_FACTORS: Mapping[str, float] = {
-    "7208AC": 0.00419,
-    "7209AC": 0.00496,
-    "7210AC": 0.00584,
-    "7212AC": 0.0143,
-    "7213AC": 0.0199,
-    "7307AC": 0.00453,
-    "7308AC": 0.00707,
-    "7309AC": 0.0109,
-    "7311AC": 0.0234,
-    "7312AC": 0.0345,
-}
-"""Minimum axial load factor A [kN] of SKF's bearings of 25 degrees, by designation.
+SKF_SOURCE = "SKF, rolling bearings, pp. 399-417"
 
-The rule is on p. 399 of the catalogue (tpsbearing.com/catalog/Rollingbearings), A in its tables."""
 
-SKF_SOURCE = "SKF, rolling bearings, single row angular contact ball bearings, pp. 399-406"
+@functools.cache
+def skf_factors() -> Mapping[str, float]:
+    """Minimum axial load factor A [kN] of SKF's bearings of 25 (AC) and 40 degrees (B).
+
+    By designation. Those whose place in the tables is unclear in the text of the catalogue are
+    left out, as is the 7205AC, whose printed factor breaks the row of its neighbours. The 40
+    degree bearings are those of design E with cages of steel or plastic.
+    """
+    with Path(__file__).with_name("skf_minimum_load.csv").open(encoding="utf-8") as file:
+        return {row["designation"]: float(row["factor_kN"]) for row in csv.DictReader(file)}
 
 
 class MinimumPreload(NamedTuple):
@@ -61,7 +60,7 @@ def minimum_preload(
             "square of the speed",
             source=MAKERS[entry.maker].source,
         )
-    factor = SKF_FACTORS.get(str(bearing.get("designation")))
+    factor = skf_factors().get(str(bearing.get("designation")))
     if factor is None or bearing.get("maker"):
         return None
     return MinimumPreload(
