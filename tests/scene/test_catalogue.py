@@ -201,3 +201,14 @@ def test_bad_input_takes_one_line(argv, said, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["new", *argv]) == 2
     assert said in only_line(capsys) and not list(tmp_path.iterdir())
+
+
+def test_list_of_gmn_has_the_least_spring_preload(capsys):
+    """Catalogue p. 24: KH 6000 E, classes 16, 50 and 100 N, 110 000 r/min, spring 95 N."""
+    assert main(["new", "--list", "GMN", "KH 6000"]) == 0
+    title, heads, *rows = capsys.readouterr().out.splitlines()
+    assert "GMN, catalogue 4000 0813 EN" in title and heads.split()[-1] == "spring"
+    assert [row.split()[:3] for row in rows] == [["KH", "6000", "C"], ["KH", "6000", "E"]]
+    assert rows[1].split()[-6:] == ["16", "50", "100", "82000", "110000", "95"]
+    assert main(["new", "--list", "NSK", "7010"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split()[-1] == "oil"

@@ -118,7 +118,8 @@ def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
     ("text", "angle", "deep_groove"),
     [
         ("S6005C", 15, False), ("KH6014C", 17, False), ("KH6014E", 25, False),
-        ("SM600518", 18, False), ("S6026E", 25, False), ("6005", None, True),
+        ("SM600518", 18, False), ("S6026E", 25, False), ("S6026C", 15, False),
+        ("KH6020C", 17, False), ("SM6026C", 17, False), ("6005", None, True),
     ],
 )  # fmt: skip
 def test_spindle_bearings_with_numbers_of_deep_groove_ones(text, angle, deep_groove):

@@ -118,6 +118,8 @@ _GMN_SIZES = {"60": "70", "62": "72", "619": "719"}
 """Series of the same size with numbers of its own, by that of GMN's numbers."""
 
 _GMN_ANGLES = {"C": 15.0, "18": 18.0, "E": 25.0}
+_GMN_OPEN_ANGLES = {"SM60": 17.0, "SM619": 19.0, "KH60": 17.0, "KH619": 17.0}
+"""Contact angle [degree] of suffix C in series whose grooves are open, of the largest sizes."""
 
 
 def designation_of(text: str) -> Designation:
@@ -168,8 +170,11 @@ def _gmn_spindle(plain: str) -> Designation | None:
     size = _size(_GMN_SIZES.get(parts.number[:-2], ""), parts.number[-2:])
     if size is None:
         return None
-    rule = "" if parts.angle == "C" else f"GMN's suffix {parts.angle}"
-    return Designation(*size, parts.name, False, _GMN_ANGLES[parts.angle], rule, letters=letters)
+    angle, rule = _GMN_ANGLES[parts.angle], f"GMN's suffix {parts.angle}"
+    if parts.angle == "C":
+        angle = _GMN_OPEN_ANGLES.get(parts.series + parts.number[:-2], angle)
+        rule = f"{rule} in series {parts.series}"
+    return Designation(*size, parts.name, False, angle, rule, letters=letters)
 
 
 def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
