@@ -203,7 +203,7 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
         help="preload class, as an alternative to --preload (default: light); with --maker, a "
-        "class of that maker (EL, L, M, H for NSK; L, M, F for SNFA; default: L)")
+        "class of that maker (EL, L, M, H for NSK; L, M, F for SNFA; L, M, S for GMN; default: L)")
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument("--clearance", choices=CLEARANCES,
         help="radial clearance group of a deep groove bearing, from which its free contact angle "

@@ -82,7 +82,7 @@ def _list(words: list[str]) -> int:
 
     maker = words[0].upper()
     if maker not in MAKERS:
-        problem = f"got {shown(words[0])}, expected {' or '.join(MAKERS)}"
+        problem = f"got {shown(words[0])}, expected {', '.join(MAKERS)}"
         raise SceneError("", problem, source="--list")
     _print("\n".join(listed(maker, " ".join(words[1:]))))
     return OK
@@ -106,6 +106,7 @@ def check(args: argparse.Namespace) -> int:
     from bearingwear.document.bearing_line import settled_by_a_case
     from bearingwear.results.warnings import warning_line
     from bearingwear.scene.cases import NOMINAL
+    from bearingwear.scene.new.minimum_preload import minimum_preload_line
     from bearingwear.solvers.effects.choice import accuracy_sentence, choice, effort
     from bearingwear.solvers.effects.warnings import warnings_of
 
@@ -120,6 +121,8 @@ def check(args: argparse.Namespace) -> int:
         names = ", ".join(scene.in_cases)
         print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
     data = scene.to_dict()
+    if line := minimum_preload_line(data["bearing"], data["operation"]):
+        print(f"  {line}")
     for warning in warnings_of(scene, chosen):
         if not settled_by_a_case(warning, data):
             print(f"  {warning_line(warning)}")

@@ -1,4 +1,4 @@
-"""Identify the balls of catalogue bearings from their printed ratings.
+"""Identify the balls and the grooves of catalogue bearings from their printed ratings.
 
 `python benchmarks/identify.py` writes bearingwear/scene/new/catalogue.csv, the table behind
 `bearingwear new --maker`, from the printed numbers in benchmarks/catalogue/.
@@ -7,6 +7,9 @@ A catalogue prints the static rating C0 = f0 Z D^2 cos(a), often f0, and the dyn
 follow from number Z and diameter D of the balls (ISO 76, ISO 281), D is of a standard size and Z
 whole. So they can be found again, with no other assumption than a pitch circle half way between
 bore and outside diameter.
+
+Where the balls are printed, as GMN does, C0 gives the inner groove: a fifth of the load at which
+its contact has 4.2 GPa (ISO 76).
 """
 
 import csv
@@ -19,18 +22,23 @@ from typing import NamedTuple
 
 import numpy as np
 import plain_scipy as ps
+from scipy.optimize import brentq
 
 PRINTED = Path(__file__).parent / "catalogue"
 TABLE = Path(__file__).resolve().parents[1] / "bearingwear" / "scene" / "new" / "catalogue.csv"
 
 GROOVE, E_STAR, STATIC_PRESSURE = 0.52, 207e9 / (2.0 * (1.0 - 0.3**2)), 4.2e9  # as ISO 76 has it
-RATED = 1.3 * 38.2 * 26.0**0.41  # b_m of ISO 281, and f_c of its table within 0.2 %
+RATED = 1.3 * 38.2  # b_m of ISO 281, and f_c of its table within 0.2 %
 LARGE, LARGE_FACTOR = 25.4, 3.647  # mm; C goes with D^1.4 above, ISO 281
 
 SCATTER, F0_SCATTER = 0.004, 0.03  # of ratings and f0 beside the rounding of what is printed
 CERTAIN, REJECTED = 1.3, 3.0  # largest chi2 of the best balls, least chi2 of any other
 NEIGHBOURS = 6  # sizes of a series by which a maker's own rule of rating is known
 OWN_SCATTER = 0.006  # of that rule
+
+
+NSK_GROOVE = 0.5225  # of both races of every bearing; meets the rigidities of makers.py
+GMN_OUTER_GROOVE = 0.522  # of every bearing; meets all of GMN's rigidities in the mean
 
 
 class Rating(NamedTuple):
@@ -56,14 +64,21 @@ class Balls(NamedTuple):
         return bool(self.chi2[0] <= CERTAIN and self.chi2[1] >= REJECTED)
 
 
-def static_factor(gamma: float) -> float:
+def static_factor(gamma: float, groove: float = GROOVE) -> float:
     """f0 of ISO 76 by its inner ring: a fifth of the load that makes 4.2 GPa, over D^2 [N/mm2].
 
-    gamma is D cos(a) over the pitch diameter.
+    gamma is D cos(a) over the pitch diameter, groove the groove radius over the ball diameter D.
     """
-    across, along = 2.0 - 1.0 / GROOVE, 2.0 + 2.0 * gamma / (1.0 - gamma)  # over D
+    across, along = 2.0 - 1.0 / groove, 2.0 + 2.0 * gamma / (1.0 - gamma)  # over D
     c_a, c_b, *_ = ps.hertz(across * 1e3, along * 1e3, E_STAR)  # of a ball of 1 mm
     return float((STATIC_PRESSURE * math.pi * c_a * c_b / 1.5) ** 3 / 5.0)
+
+
+def inner_groove(C0: float, Z: int, D: float, dm: float, angle: float) -> float:
+    """Groove factor of the inner race by the static rating [N]; lengths in mm, angle in degrees."""
+    cosine = math.cos(math.radians(angle))
+    gamma, f0 = D * cosine / dm, C0 / (Z * D**2 * cosine)
+    return float(brentq(lambda f: static_factor(gamma, f) - f0, 0.501, 0.7, xtol=1e-9))
 
 
 GAMMA = np.linspace(0.005, 0.45, 300)
@@ -74,15 +89,31 @@ def static_factors() -> np.ndarray:
     return np.array([static_factor(gamma) for gamma in GAMMA])
 
 
+def dynamic_rating(
+    Z: np.ndarray,
+    D: np.ndarray,
+    dm: float,
+    angle: float,
+    inner: float = GROOVE,
+    outer: float = GROOVE,
+) -> np.ndarray:
+    """C [N] of balls (n,) by ISO 281 with groove factors; lengths in mm, the angle in degrees."""
+    cosine = math.cos(math.radians(angle))
+    gamma = D * cosine / dm
+    open_inner, open_outer = (2.0 * f / (2.0 * f - 1.0) for f in (inner, outer))
+    of_rings = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72 * (open_inner / open_outer) ** 0.41
+    f_c = gamma**0.3 * (1.0 - gamma) ** 1.39 / np.cbrt(1.0 + gamma)
+    f_c *= open_inner**0.41 * (1.0 + of_rings ** (10.0 / 3.0)) ** -0.3
+    size = np.where(D <= LARGE, D**1.8, LARGE_FACTOR * D**1.4)
+    return RATED * f_c * cosine**0.7 * np.cbrt(Z) ** 2 * size
+
+
 def ratings(Z: np.ndarray, D: np.ndarray, dm: float, angle: float) -> tuple[np.ndarray, ...]:
     """C0, C [N] and f0 of balls (n,) on a pitch circle; lengths in mm, the angle in degrees."""
     cosine = math.cos(math.radians(angle))
     gamma = D * cosine / dm
     f0 = np.interp(gamma, GAMMA, static_factors())
-    of_rings = (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72) ** (10.0 / 3.0)
-    f_c = gamma**0.3 * (1.0 - gamma) ** 1.39 / np.cbrt(1.0 + gamma) * (1.0 + of_rings) ** -0.3
-    size = np.where(D <= LARGE, D**1.8, LARGE_FACTOR * D**1.4)
-    return f0 * Z * D**2 * cosine, RATED * f_c * cosine**0.7 * np.cbrt(Z) ** 2 * size, f0
+    return f0 * Z * D**2 * cosine, dynamic_rating(Z, D, dm, angle), f0
 
 
 @functools.cache
@@ -232,10 +263,36 @@ def snfa_found_again() -> list[Known]:
     return known
 
 
+class Rated(NamedTuple):
+    """A bearing of GMN: its inner groove by C0, and C by ISO 281 with that over the printed one."""
+
+    designation: str
+    groove: float
+    dynamic: float
+
+
+def gmn_rated() -> list[Rated]:
+    """Every bearing of GMN whose print is clear."""
+    found = []
+    for row in rows_of("gmn"):
+        if row["certain"] != "yes":
+            continue
+        C0, C, D, dm, angle = (
+            float(row[name]) for name in ("C0_N", "C_N", "ball_mm", "pitch_mm", "angle_deg")
+        )
+        Z = int(row["balls"])
+        groove = inner_groove(C0, Z, D, dm, angle)
+        own = dynamic_rating(np.array(Z), np.array(D), dm, angle, groove, GMN_OUTER_GROOVE)
+        found.append(Rated(row["designation"], groove, float(own) / C))
+    return found
+
+
 def table() -> list[list[str]]:
     """Rows of the package's table, its heads first."""
     heads = "maker designation angle_deg bore_mm outside_mm width_mm balls ball_mm source"
-    made = [[*heads.split(), "preload_N", "speed_grease_rpm", "speed_oil_rpm"]]
+    grooves = ["pitch_mm", "inner_groove", "outer_groove"]
+    speeds = ["speed_grease_rpm", "speed_oil_rpm", "min_spring_preload_N"]
+    made = [[*heads.split(), *grooves, "preload_N", *speeds]]
     size = "designation", "angle_deg", "bore_mm", "outside_mm", "width_mm"
     found = nsk_balls()
     for row in rows_of("nsk"):
@@ -244,8 +301,8 @@ def table() -> list[list[str]]:
         preloads = [row[f"preload_{name}_N"] for name in ("EL", "L", "M", "H")]
         made.append(
             ["NSK", *(row[name] for name in size), str(balls.Z[0]), f"{balls.D[0]:.6g}", source,
-             "/".join(preloads) if any(preloads) else "",
-             row["speed_grease_rpm"], row["speed_oil_rpm"]]
+             "", *(2 * [str(NSK_GROOVE)]), "/".join(preloads) if any(preloads) else "",
+             row["speed_grease_rpm"], row["speed_oil_rpm"], ""]
         )  # fmt: skip
     for row in rows_of("snfa"):
         preloads = [row[f"preload_{name}_N"] for name in ("L", "M", "F")]
@@ -253,7 +310,20 @@ def table() -> list[list[str]]:
         oil = float(row["speed_spring_rpm"]) * (0.9 if row["angle_deg"] == "25" else 1.0)
         made.append(
             ["SNFA", *(row[name] for name in size), row["balls_Z"], row["ball_mm"], "printed",
-             "/".join(preloads) if any(preloads) else "", f"{0.65 * oil:.3g}", f"{oil:.6g}"]
+             "", "", "", "/".join(preloads) if any(preloads) else "", f"{0.65 * oil:.3g}",
+             f"{oil:.6g}", ""]
+        )  # fmt: skip
+    for row in rows_of("gmn"):
+        C0, D, dm, angle = (
+            float(row[name]) for name in ("C0_N", "ball_mm", "pitch_mm", "angle_deg")
+        )
+        groove = inner_groove(C0, int(row["balls"]), D, dm, angle)
+        made.append(
+            ["GMN", row["designation"].removesuffix(" TA"), *(row[name] for name in size[1:]),
+             row["balls"], row["ball_mm"], "printed" if row["certain"] == "yes" else "unclear",
+             row["pitch_mm"], f"{groove:.4f}", str(GMN_OUTER_GROOVE),
+             "/".join(row[f"preload_{name}_N"] for name in ("L", "M", "S")),
+             row["speed_grease_rpm"], row["speed_oil_rpm"], row["min_spring_preload_N"]]
         )  # fmt: skip
     return made
 
@@ -277,6 +347,12 @@ def main() -> None:
     right = sum(one.right for one in known)
     print(f"SNFA: {right} of {len(known)} sizes found again")
     print(f"  of {len(sure)} that would be called certain {sum(one.right for one in sure)}")
+    for series in ("S", "SM", "KH"):
+        rated = [one for one in gmn_rated() if one.designation.split()[0] == series]
+        off = 100.0 * np.array([one.dynamic - 1.0 for one in rated])
+        middle = np.median([one.groove for one in rated])
+        print(f"GMN {series}: inner groove {middle:.4f}, C by ISO 281 {off.mean():+.1f} % "
+              f"(scatter {off.std():.1f} %)")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Set the program against the catalogues of NSK and SNFA.
+"""Set the program against the catalogues of NSK, SNFA and GMN.
 
 `python benchmarks/makers.py [ROWS.csv]` judges rows of rigidities and clearances in a few seconds,
 those of benchmarks/catalogue/nsk_rigidity.csv if none are given. Columns: designation, class,
@@ -12,14 +12,14 @@ import math
 import sys
 import textwrap
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import plain_scipy as ps
 from comparison import Group, Row, histogram, row_table, scatter, totals
-from identify import PRINTED
+from identify import GMN_OUTER_GROOVE, PRINTED
 
 import bearingwear
 from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure
@@ -32,7 +32,10 @@ UM = 1e-6
 RIGIDITY_RMS, CLEARANCE_RMS = 0.03, 0.45  # of all rows [1], [um]
 RIGIDITY_ROW = 0.07  # of one, beside half a unit of rounding
 CLEARANCE_ROW = 0.75, 0.03  # of one: [um], and relative to the clearance
-RADIAL = {"NSK": 0.10, "SNFA": 0.15}  # SNFA has one factor for all its classes
+GMN_RMS = {"S": 0.05, "SM": 0.03, "KH": 0.03}  # of a series; of one row, three times as much
+CLOSED_GROOVE = 0.52  # of most catalogues' formulas
+GMN_LEAST = 20.0  # N/um; smaller rigidities are printed with one or two digits
+RADIAL = {"NSK": 0.10, "SNFA": 0.15, "GMN": 0.15}  # NSK alone has a factor by class
 
 RADIAL_FACTORS = {
     ("NSK", 15.0, "EL"): 6.5,
@@ -43,9 +46,11 @@ RADIAL_FACTORS = {
     ("NSK", 30.0, ""): 1.4,
     ("SNFA", 15.0, ""): 6.0,
     ("SNFA", 25.0, ""): 2.0,
+    ("GMN", 15.0, ""): 6.0,
+    ("GMN", 25.0, ""): 2.0,
 }
 """Radial over axial rigidity of a pair by maker, contact angle [degree] and class (all where it is
-empty): NSK pp. 156-164, SNFA p. 34."""
+empty): NSK pp. 156-164, SNFA p. 34, GMN p. 63."""
 
 MISPRINTS = (
     {"designation": "7028A", "class": "EL", "axial_rigidity_N_um": "206"},
@@ -60,8 +65,6 @@ MISPRINTS = (
 )
 """Printed numbers outside nsk_rigidity.csv that break the row of their neighbours; 423 may be
 243."""
-
-NSK_GROOVE = 0.5225  # of both races of every bearing
 
 BALL_SCREW_ANGLE, SLOW_RPM, SLOW_V_R = 62.0, 10.0, 1e-8
 ROUNDED_TORQUE = 0.005  # N m: half of the last digit
@@ -78,9 +81,17 @@ def scene_of(designation: str, maker: str, angle: float) -> tuple[Scene, Mapping
 
 
 @functools.cache
-def resting(designation: str, preload_class: str, maker: str = "NSK", angle: float = 0.0):
-    """The rigid pair of a class, at rest."""
+def resting(
+    designation: str,
+    preload_class: str,
+    maker: str = "NSK",
+    angle: float = 0.0,
+    inner: float | None = None,
+) -> RestingPair:
+    """The rigid pair of a class, at rest; with another inner groove factor, if one is given."""
     scene, preloads = scene_of(designation, maker, angle)
+    if inner is not None:
+        scene = scene.with_({"bearing.inner_groove_factor": inner})
     operation = replace(scene.operation, preload_N=preloads[preload_class])
     return RestingPair.of(replace(scene, operation=operation))
 
@@ -111,46 +122,62 @@ def clearance_rows(printed: Iterable[Mapping[str, str]]) -> list[Row]:
     return rows
 
 
-def other_maker_rows() -> Iterator[Row]:
-    """GMN's rigidities, with printed balls and the groove factor that fits NSK's."""
+@functools.cache
+def gmn_rows(inner: float | None = None) -> dict[str, list[Row]]:
+    """GMN's rigidities by series: printed balls, grooves as `identify` has them.
+
+    inner: groove factor of all inner races in place of their own.
+    """
+    rows: dict[str, list[Row]] = {series: [] for series in GMN_RMS}
     for one in printed_rows(PRINTED / "gmn.csv"):
-        scene = bearingwear.new(
-            float(one["bore_mm"]),
-            float(one["outside_mm"]),
-            balls=int(one["balls"]),
-            ball_diameter=float(one["ball_mm"]),
-            pitch_diameter=float(one["pitch_mm"]),
-            contact_angle=float(one["angle_deg"]),
-            preload=1.0,
-        )
-        grooves = dict.fromkeys(("inner_groove_factor", "outer_groove_factor"), NSK_GROOVE)
-        scene = replace(scene, bearing=replace(scene.bearing, **grooves))
+        designation = one["designation"].removesuffix(" TA")
+        series = designation.split()[0]
         for name in "LMS":
-            if not one[f"rigidity_{name}_N_um"]:
-                continue
-            operation = replace(scene.operation, preload_N=float(one[f"preload_{name}_N"]))
-            found = UM * RestingPair.of(replace(scene, operation=operation)).rigidity[0]
             theirs = float(one[f"rigidity_{name}_N_um"])
-            what = f"{one['designation']} {name}, axial rigidity"
-            yield Row("GMN", what, "N/um", theirs, found, RIGIDITY_ROW + 0.5 / theirs)
+            if theirs < GMN_LEAST or one["certain"] != "yes":
+                continue
+            angle = float(one["angle_deg"])
+            ours = UM * resting(designation, name, "GMN", angle, inner).rigidity[0]
+            what = f"{designation} {name}, axial rigidity"
+            allowed = 3.0 * GMN_RMS[series] + 0.5 / theirs
+            rows[series].append(Row("GMN", what, "N/um", theirs, ours, allowed))
+    return rows
 
 
-def other_maker_sentences(rows: Sequence[Row]) -> str:
-    """How the rigidities of each series differ."""
-    series: dict[str, list[float]] = {}
-    for row in rows:
-        series.setdefault(row.what.partition(" ")[0], []).append(100.0 * row.difference)
-    each = ", ".join(
-        f"{name} {np.sqrt(np.mean(np.square(d))):.1f} % ({np.mean(d):+.1f} %)"
-        for name, d in series.items()
+def gmn_groups() -> list[Group]:
+    """The rigidities of each series."""
+    return [
+        Group(f"axial rigidity of a pair, series {series}", "GMN", rows, GMN_RMS[series])
+        for series, rows in gmn_rows().items()
+    ]
+
+
+def gmn_sentences(groups: Sequence[Group]) -> str:
+    """How the rigidities of each series differ, and those of the bearings with open grooves."""
+    inner = {series: [] for series in GMN_RMS}  # type: dict[str, list[float]]
+    for entry in bearings():
+        if entry.maker == "GMN" and entry.grooves:
+            inner[entry.designation.split()[0]].append(entry.grooves[0])
+    each = ", ".join(f"{np.median(all_of):.4f} ({series})" for series, all_of in inner.items())
+    thin = 100.0 * np.sqrt(
+        np.mean([row.difference**2 for row in groups[0].rows if row.what.startswith("S 618")])
     )
-    every = np.sqrt(np.mean(np.square([row.difference for row in rows])))
+    closed = " and ".join(
+        f"{100.0 * Group('', 'GMN', gmn_rows(CLOSED_GROOVE)[series], 0.03).rms:.0f} %"
+        for series in ("SM", "KH")
+    )
+    rms = ", ".join(
+        f"{100.0 * group.rms:.1f} % ({series}, {len(group.rows)} values)"
+        for series, group in zip(GMN_RMS, groups, strict=True)
+    )
     return textwrap.fill(
-        f"GMN prints the balls of its bearings, but not their grooves. With the groove factor of "
-        f"{NSK_GROOVE:g} that was inferred for NSK, {len(rows)} rigidities of pairs differ by "
-        f"{100.0 * every:.1f} % rms. By series, the rms (and the mean) differences are: {each}. "
-        "Small rigidities are printed to one or two digits.",
+        f"The median inner groove factors from the load ratings are {each}. With one outer groove "
+        f"factor of {GMN_OUTER_GROOVE:g} for all bearings, the rigidities differ by {rms} rms. "
+        f"The thin bearings S 618 differ most, by {thin:.1f} %. The outer factor is the only "
+        "number that was inferred from the rigidities. With a factor "
+        f"of {CLOSED_GROOVE:g} in all inner races, series SM and KH differ by {closed} rms.",
         100,
+        break_on_hyphens=False,
     )
 
 
@@ -303,7 +330,8 @@ def rigidity_groups(printed: Sequence[Mapping[str, str]]) -> list[Group]:
 
 def misprint_rows() -> list[Row]:
     """What the program has for printed numbers that are suspected of misprints."""
-    return [*rigidity_rows(MISPRINTS), *clearance_rows(MISPRINTS)]
+    gmn = [row for rows in gmn_rows().values() for row in rows if not row.kept]
+    return [*rigidity_rows(MISPRINTS), *clearance_rows(MISPRINTS), *gmn]
 
 
 def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: float) -> Figure:

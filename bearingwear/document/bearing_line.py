@@ -10,6 +10,7 @@ from bearingwear.measures import plain
 from bearingwear.scene.arrangement import flat_keys, set_over_pair
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
+from bearingwear.scene.new.minimum_preload import minimum_preload_line
 
 _CONTACTS = {
     "paper": "contact model from the paper",
@@ -165,7 +166,7 @@ def _pair_words(a: Mapping[str, Any], preload: float) -> list[str]:
 
 
 def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """Lines on the bearing, its operating point, and whose catalogue it is of."""
+    """Lines on the bearing, its operating point, and what its maker's catalogue says."""
     bearing, operation = scene["bearing"], scene["operation"]
     loss = scene["wear"]["ball_diameter_loss_um"]
     worn = f"{loss:g} um" if isinstance(loss, float) else "unequal"
@@ -185,7 +186,14 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
         ", ".join(parts),
-        *filter(None, (identity_line(bearing), speed_limit_line(bearing, operation))),
+        *filter(
+            None,
+            (
+                identity_line(bearing),
+                speed_limit_line(bearing, operation),
+                minimum_preload_line(bearing, operation),
+            ),
+        ),
     )
 
 

@@ -2,7 +2,10 @@
 
 import csv
 
+import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 from support import benchmark, only_line
 
 import bearingwear
@@ -67,7 +70,7 @@ def test_every_bearing_makes_a_scene():
             count[entry.maker] += 1
         if not entry.preloads:
             assert bearingwear.new(maker=entry.maker, **known).operation.preload_N > 0.0
-    assert count == {"NSK": 241, "SNFA": 340}
+    assert count == {"NSK": 241, "SNFA": 340, "GMN": 269}
 
 
 def test_classes_grow_and_stand_for_the_speed():
@@ -94,6 +97,10 @@ def test_classes_grow_and_stand_for_the_speed():
         ("SNFA", "sea 60 7CE1", "SEA 60", "7CE1"),
         ("SNFA", "EX 6", "EX 6", ""),
         ("SNFA", "E 200/100", "E 200/100", ""),
+        ("GMN", "S 6007 E", "S 6007 E", ""),
+        ("GMN", "s6007e TA P4 UL", "S 6007 E", "TAP4UL"),
+        ("GMN", "HY KH 61914 2RZ C TA", "KH 61914 C", "HY TA"),
+        ("GMN", "S 619/5 C", "S 619/5 C", ""),
     ],
 )
 def test_names(maker, text, found, ignored):
@@ -115,6 +122,64 @@ def test_designation_of_a_maker_without_its_name(text):
         designation_of(text)
 
 
+@pytest.mark.parametrize(
+    ("groove", "Z", "D", "dm", "angle"),
+    [(0.52, 15, 6.35, 36.0, 15.0), (0.56, 17, 5.556, 36.0, 25.0), (0.53, 8, 2.381, 9.0, 15.0)],
+)
+def test_inner_groove_of_a_static_rating(identify, groove, Z, D, dm, angle):
+    """The rating of Hertz's contact at 4.2 GPa gives the groove back, by elliptic integrals.
+
+    Written once more without the program: 5 C0/(Z cos a) on a ball makes 4200 MPa.
+    """
+    cosine = np.cos(np.radians(angle))
+    gamma, E_star = D * cosine / dm, 207e9 / (2.0 * 0.91)
+    across, along = (2.0 - 1.0 / groove) / (1e-3 * D), 2.0 / (1.0 - gamma) / (1e-3 * D)
+
+    def ratio(k):  # of the curvatures at an axis ratio b/a = k
+        K, E = ellipk(1.0 - k * k), ellipe(1.0 - k * k)
+        return (K - E) / (E / (k * k) - K)
+
+    k = brentq(lambda k: ratio(k) - across / along, 1e-3, 0.999)
+    E = ellipe(1.0 - k * k)
+    # a^3 = 3 Q E/(pi k^2 E* S), with the sum S of the curvatures, and p = 3 Q/(2 pi k a^2)
+    Q = (4.2e9 * 2.0 * np.pi * k / 3.0) ** 3 * (
+        3.0 * E / (np.pi * k * k * E_star * (across + along))
+    ) ** 2
+    assert identify.inner_groove(Z * Q * cosine / 5.0, Z, D, dm, angle) == pytest.approx(
+        groove, abs=2e-4
+    )
+
+
+def test_grooves_of_gmn():
+    """Series of open grooves, and the same groove by the ratings of both angles."""
+    grooves = {e.designation: e.grooves for e in bearings() if e.maker == "GMN"}
+    for series, inner in (("S", 0.5195), ("SM", 0.5515), ("KH", 0.561)):
+        own = [pair[0] for name, pair in grooves.items() if name.split()[0] == series]
+        assert np.median(own) == pytest.approx(inner, abs=2e-4)
+    assert {pair[1] for pair in grooves.values()} == {0.522}
+    both = [
+        (grooves[name][0], grooves[f"{name[:-1]}E"][0])
+        for name in grooves
+        if name.startswith("S ") and name.endswith("C") and f"{name[:-1]}E" in grooves
+    ]
+    assert len(both) == 71
+    assert np.quantile(np.abs(np.diff(both)), 0.95) < 6e-4 and np.abs(np.diff(both)).max() < 5e-3
+
+
+@pytest.mark.parametrize(("series", "rms"), [("S", 0.02), ("SM", 0.015), ("KH", 0.015)])
+def test_grooves_of_gmn_give_its_dynamic_ratings(identify, series, rms):
+    """The inner groove comes from C0 alone, and C of ISO 281 depends on both grooves.
+
+    With a factor of 0.52 in both races, C of the series SM and KH would be 40 % too large.
+    """
+    ratios = [o.dynamic for o in identify.gmn_rated() if o.designation.split()[0] == series]
+    assert np.sqrt(np.mean((np.array(ratios) - 1.0) ** 2)) < rms
+
+
+def test_unclear_rows_are_said():
+    assert [e.designation for e in bearings() if e.source == "unclear"] == ["S 606 C", "SM 606 C"]
+
+
 def test_bearings_of_one_name_differ_by_their_angle():
     assert [entry_of("SNFA", "SEA 60", angle)[0].angle for angle in (None, 15, 25)] == [15, 15, 25]
 
@@ -122,7 +187,7 @@ def test_bearings_of_one_name_differ_by_their_angle():
 @pytest.mark.parametrize(
     ("argv", "said"),
     [
-        (["--list", "SKF"], "--list: got 'SKF', expected NSK or SNFA"),
+        (["--list", "SKF"], "--list: got 'SKF', expected NSK, SNFA, GMN"),
         ([], "new: got nothing, expected MYBEARING.yaml"),
         (["7010", "--maker", "NSK"], "NSK designation: got '7010', expected 7010C, 7010A5, 7010A"),
         (
@@ -136,3 +201,14 @@ def test_bad_input_takes_one_line(argv, said, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["new", *argv]) == 2
     assert said in only_line(capsys) and not list(tmp_path.iterdir())
+
+
+def test_list_of_gmn_has_the_least_spring_preload(capsys):
+    """Catalogue p. 24: KH 6000 E, classes 16, 50 and 100 N, 110 000 r/min, spring 95 N."""
+    assert main(["new", "--list", "GMN", "KH 6000"]) == 0
+    title, heads, *rows = capsys.readouterr().out.splitlines()
+    assert "GMN, catalogue 4000 0813 EN" in title and heads.split()[-1] == "spring"
+    assert [row.split()[:3] for row in rows] == [["KH", "6000", "C"], ["KH", "6000", "E"]]
+    assert rows[1].split()[-6:] == ["16", "50", "100", "82000", "110000", "95"]
+    assert main(["new", "--list", "NSK", "7010"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split()[-1] == "oil"

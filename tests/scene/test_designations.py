@@ -88,10 +88,10 @@ def test_suffixes():
         ("7204-B-XL-TVP", "7204B", "", "", "", "XL TVP"),
         ("7008-P4", "7008", "", "", "", "P4"),
         ("B7008", "7008", "", "", "", "B"),
-        ("S6005CTAP4DUL", "S6005C", "", "DU", "L", "TAP4"),  # GMN
-        ("6008ETXM", "S6008E", "", "", "", "TXM"),
-        ("S6205CTA", "S6205C", "", "", "", "TA"),
-        ("HY KH 61914 2RZ C TA P4 UM", "KH61914C", "HY", "U", "M", "TAP4"),
+        ("S6005CTAP4DUL", "S 6005 C", "", "DU", "L", "TAP4"),  # GMN
+        ("6008ETXM", "S 6008 E", "", "", "", "TXM"),
+        ("S6205CTA", "S 6205 C", "", "", "", "TA"),
+        ("HY KH 61914 2RZ C TA P4 UM", "KH 61914 C", "HY", "U", "M", "TAP4"),
         ("SM 61918 18 TA", "SM6191818", "", "", "", "TA"),
         ("6204-2RSH/C3", "6204C3", "", "", "", "2RSH"),
         ("6204-2RSLTN9/HC5C3WT", "6204C3", "HC5", "", "", "2RSLTN9 WT"),
@@ -116,8 +116,12 @@ def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
 
 @pytest.mark.parametrize(
     ("text", "angle", "deep_groove"),
-    [("S6005C", 15, False), ("KH6014E", 25, False), ("SM600518", 18, False), ("6005", None, True)],
-)
+    [
+        ("S6005C", 15, False), ("KH6014C", 17, False), ("KH6014E", 25, False),
+        ("SM600518", 18, False), ("S6026E", 25, False), ("S6026C", 15, False),
+        ("KH6020C", 17, False), ("SM6026C", 17, False), ("6005", None, True),
+    ],
+)  # fmt: skip
 def test_spindle_bearings_with_numbers_of_deep_groove_ones(text, angle, deep_groove):
     found = designation_of(text)
     assert (found.angle, found.deep_groove) == (angle, deep_groove)
@@ -152,6 +156,25 @@ def test_maker_and_class_of_preload(text, option, preload):
     written, _ = scene_text("a", None, None, {}, designation=text, **option)
     (line,) = re.findall("preload_N: .*", written)
     assert preload in line
+
+
+@pytest.mark.parametrize(
+    ("text", "balls", "ball", "preload"),
+    [
+        ("S6005CTAP4DUL", 15, 6.35, "70.0  # GMN class L"),
+        ("6008ETXM", 18, 7.938, "180.0  # GMN class L"),
+        ("S6205CTA", 13, 7.938, "100.0  # GMN class L"),
+        ("HY KH 61914 2RZ C TA P4 UM", 32, 6.35, "200.0  # GMN class M"),
+    ],
+)
+def test_designations_of_gmn_have_its_balls(text, balls, ball, preload):
+    """Spindle bearings with printed balls, without the name of the maker."""
+    written, _ = scene_text("a", None, None, {}, designation=text)
+    bearing = checked_scene(written).bearing
+    assert (bearing.maker, bearing.ball_count, bearing.ball_diameter_mm) == ("GMN", balls, ball)
+    assert bearing.contact_angle_deg in (15.0, 17.0, 25.0)
+    assert (bearing.ball_material == "silicon_nitride") == text.startswith("HY")
+    assert f"preload_N: {preload}" in written
 
 
 def test_a_digit_of_snfa_is_the_angle():

@@ -23,51 +23,78 @@ def groups(catalogues):
     [
         ("axial rigidity of a pair", "NSK", 256),
         ("axial clearance of a pair", "NSK", 256),
-        ("ratio of radial to axial rigidity", "NSK, SNFA", 8),
+        ("ratio of radial to axial rigidity", "NSK, SNFA, GMN", 10),
         ("low-speed torque, one coefficient", "SNFA", 32),
         ("exponent of torque against preload", "SKF", 16),
-        ("axial rigidity of a pair, NSK's grooves", "GMN", 801),
-        ("axial rigidity of a pair", "GMN", 3),
+        ("axial rigidity of a pair, series S", "GMN", 433),
+        ("axial rigidity of a pair, series SM", "GMN", 138),
+        ("axial rigidity of a pair, series KH", "GMN", 170),
         ("displacement under load", "ISO 16281", 4),
         ("lift-off load", "SNFA", 3),
         ("axial deflection", "SNFA", 10),
         ("torque / thrust^(4/3), 218", "SKF", 3),
         ("orbital speed of balls", "kinematics", 2),
+        ("starting torque of a 108H pair", "NASA", 3),
     ],
 )
 def test_group(groups, name, source, count):
     """Every row is judged, and the mean square of all."""
     (group,) = [one for one in groups if (one.name, one.source) == (name, source)]
     assert len(group.rows) == count
-    assert (group.rms > group.allowed, group.suspects != []) == (group.fails, group.fails)
+    misprints = ["KH 61903 E M, axial rigidity"] if name.endswith("KH") else []
+    assert group.rms > group.allowed if group.fails else group.rms <= group.allowed
+    if not group.fails:
+        assert [row.what for row in group.suspects] == misprints
 
 
 def test_all_torques_of_the_maker_are_compared(groups, catalogues):
     """Every bearing of the two pages, as a pair and as a quad; half of them had agreed to 4 %."""
-    torque, rigidity = [group for group in groups if group.fails]
-    assert (torque.name, rigidity.source) == ("low-speed torque, one coefficient", "GMN")
+    (torque,) = [group for group in groups if group.fails]
+    assert torque.name == "low-speed torque, one coefficient"
     printed = catalogues.makers.printed_rows(catalogues.makers.PRINTED / "snfa_ball_screw.csv")
     assert len({row["designation"] for row in printed}) == 16
     assert torque.rms == pytest.approx(0.140, abs=1e-3)
     page = catalogues.PAGE.read_text("utf-8")
     assert catalogues.makers.torque_sentences(torque.rows) in page
-    assert rigidity.rms == pytest.approx(0.127, abs=1e-3)
-    assert catalogues.makers.other_maker_sentences(rigidity.rows) in page
 
 
 def test_no_group_without_a_test(groups):
-    assert len(groups) == 12 and sum(len(group.rows) for group in groups) == 1394
+    assert len(groups) == 14 and sum(len(group.rows) for group in groups) == 1336
+
+
+def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
+    """Nothing is fitted to a row; a groove factor of 0.52 would not do."""
+    gmn = [group for group in groups if group.source == "GMN"]
+    assert catalogues.makers.gmn_sentences(gmn) in catalogues.PAGE.read_text("utf-8")
+    for group, mean in zip(gmn, (0.02, 0.005, 0.005), strict=True):
+        assert abs(group.differences.mean()) < mean
+    closed = catalogues.makers.gmn_rows(0.52)
+    assert all(np.mean([row.difference for row in closed[s]]) > 0.15 for s in ("SM", "KH"))
+
+
+def test_starting_torque_is_of_one_pair(catalogues):
+    """In mN m: 24 um times 267 N are the 6.4 mN m that were measured."""
+    assert 1e-3 * catalogues.MEASURED_ARM * 267.0 == pytest.approx(6.4, abs=0.05)
+    assert catalogues.starting_torque_sentence() in catalogues.PAGE.read_text("utf-8")
 
 
 def test_the_page_has_these_totals(catalogues, groups):
     page = catalogues.PAGE.read_text(encoding="utf-8")
     assert catalogues.totals(groups) in page
+    at_rest = [group for group in groups if group.source in ("NSK", "GMN")]
+    relative = [group.rms for group in at_rest if not group.rows[0].absolute]
+    ends = f"{100.0 * min(relative):.1f} to {100.0 * max(relative):.1f} % rms"
+    values = sum(len(group.rows) for group in at_rest)
+    assert f"| {values} values of NSK and GMN, {ends} |" in page
+    (torque,) = [group for group in groups if group.fails]
+    starting = max(group.differences.max() for group in groups if group.source == "NASA")
+    assert f"{100.0 * starting:+.0f} %; one maker, {100.0 * torque.rms:.0f} % rms |" in page
     assert catalogues.row_table(catalogues.makers.misprint_rows()) in page
 
 
 def test_misprints_are_found(catalogues):
     rows = catalogues.makers.misprint_rows()
-    assert len(rows) == 4 and not any(row.kept for row in rows)
+    assert len(rows) == 5 and not any(row.kept for row in rows)
 
 
 @pytest.mark.parametrize("preload_class", ["EL", "H"])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.new.catalogue import (
@@ -18,7 +18,12 @@ from bearingwear.scene.new.catalogue import (
     entry_of,
     has_bearing,
 )
-from bearingwear.scene.new.designations import Designation, clearance_range, designation_of
+from bearingwear.scene.new.designations import (
+    Designation,
+    clearance_range,
+    designation_of,
+    of_catalogue,
+)
 from bearingwear.scene.new.letters import CLASS_OF_LETTER, PAIR, letters_of, maker_of
 
 GROOVES = (0.52, 0.53)
@@ -114,11 +119,7 @@ def size_of(
         if maker is None and not (named in MAKERS and has_bearing(named, rest)):
             return designation_of(rest)
         entry, ignored = entry_of(maker or named, rest, angle)
-        size = entry.bore, entry.outside, entry.width
-        letters = letters_of("", ignored, PAIR)
-        return Designation(
-            *size, entry.designation, angle=entry.angle, letters=letters, entry=entry
-        )
+        return of_catalogue(entry, letters_of("", ignored, PAIR))
     for option, given in (("--bore", bore), ("--outside", outside)):
         if given is None:
             problem = "got nothing, expected a designation such as 7008C, or --bore and --outside"
@@ -171,14 +172,18 @@ def numbers_of(
     if not 0.0 < D < section:
         allowed = f"a number > 0 and < {section:g}, half of the section height"
         raise refused_option("--ball-diameter", D, allowed)
-    pitch = 0.5 * (bore + outside)
-    dm = decide("bearing.pitch_diameter_mm", pitch, "mean of bore and outside diameter")
+    if entry is not None and entry.pitch is not None:
+        pitch_rule = entry.pitch, SOURCES[entry.source], False
+    else:
+        pitch_rule = 0.5 * (bore + outside), "mean of bore and outside diameter", True
+    dm = decide("bearing.pitch_diameter_mm", *pitch_rule)
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
-    grooves, groove_rule, assumed = grooves_of(size)
-    inner = decide("bearing.inner_groove_factor", grooves[0], groove_rule, assumed)
-    outer = decide("bearing.outer_groove_factor", grooves[1], groove_rule, assumed)
+    inner, outer = (
+        decide(f"bearing.{race}_groove_factor", groove.value, groove.rule, groove.assumed)
+        for race, groove in zip(("inner", "outer"), grooves_of(size), strict=True)
+    )
     if entry is not None:
         Z = decide("bearing.ball_count", entry.balls, SOURCES[entry.source], False)
         angle = decide(angle_key, entry.angle, SOURCES["printed"], False)
@@ -226,19 +231,22 @@ def _usual_speed(
     rule = f"{entry.maker}'s speed limit with grease"
     if name:
         rule += f", times {factor:g} for a rigid pair of class {name}"
-    return rounded_to(factor * entry.speed_grease, 3), rule
+    limit = factor * entry.speed_grease
+    return min(rounded_to(limit, 3), limit), rule
 
 
-def grooves_of(size: Designation) -> tuple[tuple[float, float], str, bool]:
-    """Inner and outer groove factor, where they come from, and whether they are assumed."""
-    known = size.entry and MAKERS[size.entry.maker].grooves
-    if known:
-        return known, "inferred from the printed rigidities", False
+def grooves_of(size: Designation) -> tuple[Origin, Origin]:
+    """Inner and outer groove factor, and where each comes from."""
+    if size.entry is not None and size.entry.grooves:
+        inner, outer = map(Origin, size.entry.grooves, MAKERS[size.entry.maker].groove_rules)
+        return replace(inner, assumed=False), replace(outer, assumed=False)
+    factors, rule = GROOVES, "the largest factor for which ISO 281 load ratings apply"
     if not size.name and size.bore < SMALL_BORE:
+        factors = INSTRUMENT_GROOVES
         rule = "instrument bearing (Dynaroll: 0.56 +-0.03 for low torque)"
-        return INSTRUMENT_GROOVES, f"{rule}; {_SMALL}", True
-    rule = "the largest factor for which ISO 281 load ratings apply"
-    return GROOVES, f"{rule}; {_SMALL}" if grooves_vary(size) else rule, True
+    if grooves_vary(size):
+        rule = f"{rule}; {_SMALL}"
+    return Origin(factors[0], rule), Origin(factors[1], rule)
 
 
 _SMALL = "makers of small bearings use {:g} to {:g}".format(*SMALL_GROOVES)
@@ -246,7 +254,7 @@ _SMALL = "makers of small bearings use {:g} to {:g}".format(*SMALL_GROOVES)
 
 def grooves_vary(size: Designation) -> bool:
     """Whether the groove factors of a bearing are too uncertain for one assumption."""
-    return size.bore < SMALL_BORE and not (size.entry and MAKERS[size.entry.maker].grooves)
+    return size.bore < SMALL_BORE and not (size.entry and size.entry.grooves)
 
 
 def _is_deep_groove(size: Designation, angle: float | None, clearance: str | float | None) -> bool:

@@ -1,7 +1,8 @@
 """Bearings of makers' catalogues: sizes, balls, preload classes and limits of speed.
 
 `catalogue.csv` is made by `benchmarks/identify.py`, which has the sources. NSK prints no balls:
-theirs are identified from the load ratings. `source` says so, and how certain that is.
+theirs are identified from the load ratings. `source` says so, and how certain that is. No maker
+prints grooves: `Maker.groove_rules` says where those of the table come from.
 
 Importing this file imports nothing heavy: the command line takes its options from it.
 """
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.new.letters import gmn_parts
 
 
 class Maker(NamedTuple):
@@ -25,19 +27,32 @@ class Maker(NamedTuple):
     # allowed speed of a rigidly preloaded pair of each class, over that of one bearing under
     # a light spring
     rigid_speed: tuple[float, ...]
-    # inner and outer groove factor, as one pair for all its bearings meets their rigidities
-    grooves: tuple[float, float] | None
     source: str
+    # where the inner and the outer groove factor of its bearings come from
+    groove_rules: tuple[str, str] = ("assumed", "assumed")
 
 
 MAKERS: Mapping[str, Maker] = {
     "NSK": Maker(
-        ("EL", "L", "M", "H"),
-        (0.85, 0.80, 0.65, 0.55),
-        (0.5225, 0.5225),
-        "NSK, super-precision bearings, pp. 50-61, 156-170",
+        classes=("EL", "L", "M", "H"),
+        rigid_speed=(0.85, 0.80, 0.65, 0.55),
+        source="NSK, super-precision bearings, pp. 50-61, 156-170",
+        groove_rules=2 * ("inferred from the printed rigidities",),
     ),
-    "SNFA": Maker(("L", "M", "F"), (0.80, 0.65, 0.40), None, "SNFA, general catalogue, pp. 66-107"),
+    "SNFA": Maker(
+        classes=("L", "M", "F"),
+        rigid_speed=(0.80, 0.65, 0.40),
+        source="SNFA, general catalogue, pp. 66-107",
+    ),
+    "GMN": Maker(
+        classes=("L", "M", "S"),
+        rigid_speed=(0.80, 0.70, 0.50),
+        source="GMN, catalogue 4000 0813 EN, pp. 20-43",
+        groove_rules=(
+            "inferred from the printed static load rating",
+            "inferred from the printed rigidities",
+        ),
+    ),
 }
 
 MAKERS_CLASSES = tuple(dict.fromkeys(name for maker in MAKERS.values() for name in maker.classes))
@@ -46,6 +61,7 @@ SOURCES = {
     "printed": "printed in the catalogue",
     "identified": "identified from the printed load ratings",
     "uncertain": "identified with some uncertainty from the printed load ratings",
+    "unclear": "printed unclearly in the catalogue",
 }
 """Where number and diameter of the balls come from."""
 
@@ -66,9 +82,12 @@ class CatalogueBearing(NamedTuple):
     balls: int
     ball: float
     source: str
+    pitch: float | None  # pitch diameter, where it is printed
+    grooves: tuple[float, float] | None  # inner and outer groove factor
     preloads: Mapping[str, float]  # by class [N], none where none is printed
     speed_grease: float
     speed_oil: float
+    min_spring_preload: float | None  # at `speed_oil` [N], where it is printed
 
     @property
     def rated(self) -> float:
@@ -99,6 +118,10 @@ def bearings() -> tuple[CatalogueBearing, ...]:
 def _entry(row: Mapping[str, str]) -> CatalogueBearing:
     maker = row["maker"]
     preloads = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
+    pitch, inner, outer, spring = (
+        float(row[name]) if row[name] else None
+        for name in ("pitch_mm", "inner_groove", "outer_groove", "min_spring_preload_N")
+    )
     return CatalogueBearing(
         maker=maker,
         designation=row["designation"],
@@ -109,9 +132,12 @@ def _entry(row: Mapping[str, str]) -> CatalogueBearing:
         balls=int(row["balls"]),
         ball=float(row["ball_mm"]),
         source=row["source"],
+        pitch=pitch,
+        grooves=None if inner is None or outer is None else (inner, outer),
         preloads={name: float(text) for name, text in preloads if text},
         speed_grease=float(row["speed_grease_rpm"]),
         speed_oil=float(row["speed_oil_rpm"]),
+        min_spring_preload=spring,
     )
 
 
@@ -171,6 +197,8 @@ def _found(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
     words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
+    if maker == "GMN" and (parts := gmn_parts(designation)):
+        words = [parts.name, *parts.rest]
     return _longest(words, _named(maker))
 
 
@@ -214,12 +242,13 @@ def identity_line(bearing: Mapping[str, Any]) -> str:
     if entry is None:
         return bearing.get("designation") or ""
     grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
-    inferred = grooves == MAKERS[entry.maker].grooves
+    inferred = grooves == entry.grooves
     own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)
     printed = f"{entry.balls} balls of {entry.ball:g} mm"
     balls = SOURCES[entry.source] if own else f"other than the {printed} in the catalogue"
-    rule = "inferred from the printed rigidities" if inferred else "assumed"
-    return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rule}"
+    inner, outer = MAKERS[entry.maker].groove_rules if inferred else ("assumed", "assumed")
+    rules = inner if inner == outer else f"{inner} (inner) and {outer} (outer)"
+    return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rules}"
 
 
 def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
@@ -249,15 +278,23 @@ def listed(maker: str, series: str = "") -> list[str]:
     classes = MAKERS[maker].classes
     heads = ("designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes)
     form = "{:<12}{:>6}{:>6}{:>8}{:>7}{:>7}{:>9} {:<11}" + "{:>7}" * len(classes) + "{:>9}{:>9}"
+    title = (
+        f"{MAKERS[maker].source}; preload classes in N, speed limits with grease and oil in r/min"
+    )
+    springs = any(e.min_spring_preload for e in found)
+    if springs:
+        title += "; spring: least spring preload in N at the limit with oil"
+        form += "{:>8}"
     return [
-        f"{MAKERS[maker].source}; preload classes in N, speed limits with grease and oil in r/min",
-        form.format(*heads, "grease", "oil"),
+        title,
+        form.format(*heads, "grease", "oil", *(["spring"] if springs else [])),
         *(
             form.format(
                 e.designation, f"{e.angle:g}", f"{e.bore:g}", f"{e.outside:g}", f"{e.width:g}",
                 e.balls, f"{e.ball:.5g}", e.source,
                 *(f"{e.preloads[name]:g}" if name in e.preloads else "-" for name in classes),
                 f"{e.speed_grease:.0f}", f"{e.speed_oil:.0f}",
+                *([f"{e.min_spring_preload:g}"] if e.min_spring_preload else []),
             )
             for e in found
         ),
@@ -265,6 +302,6 @@ def listed(maker: str, series: str = "") -> list[str]:
 
 
 def _series(entry: CatalogueBearing) -> str:
-    """The letters that SNFA's designations begin with; of NSK's the first two digits."""
+    """The letters that SNFA's and GMN's designations begin with; of NSK's the first two digits."""
     match = re.match(r"[A-Z]+|\d\d", entry.designation)
     return match[0] if match else entry.designation

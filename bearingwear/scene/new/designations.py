@@ -3,7 +3,7 @@
 Sizes are the boundary dimensions of ISO 15 (dimension series 10, 02, 03, 19 and, of the smallest,
 18), clearances those of ISO 5753-1 for deep groove bearings with a cylindrical bore, before they
 are mounted. The balls, the grooves and the preload are the maker's choice: no designation tells
-them; of two makers `catalogue` does.
+them; of three makers `catalogue` does.
 """
 
 from __future__ import annotations
@@ -12,15 +12,19 @@ import re
 from typing import NamedTuple
 
 from bearingwear.scene.checking.errors import SceneError, shown
-from bearingwear.scene.new.catalogue import CatalogueBearing, makers_with
+from bearingwear.scene.new.catalogue import (
+    CatalogueBearing,
+    entry_of,
+    has_bearing,
+    makers_with,
+)
 from bearingwear.scene.new.letters import (
     CERAMIC_PREFIX,
-    GMN_CAGES,
-    GMN_SERIES,
     PAIR,
     PAIR_ALONE,
     STEEL_PREFIX,
     Letters,
+    gmn_parts,
     letters_of,
 )
 
@@ -110,11 +114,12 @@ _PREFIX = rf"(?:{CERAMIC_PREFIX}|{STEEL_PREFIX})?"
 
 _NUMBER = r"(?P<series>(?:7[0239]|719|6[023])(?=\d\d(?!\d))|6[0289](?=\d(?!\d)))(?P<code>\d+)"
 
-_GMN = (
-    rf"(?P<hybrid>HY)?(?P<form>{GMN_SERIES})?(?P<series>6[02]|619)(?P<code>\d\d)(?:2RZ)?"
-    rf"(?P<angle>C|E|18)(?P<rest>(?:{GMN_CAGES})?.*)"
-)
+_GMN_SIZES = {"60": "70", "62": "72", "619": "719"}
+"""Series of the same size with numbers of its own, by that of GMN's numbers."""
+
 _GMN_ANGLES = {"C": 15.0, "18": 18.0, "E": 25.0}
+_GMN_OPEN_ANGLES = {"SM60": 17.0, "SM619": 19.0, "KH60": 17.0, "KH619": 17.0}
+"""Contact angle [degree] of suffix C in series whose grooves are open, of the largest sizes."""
 
 
 def designation_of(text: str) -> Designation:
@@ -155,21 +160,27 @@ def designation_of(text: str) -> Designation:
 
 
 def _gmn_spindle(plain: str) -> Designation | None:
-    """A spindle bearing of GMN, whose numbers are those of deep groove bearings: S 6005 C TA P4.
-
-    The series S, SM, KH or the cage after the angle tell it; None where neither is there.
-    """
-    match = re.fullmatch(_GMN, re.sub(r"[\s/_.-]", "", plain))
-    if not match or not (match["form"] or re.match(GMN_CAGES, match["rest"])):
+    """A spindle bearing of GMN, of its catalogue or else of the same size; None for any other."""
+    parts = gmn_parts(plain)
+    if parts is None:
         return None
-    series, code, angle = match.group("series", "code", "angle")
-    size = _size({"60": "70", "62": "72", "619": "719"}[series], code)
+    letters = letters_of(parts.hybrid, parts.suffix, PAIR)
+    if has_bearing("GMN", parts.name):
+        return of_catalogue(entry_of("GMN", parts.name)[0], letters)
+    size = _size(_GMN_SIZES.get(parts.number[:-2], ""), parts.number[-2:])
     if size is None:
         return None
-    name = f"{match['form'] or 'S'}{series}{code}{angle}"
-    letters = letters_of(match["hybrid"] or "", match["rest"], PAIR)
-    rule = "" if angle == "C" else f"GMN's suffix {angle}"
-    return Designation(*size, name, False, _GMN_ANGLES[angle], rule, letters=letters)
+    angle, rule = _GMN_ANGLES[parts.angle], f"GMN's suffix {parts.angle}"
+    if parts.angle == "C":
+        angle = _GMN_OPEN_ANGLES.get(parts.series + parts.number[:-2], angle)
+        rule = f"{rule} in series {parts.series}"
+    return Designation(*size, parts.name, False, angle, rule, letters=letters)
+
+
+def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
+    """The size of a catalogue's bearing, with what other letters say."""
+    size = entry.bore, entry.outside, entry.width
+    return Designation(*size, entry.designation, angle=entry.angle, letters=letters, entry=entry)
 
 
 def _suffix(rest: str, known: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:

@@ -23,10 +23,16 @@ STEEL_PREFIX = r"B|S|HS|HSS|RS|W|SS"
 GMN_SERIES = r"SM|KH|S"
 GMN_CAGES = r"TAM|TA|TBH|TB|TXMB|TXM|MA"
 
+_GMN = re.compile(
+    rf"(?P<hybrid>HY)?(?P<form>{GMN_SERIES})?"
+    r"(?P<number>61[89]\d\d|6[02]\d\d|6[02]\d|619\d)(?P<seal>2RZ)?(?P<angle>C|E|18)"
+    rf"(?P<rest>(?:{GMN_CAGES})?.*)"
+)
+
 CLASS_OF_LETTER = {"L": "light", "M": "medium", "H": "heavy", "S": "heavy", "F": "heavy"}
 """Class of preload by its letter; a maker's own classes go by the letter itself."""
 
-_OTHER_MAKERS = ("FAG", "SKF", "GMN", "NTN", "KOYO", "IBC")
+_OTHER_MAKERS = ("FAG", "SKF", "NTN", "KOYO", "IBC")
 
 _PAIRS = {
     "DB": "a pair back to back",
@@ -81,7 +87,12 @@ def letters_of(prefix: str, suffix: str, pairs: re.Pattern[str]) -> Letters:
         balls = prefix
     elif prefix:
         ignored.append(prefix)
-    for pattern in (r"SN24", r"(?<![A-Z])NS(?![A-Z])", r"(?<![A-Z])HC\d?(?=\s|$|[A-Z])"):
+    for pattern in (
+        r"SN24",
+        r"(?<![A-Z])HY(?![A-Z])",
+        r"(?<![A-Z])NS(?![A-Z])",
+        r"(?<![A-Z])HC\d?(?=\s|$|[A-Z])",
+    ):
         if found := re.search(pattern, suffix):
             balls = balls or found[0]
             suffix = suffix.replace(found[0], " ", 1)
@@ -95,6 +106,43 @@ def letters_of(prefix: str, suffix: str, pairs: re.Pattern[str]) -> Letters:
         load=load,
         pair=pair,
         ignored=" ".join([*ignored, *suffix.split()]),
+    )
+
+
+class GmnParts(NamedTuple):
+    """A designation of a GMN spindle bearing, whose numbers are those of deep groove bearings."""
+
+    series: str  # S, SM or KH
+    number: str  # 6005
+    angle: str  # C, E or 18
+    hybrid: str  # HY, or nothing
+    suffix: str  # cage, accuracy, pair
+
+    @property
+    def name(self) -> str:
+        """Series, number and angle without spaces."""
+        return f"{self.series}{self.number}{self.angle}"
+
+    @property
+    def rest(self) -> list[str]:
+        """What is said beside them."""
+        return [word for word in (self.hybrid, self.suffix) if word]
+
+
+def gmn_parts(designation: str) -> GmnParts | None:
+    """A spindle bearing of GMN, with or without spaces: S 6005 C TA P4 DUL, 6008ETXM.
+
+    The series S, SM, KH or the cage after the angle tell it; None where neither is there.
+    """
+    match = _GMN.fullmatch(re.sub(r"[\s/_.-]", "", designation.upper()))
+    if not match or not (match["form"] or re.match(GMN_CAGES, match["rest"])):
+        return None
+    return GmnParts(
+        series=match["form"] or "S",
+        number=match["number"],
+        angle=match["angle"],
+        hybrid=match["hybrid"] or "",
+        suffix=match["rest"],
     )
 
 

@@ -1,0 +1,69 @@
+"""The least preload that a maker prescribes, and the line about it on sheets."""
+
+import pytest
+
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.scene.new.minimum_preload import (
+    minimum_preload,
+    minimum_preload_line,
+    skf_factors,
+)
+
+GMN = {"designation": "S 6007 E", "maker": "GMN", "preload": 140.0}
+
+
+def least(scene):
+    data = scene.to_dict()
+    return minimum_preload(data["bearing"], data["operation"])
+
+
+def test_gmn_prints_it_at_the_largest_speed():
+    """715 N at 30 000 r/min (catalogue, p. 32); a quarter of it at half the speed."""
+    assert least(bearingwear.new(**GMN, speed=30000.0)).load == pytest.approx(715.0)
+    assert least(bearingwear.new(**GMN, speed=15000.0)).load == pytest.approx(715.0 / 4.0)
+    turned = bearingwear.new(**GMN, speed=15000.0).with_({"operation.outer_speed_rpm": -15000.0})
+    assert least(turned).load == pytest.approx(715.0)
+
+
+def test_factors_of_skf_grow_with_the_size():
+    """A wrong place of the tables would stand out: bearings of one series, by their size."""
+    factors = skf_factors()
+    for series in ("72", "73"):
+        for suffix in ("AC", "B"):
+            own = [f for name, f in sorted(factors.items())
+                   if name.startswith(series) and name.endswith(suffix)]  # fmt: skip
+            assert own == sorted(own) and len(own) >= 8
+            assert all(1.0 < b / a < 3.5 for a, b in zip(own, own[1:], strict=False))
+
+
+def test_skf_prints_a_factor():
+    """A (n/1000)^2 kN, with A = 0.00584 for a 7210 AC."""
+    scene = bearingwear.new(designation="7210AC", preload=100.0, speed=5000.0)
+    assert least(scene).load == pytest.approx(1e3 * 0.00584 * 25.0)
+    data = scene.to_dict()
+    assert minimum_preload_line(data["bearing"], data["operation"]) == (
+        "SKF minimum preload for a 7210AC: 146 N at 5000 r/min (0.00584 (n/1000)^2 kN); "
+        "preload here 100 N"
+    )
+
+
+@pytest.mark.parametrize("known", [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
+                                   {"bore": 40.0, "outside": 68.0}])  # fmt: skip
+def test_nothing_is_said_where_no_number_is_known(known):
+    data = bearingwear.new(**known, preload=50.0).to_dict()
+    assert minimum_preload_line(data["bearing"], data["operation"]) == ""
+
+
+@pytest.mark.parametrize("command", ["check", "solve"])
+def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    argv = ["new", "a.yaml", "S 6007 E", "--preload", "140", "--speed", "15000", "--maker", "GMN"]
+    assert main(argv) == 0
+    capsys.readouterr()
+    assert main([command, "a.yaml"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert (
+        "GMN minimum preload for a S 6007 E: 179 N at 15000 r/min (715 N at 30000 r/min, taken "
+        "with the square of the speed); preload here 140 N" in said
+    )
