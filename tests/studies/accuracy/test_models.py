@@ -98,8 +98,7 @@ def test_a_life_ends_at_so_many_gaps_with_the_cells_asked_for(scene):
     small = ended_scene(s, "0.05")
     assert_allclose(wear_over_gap(small), 0.05, rtol=1e-12)
     lived = lived_through(small, replace(point, step="0.02"))
-    right = follow_grooves(
-        StiffGrooves(small, EXACT_GROOVES._replace(cells=(32, 8), step=0.02))
-    ).times
+    mode = EXACT_GROOVES._replace(cells=(32, 8), step=0.02)
+    right = follow_grooves(StiffGrooves(small, mode)).times
     assert_allclose(lived["history_time"], right, rtol=1e-12)
     assert len(right) > len(lived_through(small, point)["history_time"])
