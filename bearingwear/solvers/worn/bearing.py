@@ -3,6 +3,7 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -140,6 +141,7 @@ class WornBearing:
         D = p.g.D0 - self.loss - wear.ball
         kept, even = (self.seat, self.u, self.reference), code.OK
         cells = self.races, self.ends, self.rows_added
+        starts: tuple[Callable[[int, ThrustProblem, float, WornDepths], bool], ...]
         if self.wears:
             starts = self._on_other_motion, self._counted_anew, self._after_less_grip
         else:  # the last state may be at another speed, far away
