@@ -8,7 +8,7 @@ followed to a loss of ball diameter; exactly, and quickly as `recommend` does. A
 otherwise is followed again at preloads 1 % below and above. It fails *alone* where both of these
 end as they should: then no physics ends it. Lives whose new bearing has no state are not counted.
 
-Prints a line for each life that ends by its solver, and a table. An hour of CPU time for 300.
+Prints a line for each life that ends by its solver, and a table. Three minutes of CPU time for 300.
 """
 
 import argparse
