@@ -9,7 +9,7 @@ from bearingwear.kernels.status import NOT_CONVERGED, OK, STATUS_NAMES
 from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves, follow_grooves
 from bearingwear.lives.life import life as solved_life
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
-from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.bearing import CELLS_END, WornBearing
 from bearingwear.solvers.worn.depths import WornPoint
 
 SOURCE = ROOT / "tests" / "lives" / "found_light_lives.yaml"
@@ -53,6 +53,33 @@ def test_lives_over_light_preloads_have_no_gaps(designation):
     assert (np.diff(hours) < 0.0).all()
     between = hours[:-2] + np.diff(p)[:-1] * (hours[2:] - hours[:-2]) / (p[2:] - p[:-2])
     assert hours[1:-1] == pytest.approx(between, abs=0.05)
+
+
+def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
+    """At rest, contacts lie beside the groove that they wore at full speed, on a narrow ridge.
+
+    The preload left there rises with the preload and hardly changes up to 3000 r/min. Cells are
+    added where a contact needs them, and not without bound.
+    """
+    made = bearingwear.new(designation="7004C", speed=60000.0)
+    at_rest = []
+    for preload in (20.0, 28.0, 35.0, 45.0, 51.0, 60.0):
+        keys = {"operation.preload_N": preload, "operation.preload_method": "fixed_position"}
+        scene = made.with_(keys | {"model.contact": "worn", "cage": None})
+        wearing = Grooves(scene, only_times=True, **QUICK)
+        life = follow_grooves(wearing)
+        assert life.status == OK
+        left = []
+        for speed in (0.0, 500.0, 20000.0):
+            slower = scene.with_({"operation.shaft_speed_rpm": speed})
+            (state,) = wearing.elsewhere(slower, life.last.worn)
+            assert STATUS_NAMES[state.status] == "ok", (preload, speed)
+            assert state["system_axial_stiffness"] > 0.0
+            left.append(state["residual_preload"])
+        assert left[0] == pytest.approx(left[1], rel=0.01) and left[2] > 3.0 * left[0]
+        at_rest.append(left[0])
+        assert wearing.sides[0].bearing.ends.max() < 2.0 * CELLS_END
+    assert (np.diff(at_rest) > 0.0).all() and at_rest[0] < 0.2 * 20.0
 
 
 def test_a_bearing_that_wears_itself_free_says_so():

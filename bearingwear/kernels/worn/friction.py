@@ -42,6 +42,7 @@ FRICTION_LEFT = 1e-12  # as a share of the friction forces, where Newton ends [1
 LEVELS = (2, 5)  # of v_r, each
 LEVEL_RATIO = 4.0  # times the next, where Newton fails from the last motion; fewer are tried first
 TRIES = 6  # along a step, of half the length each
+NATURAL_DESCENT = 0.25  # share of the promised decrease of the next step that a step must bring
 OF_UNWORN, OF_WORN = range(2)
 # Rows of the cells written down: place x/a, share of the load, height and place across [m], number
 # of the cell along the major axis, share of the friction, how many cells there are.
@@ -317,6 +318,40 @@ def improve_moving(work, damping):
 
 
 @jit
+def natural_share(g, op, D, seat, v_r, rule, work, u, tries):
+    """How much of `work.step` leads nearer to the root, though residuals grow; zero for none.
+
+    With the same derivatives, the next step is then shorter (Deuflhard's natural monotonicity). At
+    a small v_r one direction is so much softer than the others that the residual tells nothing.
+    """
+    length = math.sqrt(squared(work.step))
+    share = 1.0
+    for _ in range(tries):
+        for i in range(4):
+            work.trial[i] = u[i] + share * work.step[i]
+        worn_friction_balance(g, op, D, seat, v_r, rule, work, work.trial, work.residual)
+        for i in range(4):
+            work.trial[i] = -work.residual[i]
+            for j in range(4):
+                work.matrix[i, j] = work.earlier[1 + i, j] + work.moving[i, j]
+        if not solve_in_place(work.matrix, work.trial, 4):
+            return 0.0
+        if math.sqrt(squared(work.trial)) < (1.0 - NATURAL_DESCENT * share) * length:
+            return share
+        share *= 0.5
+    return 0.0
+
+
+@jit
+def squared(values):
+    """Sum of squares."""
+    found = 0.0
+    for i in range(values.size):
+        found += values[i] * values[i]
+    return found
+
+
+@jit
 def friction_newton(g, op, D, seat, v_r, rule, work, u):
     """The ball's motion with the loads held, by damped Newton; u is improved in place.
 
@@ -341,7 +376,8 @@ def friction_newton(g, op, D, seat, v_r, rule, work, u):
                 work.matrix[i, j] = work.jacobian[i, j] + work.moving[i, j]
         damping, found, new = 1.0, False, size
         T_i, T_o = F_i, F_o
-        if solve_in_place(work.matrix, work.step, 4):
+        solved = solve_in_place(work.matrix, work.step, 4)
+        if solved:
             for _ in range(2 if learned else TRIES):
                 for i in range(4):
                     work.trial[i] = u[i] + damping * work.step[i]
@@ -353,6 +389,14 @@ def friction_newton(g, op, D, seat, v_r, rule, work, u):
                 damping *= 0.5
                 if size <= STALLED:
                     break
+        if solved and not found and (size <= STALLED or not learned):
+            tries = 1 if size <= STALLED else TRIES
+            damping = natural_share(g, op, D, seat, v_r, rule, work, u, tries)
+            if damping > 0.0:
+                for i in range(4):
+                    work.trial[i] = u[i] + damping * work.step[i]
+                T_i, T_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, work.trial, out)
+                new, found = balance_share(D, r, capacity, out), True
         if found:
             if size > STALLED:
                 improve_moving(work, damping)

@@ -24,10 +24,12 @@ from bearingwear.kernels.worn.friction import place_cells, settled_motion, worn_
 UNKNOWNS = 3  # X1, X2, delta_a, in this order; of a race that is held the last one is none
 MOST_SEATS = 60
 MOST_POOR = 20  # of them that leave much, though the derivatives are new: the state lies far off
+PROGRESS = 0.1  # share of what was left before them, below which they may go on
 PLACES_TRIED = 5  # along a step with new derivatives
 SLOW_BALANCE = 0.3  # share of what was left, above which a step calls for derivatives found anew
 WORN_BALANCE = 1e-8  # force left, as a share of the load, of states that are kept [1]
 QUOTIENT_PLACE = 3e-6  # of the approach: derivatives are found with; near a fold they turn fast
+QUOTIENT_ACROSS = 1e-4  # likewise across the contacts, where forces change by far less
 LONGEST_MOVE = 0.5  # of the approach, in one step
 
 
@@ -170,13 +172,17 @@ def find_slope(bearing, races, reference, rule, work, state, seat, u):
         False where a place nearby has no state.
     """
     size = max(seat.inner.approach, seat.outer.approach)
+    s, c = math.sin(seat.outer.alpha), math.cos(seat.outer.alpha)
     for j in range(UNKNOWNS):
         for i in range(UNKNOWNS):
             state.slope[i, j] = 1.0 if i == j else 0.0
+            state.step[i] = 0.0
         if state.active[j]:
-            h = QUOTIENT_PLACE * size
-            for i in range(UNKNOWNS):
-                state.step[i] = h if i == j else 0.0
+            h = size * (QUOTIENT_ACROSS if j == 1 else QUOTIENT_PLACE)
+            if j < 2:  # the ball moves along the contact line, and across it
+                state.step[0], state.step[1] = (h * s, h * c) if j == 0 else (h * c, -h * s)
+            else:
+                state.step[j] = h
             copy(u, state.u)
             near = moved_seat(seat, state.step, 1.0)
             near = worn_seat(
@@ -188,11 +194,34 @@ def find_slope(bearing, races, reference, rule, work, state, seat, u):
             for i in range(UNKNOWNS):
                 if state.active[i]:
                     state.slope[i, j] = (state.shifted[i] - state.left[i]) / h
+    for i in range(UNKNOWNS):
+        along, across = state.slope[i, 0], state.slope[i, 1]
+        state.slope[i, 0], state.slope[i, 1] = s * along + c * across, c * along - s * across
     return True
 
 
 @jit
-def newton_step(state, seat):
+def contact_share(distance, approach, alpha, d1, d2):
+    """Share of a move by which a contact may follow: along its line, and, longer, around it.
+
+    Parameters
+    ----------
+    distance : float
+        Of the centres of groove and ball, which a move across turns [m].
+    d1, d2 : float
+        Axial and radial part of the move [m].
+    """
+    s, c = math.sin(alpha), math.cos(alpha)
+    along, across = abs(d1 * s + d2 * c), abs(d1 * c - d2 * s)
+    share, longest = 1.0, LONGEST_MOVE * approach
+    if along > longest:
+        share = longest / along
+    longest = math.sqrt(2.0 * distance * longest)  # which lengthens the line by as much
+    return min(share, longest / across if across > longest else 1.0)
+
+
+@jit
+def newton_step(g, R, state, seat):
     """Fill `state.step`; what it is to be shortened by, or zero where the slope is singular."""
     copy(state.slope, state.matrix)
     for i in range(UNKNOWNS):
@@ -200,9 +229,11 @@ def newton_step(state, seat):
     if not solve_in_place(state.matrix, state.step, UNKNOWNS):
         return 0.0
     d1, d2, dd = state.step[0], state.step[1], state.step[2]
-    longest = LONGEST_MOVE * max(seat.inner.approach, seat.outer.approach)
-    length = max(math.hypot(d1, d2), math.hypot(dd - d1, d2))
-    return longest / length if length > longest else 1.0
+    size = max(seat.inner.approach, seat.outer.approach)
+    return min(
+        contact_share(g.r_i - R, size, seat.inner.alpha, dd - d1, -d2),
+        contact_share(g.r_o - R, size, seat.outer.alpha, d1, d2),
+    )
 
 
 @jit
@@ -247,7 +278,7 @@ def shortened_step(bearing, races, reference, rule, work, state, seat, u, share,
 def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
     """`worn_seat` with nothing left, by Broyden's method; u is improved in place."""
     seat = worn_seat(bearing, races, reference, rule, work, state, seat, u, state.left)
-    poor = 0
+    poor, first = 0, largest(state.left)  # where poor steps are counted from
     for _ in range(MOST_SEATS):
         size = largest(state.left)
         if seat.status != OK or size <= state.balance:
@@ -255,7 +286,7 @@ def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
         fresh = state.slope[0, 0] == 0.0
         if fresh and not find_slope(bearing, races, reference, rule, work, state, seat, u):
             break
-        share = newton_step(state, seat)
+        share = newton_step(bearing.g, 0.5 * bearing.D, state, seat)
         tries = PLACES_TRIED if fresh else 1
         seat, share = shortened_step(
             bearing, races, reference, rule, work, state, seat, u, share, tries
@@ -269,10 +300,14 @@ def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
         copy(state.shifted, state.left)
         copy(state.u, u)
         if largest(state.left) > SLOW_BALANCE * size:
-            poor += 1 if fresh else 0
-            state.slope[0, 0] = 0.0
+            if fresh:  # what the step showed may serve better than differences over less
+                poor += 1
+            else:
+                state.slope[0, 0] = 0.0
             if poor > MOST_POOR:
-                break
+                if largest(state.left) > PROGRESS * first:
+                    break
+                poor, first = 0, largest(state.left)
     state.slope[0, 0] = 0.0
     return seat_with(seat, NOT_CONVERGED, seat.inner, seat.outer, seat.F_i, seat.F_o)
 

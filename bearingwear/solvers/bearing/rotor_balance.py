@@ -67,7 +67,8 @@ class Nearby:
         self.losses, self.place = np.array(losses), place
 
     def forget(self) -> None:
-        self.place, self.steeper, self.slope, self.rough = math.nan, 1.0, np.zeros(2), None
+        """Forget what a short way said of the slope; the last place serves shorter steps too."""
+        self.steeper, self.slope, self.rough = 1.0, np.zeros(2), None
 
 
 @dataclass

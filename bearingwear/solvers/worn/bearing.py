@@ -3,6 +3,7 @@
 Depths of grooves stand on fixed grids, each along its own arc. Balls wear evenly.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -90,7 +91,7 @@ class WornBearing:
         steps = round(ARC_END / ARC_STEP)
         self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
         self.ends = np.full(2, CELLS_END)
-        self.rows_added = [0, 0]  # to the cells on each side of the major axes
+        self.rows_added = np.zeros(2, dtype=int)  # to the cells on each side of the major axes
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
@@ -104,7 +105,8 @@ class WornBearing:
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
         n, m = self.cell_numbers
-        n, rows = 2 * round(0.5 * n * self.ends[k] / CELLS_END), m + self.rows_added[k]
+        n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
+        rows = m + int(self.rows_added[k])
         hertz = race_contact(
             self.problem.g, SIDES[k], self.D, float(np.cos(self.angle[k])), float("nan")
         )
@@ -133,19 +135,20 @@ class WornBearing:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
-        kept = self.seat, self.u, self.reference
-        cells = self.races, self.ends.copy(), list(self.rows_added)
-        even, wider = code.OK, _MOST_WIDENINGS * [self._with_rows]
+        kept, even = (self.seat, self.u, self.reference), code.OK
+        cells = self.races, self.ends, self.rows_added
+        starts: tuple[Callable[[int, ThrustProblem, float, WornDepths], bool], ...]
         if self.wears:
-            starts = self._on_other_motion, self._counted_anew, *wider, self._after_less_grip
+            starts = self._on_other_motion, self._counted_anew, self._after_less_grip
         else:  # the last state may be at another speed, far away
             even = self._start_where_worn(p, wear)
-            starts = self._as_much_faster, self._led_to, *wider
+            starts = self._as_much_faster, self._led_to
         seat, u, races, work = self._settled(p, D, wear)
         for start in starts:
             if seat.status not in _FAR:
                 break
             self.seat, self.u = kept[:2]
+            self.races, self.ends, self.rows_added = cells
             if start(seat.status, p, D, wear):
                 seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
@@ -153,8 +156,7 @@ class WornBearing:
             status = even  # nothing holds the balls, however they are worn
         if status != code.OK:
             self.seat, self.u, self.reference = kept
-            if not self.wears:  # cells added in vain would slow down each solve that follows
-                self.races, self.ends, self.rows_added = cells
+            self.races, self.ends, self.rows_added = cells  # those added in vain would be slow
             self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
@@ -210,19 +212,6 @@ class WornBearing:
         self._forget()
         return True
 
-    def _with_rows(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Add cells across contacts that have grown to the edges of theirs."""
-        kept = list(self.races)
-        for k, race in enumerate(self.races):
-            if race.pressure[-2:].any():
-                self.rows_added[k] += ROWS
-                kept[k] = self._race(k)
-        is_wider = any(new is not old for new, old in zip(kept, self.races, strict=True))
-        self.races = tuple(kept)
-        if is_wider:
-            self._forget()
-        return is_wider
-
     def _after_less_grip(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
         """Start where the state goes as friction grips ever faster, from hardly any.
 
@@ -234,6 +223,8 @@ class WornBearing:
             seat, u, _, _ = self._settled(less, D, wear)
             if seat.status in (code.OK, code.NOT_CONVERGED):  # that is on its way
                 self.seat, self.u = seat, u
+            if seat.status == code.NOT_CONVERGED:  # the last place tried may lie beyond the cells
+                self._widened(seat.status)
         return True
 
     def _forget(self) -> None:
@@ -268,6 +259,7 @@ class WornBearing:
                 self.seat, self.u, share, step = *found[:2], to, 2.0 * step
                 if share == 1.0:
                     break
+                self._counted_anew(code.OK, p, D, wear)
                 continue
             step *= 0.5
             if step < _LEAST_ON_THE_WAY:
@@ -342,7 +334,7 @@ class WornBearing:
             work = self._friction_work(p, races)
             seat, u = self._moved(p, D, races, work)
             self.loaded = [race.cells.X[loaded_ends(race.pressure)] for race in races]
-            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened():
+            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(seat.status):
                 break
         return seat, u, races, work
 
@@ -508,18 +500,22 @@ class WornBearing:
         )  # fmt: skip
         return changes if seat.status == code.OK else np.full_like(changes, np.nan)
 
-    def _widened(self) -> bool:
-        """Add cells to contacts that have grown to the ends of theirs."""
-        wider = False
-        kept = list(self.races)
+    def _widened(self, status: int) -> bool:
+        """Add cells to contacts that have grown to the ends of theirs, or past their edges."""
+        races, self.ends, self.rows_added = [], self.ends.copy(), self.rows_added.copy()
         for k, (race, ends) in enumerate(zip(self.races, self.loaded, strict=True)):
             X = race.cells.X
-            if ends.size and np.abs(ends).max() > X[-1] - (SPARE - 1.0) * (X[1] - X[0]):
+            spare = SPARE if status != code.NOT_CONVERGED else 1.5  # the last cell
+            is_long = ends.size and np.abs(ends).max() > X[-1] - (spare - 1.0) * (X[1] - X[0])
+            is_wide = status != code.OK and race.pressure[-2:].any()
+            if is_long:
                 self.ends[k] *= WIDER
-                kept[k] = self._race(k)
-                wider = True
-        self.races = tuple(kept)
-        return wider
+            if is_wide:
+                self.rows_added[k] += ROWS
+            races.append(self._race(k) if is_long or is_wide else race)
+        is_wider = any(new is not old for new, old in zip(races, self.races, strict=True))
+        self.races = tuple(races)
+        return is_wider
 
 
 def loaded_ends(pressure: np.ndarray) -> np.ndarray:
