@@ -66,7 +66,7 @@ def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
     for preload in (20.0, 28.0, 35.0, 45.0, 51.0, 60.0):
         keys = {"operation.preload_N": preload, "operation.preload_method": "fixed_position"}
         scene = made.with_(keys | {"model.contact": "worn", "cage": None})
-        wearing = Grooves(scene, only_times=True, **QUICK)
+        wearing = Grooves(scene, QUICK_GROOVES)
         life = follow_grooves(wearing)
         assert life.status == OK
         left = []
