@@ -266,12 +266,13 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    sub.add_argument("--friction", type=float, metavar="MU",
-        help="ball-race friction coefficient (default: the value in the scene)")
-    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
+    sub.add_argument("--friction", nargs="+", type=float, default=[], metavar="MU",
+        help="ball-race friction coefficients (default: the value in the scene)")
+    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, default=[], metavar="METHOD",
         help=f"{' or '.join(PRELOAD_METHODS)}, or both (default: the method in the scene)")
     sub.add_argument("--samples", type=int, metavar="N",
-        help="number of base samples, a power of two (2 N lives are computed)")
+        help="number of bearings, bearings of a batch, and batches sampled, a power of two "
+        "(default: 128)")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
         help="random seed (default: 1)")
     sub.add_argument("-j", "--jobs", type=int, metavar="N",

@@ -217,11 +217,17 @@ def uncertainty(args: argparse.Namespace) -> int:
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.dataset import write_dataset
         from bearingwear.studies.sampling import SAMPLES, usable_cores
-        from bearingwear.studies.uncertainty.quantiles import life_quantiles
+        from bearingwear.studies.uncertainty.quantiles import uncertain_lives
 
-        samples = SAMPLES if args.samples is None else args.samples
-        more = samples, args.seed, args.jobs or usable_cores(), tell
-        found = life_quantiles(args.scene, args.friction, args.method or (), *more)
+        found = uncertain_lives(
+            args.scene,
+            frictions=args.friction,
+            methods=args.method,
+            samples=SAMPLES if args.samples is None else args.samples,
+            seed=args.seed,
+            workers=args.jobs or usable_cores(),
+            tell=tell,
+        )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not (found["solved_share"] > 0.0).any():

@@ -57,7 +57,7 @@ from bearingwear.studies.uncertainty.posterior import (
     conformities,
     posterior,
 )
-from bearingwear.studies.uncertainty.sample import lives
+from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
 """Points over ln mu at which lives are solved: for the interpolation, and to see its error."""
@@ -350,9 +350,7 @@ def _logs(
     scene = replace(scene, uncertainty={name: given[name] for name in names})
     if torque:
         return np.array([_log_torque(scene, names, row) for row in rows])
-    found = lives(scene, rows, workers)
-    hours = found.life * HOURS_PER_SECOND
-    hours = np.where(found.status == OK, hours, np.nan)
+    hours = sampled_lives(scene, rows, workers).life * HOURS_PER_SECOND
     return np.log(np.maximum(hours, math.exp(_NONE)))
 
 
