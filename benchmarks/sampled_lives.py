@@ -49,7 +49,7 @@ def quantiles(scene: Scene, plan: Sampling) -> np.ndarray:
     """Quantiles of life (3, 3) and the ends of their intervals [h]."""
     sample = sample_of(scene, ALL_INPUTS, plan)
     hours = sampled_lives(scene, sample.rows).life * HOURS_PER_SECOND
-    return np.array([life_quantile(hours[:, None] * sample.factors, p) for p in QUANTILES])
+    return np.array([life_quantile(hours, sample.factors, p) for p in QUANTILES])
 
 
 def seeds() -> None:

@@ -19,7 +19,9 @@ rule quantiles:
     params:
         code=sources("bearingwear.studies.uncertainty.quantiles"),
         scene=scene_values(uncertainty=True),
-        methods=lambda wildcards: UNCERTAINTY["scenes"][wildcards.scene]["preload_method"],
+        methods=lambda wildcards: UNCERTAINTY["scenes"][wildcards.scene][
+            "preload_method"
+        ],
         samples=UNCERTAINTY["sampling"]["samples"],
         seed=UNCERTAINTY["sampling"]["seed"],
     shell:

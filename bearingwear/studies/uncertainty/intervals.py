@@ -23,33 +23,38 @@ class Quantile(NamedTuple):
     high: float
 
 
-def life_quantile(lives: np.ndarray, p: float) -> Quantile:
-    """The quantile at a probability of the lives (n, draws) of independent bearings.
+def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
+    """The quantile at a probability of the lives of independent bearings.
 
-    Each life was solved once and stands there with `draws` wear factors. The share of lives below
-    the quantile is known as well as by an effective number of bearings, whose binomial interval
-    (Clopper and Pearson 1934; Korn and Graubard 1998) is carried over to lives (Woodruff 1952).
-    With one factor for each life, this is the interval between two order statistics.
+    The share of bearings below the quantile is known as well as by an effective number of bearings,
+    whose binomial interval (Clopper and Pearson 1934; Korn and Graubard 1998) is carried over to
+    lives (Woodruff 1952). With one factor for each life, this is the interval between two order
+    statistics. Otherwise it allows for one bearing more that fails at once and one that lasts: few
+    lives may all have missed an end of life that few bearings meet.
 
-    lives: NaN where one was not solved; these are left out.
+    lives (n,): NaN where one was not solved; these are left out.
+    factors (n, draws): by which wear scales each life, equally probable.
     """
-    lives = lives[np.isfinite(lives).all(axis=1)]
+    solved = np.isfinite(lives)
+    lives, every = lives[solved], lives[solved, None] * factors[solved]
     n = len(lives)
     if not n:
         return Quantile(np.nan, np.nan, np.nan)
-    value = float(np.quantile(lives, p, method="hazen"))
-    below = (lives <= value).mean(axis=1)
-    if np.ptp(lives) == 0.0 or (lives.shape[1] > 1 and n > 1 and np.ptp(below) == 0.0):
-        return Quantile(value, value, value)  # nothing varies but wear, whose factors are known
+    value = float(np.quantile(every, p, method="hazen"))
     if n == 1:
         return Quantile(value, np.nan, np.nan)
-    effective = n if lives.shape[1] == 1 else p * (1.0 - p) * n / below.var(ddof=1)
+    if np.ptp(lives) == 0.0:  # nothing varies but wear, whose factors are known
+        return Quantile(value, value, value)
+    effective = float(n)
+    if factors.shape[1] > 1:
+        below = np.append((every <= value).mean(axis=1), [0.0, 1.0])
+        effective *= p * (1.0 - p) / below.var(ddof=1)
     ends = (
         stats.beta.ppf(TAILS[0], effective * p, effective * (1.0 - p) + 1.0),
         stats.beta.ppf(TAILS[1], effective * p + 1.0, effective * (1.0 - p)),
     )
-    inside = [1.0 / lives.size <= end <= 1.0 - 1.0 / lives.size for end in ends]
-    low, high = np.quantile(lives, ends, method="hazen")
+    inside = [1.0 / every.size <= end <= 1.0 - 1.0 / every.size for end in ends]
+    low, high = np.quantile(every, ends, method="hazen")
     return Quantile(value, low if inside[0] else np.nan, high if inside[1] else np.nan)
 
 

@@ -221,19 +221,17 @@ def _lives_at(scene: Scene, plan: Sampling, workers: int, tell: Tell | None) -> 
     nominal, *lives = np.split(
         found.life * HOURS_PER_SECOND, np.cumsum([len(r) for r in rows[:-1]])
     )
-    hours = {
-        inputs: life[:, None] * one.factors
-        for inputs, life, one in zip(varied, lives, samples, strict=True)
-    }
-    hours[ALL_BUT_WEAR] = lives[0][:, None]
+    hours = dict(zip(varied, lives, strict=True)) | {ALL_BUT_WEAR: lives[0]}
+    factors = {inputs: one.factors for inputs, one in zip(varied, samples, strict=True)}
+    factors[ALL_BUT_WEAR] = np.ones((plan.samples, 1))
     row = {
         "preload": scene.operation.preload_N,
         **_counts(found),
         "nominal_life": nominal[0],
-        "life_sample": [_evenly_spaced(hours[inputs]) for inputs in sorted(hours)],
+        "life_sample": [_evenly_spaced(hours[i], factors[i]) for i in sorted(hours)],
     }
     quantiles = np.array(
-        [[life_quantile(hours[inputs], p) for p in PROBABILITIES] for inputs in sorted(hours)]
+        [[life_quantile(hours[i], factors[i], p) for p in PROBABILITIES] for i in sorted(hours)]
     )
     row |= dict(zip(QUANTILE, np.moveaxis(quantiles, -1, 0), strict=True))
     return MethodLives(row, lives[0] * samples[0].factors[:, 0])
@@ -248,12 +246,13 @@ def _counts(found: SampledLives) -> dict[str, Any]:
     }
 
 
-def _evenly_spaced(hours: np.ndarray) -> np.ndarray:
-    """Quantiles of lives at evenly spaced probabilities."""
-    hours = hours[np.isfinite(hours).all(axis=1)]
-    if not hours.size:
+def _evenly_spaced(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Quantiles of lives (n,) times factors (n, draws) at evenly spaced probabilities."""
+    solved = np.isfinite(hours)
+    if not solved.any():
         return np.full(MEMBERS, np.nan)
-    return np.quantile(hours, (np.arange(MEMBERS) + 0.5) / MEMBERS, method="hazen")
+    every = hours[solved, None] * factors[solved]
+    return np.quantile(every, (np.arange(MEMBERS) + 0.5) / MEMBERS, method="hazen")
 
 
 def _add_longest(methods: Sequence[MethodLives]) -> None:
