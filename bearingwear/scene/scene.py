@@ -75,7 +75,7 @@ __all__ = [
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
 
-CHECKED = "_is_checked"
+IS_CHECKED = "_is_checked"
 """Marks a scene that was checked; `dataclasses.replace` makes one without it."""
 
 Value = TypeVar("Value")
@@ -184,7 +184,7 @@ class Scene:
         return hash((plain, repr(dict(self.cases or {}))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        mark = {CHECKED: True} if CHECKED in self.__dict__ else None
+        mark = {IS_CHECKED: True} if IS_CHECKED in self.__dict__ else None
         return (*reduced(self), mark)
 
     def nominal(self, name: str) -> float:

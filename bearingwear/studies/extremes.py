@@ -12,7 +12,7 @@ from bearingwear.measures import MEASURES, Measure
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
 
-EXTREMES = "extremes"
+KEEP_EXTREMES = "extremes"
 
 
 def _worst_words(measure: Measure, name: str) -> str:

@@ -29,7 +29,7 @@ Axes = Mapping[str, Iterable[Any]]
 Rows = Sequence[Mapping[str, Any]]
 
 
-class SweepPoint(NamedTuple):
+class ScenePoint(NamedTuple):
     """The number of a scene, and a value for each key."""
 
     scene: int
@@ -81,10 +81,10 @@ class SweepPoints:
         """The points as text."""
         return json.dumps(asdict(self))
 
-    def __iter__(self) -> Iterator[SweepPoint]:
+    def __iter__(self) -> Iterator[ScenePoint]:
         columns = self.columns.values()
         rows = zip(*columns, strict=True) if self.in_rows else itertools.product(*columns)
-        return itertools.starmap(SweepPoint, itertools.product(range(len(self.names)), rows))
+        return itertools.starmap(ScenePoint, itertools.product(range(len(self.names)), rows))
 
     def __len__(self) -> int:
         return math.prod(self.lengths([]).values())
@@ -166,9 +166,11 @@ def _check_axis(key: str, values: Sequence[Any]) -> None:
     assert part is not None
     for value in values:
         if not fits(value, part):
-            raise SceneError(key, f"got {shown(value)}, expected {part.allowed}")
+            problem = f"got {shown(value)}, expected {part.allowed}"
+            raise SceneError("", problem, source=key)
     if again := _repeated([value for value in values if not isinstance(value, dict | list)]):
-        raise SceneError(key, f"got {shown(again[0])} twice, expected each value once")
+        problem = f"got {shown(again[0])} twice, expected each value once"
+        raise SceneError("", problem, source=key)
 
 
 def _check_kinds(scenes: Sequence[Scene], kinds: Sequence[Any] | None) -> None:

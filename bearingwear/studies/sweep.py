@@ -13,7 +13,7 @@ from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Workers
-from bearingwear.studies.points import Axes, Rows, SweepPoint, SweepPoints
+from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import usable_cores
 from bearingwear.studies.sweep_dataset import (
@@ -125,12 +125,12 @@ class Asked:
     fidelity: str | None
     kept: Kept
 
-    def scene(self, point: SweepPoint) -> Scene:
+    def scene(self, point: ScenePoint) -> Scene:
         """The scene of a point. Raises SceneError."""
         made = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
         return for_life(made) if self.what == "life" else made
 
-    def __call__(self, point: SweepPoint) -> Answer:
+    def __call__(self, point: ScenePoint) -> Answer:
         scene = self.scene(point)
         if callable(self.what):
             return self.kept.of_function(self.what(scene))
@@ -163,7 +163,7 @@ class Sweep:
         """The sweep that `sweep` is asked for. Raises SceneError."""
         if not callable(what) and what not in ("solve", "life"):
             raise ValueError(f"what: got {what!r}, expected solve, life or a function")
-        given = scene if isinstance(scene, list | tuple) else [scene]
+        given: Sequence[Any] = scene if isinstance(scene, list | tuple) else [scene]
         if not given:
             raise SceneError("", "got no scene, expected one or more", source="scene")
         scenes = tuple(as_scene(one) for one in given)
@@ -180,14 +180,17 @@ class Sweep:
         """The answers at all points, or at those of a part along `point`."""
         every = list(self.points)
         numbers = range(len(every)) if part is None else _numbers_of_part(part, len(every))
-        # neighbours take alike long; the time left is that of the others
-        order = sorted(range(len(numbers)), key=lambda k: k * _GOLDEN % 1.0)
+        order = _even_order(len(numbers))
         points = [every[numbers[k]] for k in order]
+        what = self.asked.what
         cores = min(len(points), usable_cores() if workers is None else workers)
         with Workers(cores, "sweep", progress) as pool:
             if cores > 1:
-                self._prepare(points)
-                pool.start()
+                if not callable(what):
+                    self.compile(points)
+                    pool.start()
+                else:
+                    check_can_be_sent(what)
             found = dict(zip(order, pool.answers_at(self.asked, points), strict=True))
         answers = [found[k] for k in range(len(numbers))]
         self._check_some_valid(every[numbers[0]], answers)
@@ -197,17 +200,20 @@ class Sweep:
             return part_of_sweep(made, self.points, numbers, part)
         return whole_sweep(made, self.points)
 
-    def _prepare(self, points: Sequence[SweepPoint]) -> None:
-        """Have kernels compiled and loaded before processes are forked, which then have them."""
+    def in_even_order(self) -> list[ScenePoint]:
+        """All points, the first few of which lie far apart."""
+        every = list(self.points)
+        return [every[k] for k in _even_order(len(every))]
+
+    def compile(self, points: Sequence[ScenePoint]) -> None:
+        """Compile and load the kernels that points need; processes that are forked have them."""
         what = self.asked.what
         if callable(what):
-            check_can_be_sent(what)
             return
         for fidelity, scene in self.models(points).items():
-            asked = "solve" if fidelity == "dynamic" else what
-            _result(scene.with_(COARSEST), asked, fidelity)
+            _result(scene.with_(COARSEST), "solve" if fidelity == "dynamic" else what, fidelity)
 
-    def models(self, points: Sequence[SweepPoint]) -> dict[str, Scene]:
+    def models(self, points: Sequence[ScenePoint]) -> dict[str, Scene]:
         """The models that some of the points need, each with a scene that needs it."""
         from bearingwear.solvers.effects.choice import choice, choice_for_life
 
@@ -221,11 +227,16 @@ class Sweep:
                 continue
         return found
 
-    def _check_some_valid(self, first: SweepPoint, answers: Sequence[Answer]) -> None:
+    def _check_some_valid(self, first: ScenePoint, answers: Sequence[Answer]) -> None:
         """Raise the error of the first point where all of them have one."""
         if all(PROBLEM in answer for answer in answers):
             self.asked(first)
             raise NotAvailable(answers[0][PROBLEM])
+
+
+def _even_order(count: int) -> list[int]:
+    """Numbers below a count, mixed: neighbours take alike long, and a time left is of others."""
+    return sorted(range(count), key=lambda k: k * _GOLDEN % 1.0)
 
 
 def _numbers_of_part(part: tuple[int, int], count: int) -> range:

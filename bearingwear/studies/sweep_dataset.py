@@ -18,7 +18,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import PROBLEM, REFUSED, Answer
-from bearingwear.studies.extremes import EXTREMES, WORST_VALUES, worst_values
+from bearingwear.studies.extremes import KEEP_EXTREMES, WORST_VALUES, worst_values
 from bearingwear.studies.points import SweepPoints
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
 
 SWEEP_KIND = "sweep"
-POINT = "point"
+NUMBERED = "point"
 """Dimension of the points of a part, and its coordinate: their numbers."""
 
 _OF_EXTREMES = ("life", "loss_at_end", "end_criterion")
@@ -48,10 +48,10 @@ class Kept:
     @classmethod
     def of(cls, keep: str | Sequence[str] | None, what: str) -> Kept:
         """What `keep` asks for. SceneError: a name that no result has."""
-        if keep == EXTREMES:
+        if keep == KEEP_EXTREMES:
             if what != "life":
                 raise SceneError(
-                    "", f"got {EXTREMES} of {what}, expected it of life", source="keep"
+                    "", f"got {KEEP_EXTREMES} of {what}, expected it of life", source="keep"
                 )
             return cls(what, _OF_EXTREMES, True)
         if keep is None:
@@ -96,14 +96,14 @@ def points_dataset(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
 
     if kept.what == "function":
         rows = [{n: v for n, v in one.items() if n != PROBLEM} for one in answers]
-        made = filled(_table_of(rows), {POINT: len(rows)}, rows)
+        made = filled(_table_of(rows), {NUMBERED: len(rows)}, rows)
     else:
         made = _of_results(kept, answers)
     if kept.with_worst:
         rows = [one.get("worst", {}) for one in answers]
         known = {name for row in rows for name in row}
         worst = {name: v for name, v in WORST_VALUES.items() if name in known}
-        made = made.assign(filled(worst, {POINT: len(rows)}, rows).variables)
+        made = made.assign(filled(worst, {NUMBERED: len(rows)}, rows).variables)
     attrs = [one.get("attrs", {}) for one in answers]
     made.attrs = {
         "fidelity": ", ".join(sorted({one["fidelity"] for one in attrs if "fidelity" in one})),
@@ -127,7 +127,7 @@ def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
         result = Result(one.get("values", refused), dict(one.get("attrs", {})))
         result.scene = one.get("scene", about)
         results.append(result)
-    made = stacked(datasets_of(results, POINT), {POINT: len(results)}, along=POINT)
+    made = stacked(datasets_of(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)
     names = kept.names
     return made if names is None else made[["status", *(n for n in names if n in made)]]
 
@@ -149,8 +149,10 @@ def whole_sweep(made: xr.Dataset, points: SweepPoints) -> xr.Dataset:
     from bearingwear.results.labels import labelled
     from bearingwear.studies.dataset import reshaped
 
-    taken = {str(name) for name in made.variables} - {POINT}
-    found = labelled(reshaped(made.drop_vars(POINT, errors="ignore"), POINT, points.lengths(taken)))
+    taken = {str(name) for name in made.variables} - {NUMBERED}
+    found = labelled(
+        reshaped(made.drop_vars(NUMBERED, errors="ignore"), NUMBERED, points.lengths(taken))
+    )
     found = found.assign_coords(points.coordinates(taken))
     found.attrs = dict(made.attrs) | {
         "changed_keys": json.dumps({name: key for key, name in points.key_names(taken).items()}),
@@ -167,7 +169,7 @@ def part_of_sweep(
     """Answers at the points of a part along `point`; with names."""
     from bearingwear.results.labels import labelled
 
-    found = labelled(made).assign_coords({POINT: np.array(numbers, dtype="i4")})
+    found = labelled(made).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
     message = _message(found, made.attrs["problem"])
     return found.assign_attrs(points=points.json, part=f"{part[0]}/{part[1]}", message=message)
 
@@ -214,8 +216,10 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
         )
     each = list(parts.values())
     points = SweepPoints.from_json(each[0].attrs["points"])
-    numbers = np.concatenate([one[POINT].values for one in each])
-    made = stacked(each, {POINT: len(numbers)}, along=POINT).isel({POINT: np.argsort(numbers)})
+    numbers = np.concatenate([one[NUMBERED].values for one in each])
+    made = stacked(each, {NUMBERED: len(numbers)}, along=NUMBERED).isel(
+        {NUMBERED: np.argsort(numbers)}
+    )
     fidelities = {name for one in each for name in one.attrs["fidelity"].split(", ")}
     problems = [one.attrs["problem"] for one in each if one.attrs["problem"]]
     made.attrs = each[0].attrs | {

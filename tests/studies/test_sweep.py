@@ -110,7 +110,7 @@ def test_nothing_is_solved_before_all_is_checked(coarse, changes, said, monkeypa
 
 def test_a_model_that_cannot_solve_a_point(coarse):
     rotating = "operation.rotating_load_N"
-    with pytest.warns(UserWarning, match="none 1 .*rotating_load_N: got 1, expected"):
+    with pytest.warns(UserWarning, match="points were not solved: none 1 .gyro_s1: "):
         made = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
     assert made.status.values.tolist() == ["ok", "none"]
     assert np.isfinite(made.total_qv).values.tolist() == [True, False]
