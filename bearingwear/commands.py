@@ -175,8 +175,49 @@ def _solve_each(args: argparse.Namespace) -> int:
     return status
 
 
-def gather(args: argparse.Namespace) -> int:
+def sweep(args: argparse.Namespace) -> int:
+    args.scene = args.scenes[0]  # which errors name
+    if args.output is None and not args.dry_run:
+        raise UsageError("-o: got nothing, expected a file, or --dry-run")
+    from bearingwear.scene.changes import changes_of
+    from bearingwear.scene.read import variant
+    from bearingwear.studies.points_given import points_given
+    from bearingwear.studies.sweep import Sweep
+
+    changes = changes_of(args.set)
+    scenes = [variant(path, changes) for path in args.scenes]
+    keep = args.keep[0] if args.keep is not None and len(args.keep) == 1 else args.keep
+    points = points_given(args.axis, args.rows)
+    asked = Sweep.of(scenes, points, args.what, args.fidelity, keep)
+    if args.dry_run:
+        from bearingwear.studies.sweep_cost import cost_lines
+
+        print("\n".join(cost_lines(asked, args.jobs, args.part[1] if args.part else 1)))
+        return OK
+    for path in args.scenes:
+        check_output(args.output, path)
+    _tell_of_new_folder(args.output)
+    with ProgressLines() as tell:
+        made = asked.dataset(args.jobs, tell, args.part)
+    from bearingwear.results.labels import coded
     from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.sweep_dataset import sweep_warnings
+
+    write_dataset(coded(made), args.output)
+    for text in sweep_warnings(made):
+        sys.stderr.write(one_line(f"{args.output}: {text}"))
+    return OK if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
+
+
+def gather(args: argparse.Namespace) -> int:
+    from bearingwear.results.labels import coded
+    from bearingwear.results.netcdf import header
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.sweep_dataset import SWEEP_KIND, gathered_parts
+
+    if header(args.files[0]).get("kind") == SWEEP_KIND:
+        write_dataset(coded(gathered_parts(args.files)), args.output)
+        return OK
     from bearingwear.studies.grid.gather import study as gathered
 
     write_dataset(gathered(args.files), args.output)

@@ -79,7 +79,7 @@ class Workers:
 
         what: a function of a module, or a `functools.partial` of one; other processes call it.
         """
-        answers = self._answers(partial(_answer, what), points)
+        answers = self._answers(partial(answer_of, what), points)
         return with_progress(answers, len(points), self._label, self._progress)
 
     def start(self) -> None:
@@ -118,7 +118,8 @@ class Workers:
             ) from None
 
 
-def _answer(what: Callable[[_P], Answer], point: _P) -> Answer:
+def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:
+    """The answer of a function at a point; see `Workers.answers_at`."""
     try:
         return what(point)
     except FAILURES as error:
