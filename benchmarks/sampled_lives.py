@@ -21,8 +21,9 @@ from bearingwear.scene.scene import Scene
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.intervals import life_quantile
 from bearingwear.studies.uncertainty.plan import uncertain_scene
+from bearingwear.studies.uncertainty.preloads import with_preload
 from bearingwear.studies.uncertainty.quantiles import uncertain_lives
-from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives, with_preload
+from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 METHODS = ("constant_force", "fixed_position")

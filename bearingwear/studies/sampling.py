@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.scene import UNCERTAIN, WORN, Bearing, Scene
@@ -41,6 +42,14 @@ class Sampling:
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
             raise SceneError("samples", f"got {self.samples}, expected a power of two")
+
+
+def sampling_of(samples: int, seed: int) -> Sampling:
+    """The sampling that options of a command or a step ask for. Raises SceneError."""
+    try:
+        return record(Sampling, {"samples": samples, "seed": seed})
+    except SceneError as error:
+        raise SceneError(f"--{error.key}", error.problem, source="") from None
 
 
 DIAMETER = "ball_diameter_mm"

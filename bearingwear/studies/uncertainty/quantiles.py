@@ -13,8 +13,6 @@ import numpy as np
 import xarray as xr
 from scipy.stats import qmc
 
-from bearingwear.kernels.status import OK
-from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
@@ -25,14 +23,17 @@ from bearingwear.results.quantiles import (
     TAKEN,
 )
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
-from bearingwear.scene.checking.check import record
-from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.distributions import value_at, values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.dataset import filled
-from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell
-from bearingwear.studies.sampling import INDEX_SAMPLES, SAMPLES, Sampling, wear_factor
+from bearingwear.studies.sampling import (
+    INDEX_SAMPLES,
+    SAMPLES,
+    Sampling,
+    sampling_of,
+    wear_factor,
+)
 from bearingwear.studies.uncertainty.intervals import life_quantile, longest_shares, sobol_indices
 from bearingwear.studies.uncertainty.plan import (
     AS_RECOMMENDED,
@@ -40,12 +41,8 @@ from bearingwear.studies.uncertainty.plan import (
     PRELOAD_CHOICES,
     uncertain_scene,
 )
-from bearingwear.studies.uncertainty.sample import (
-    SampledLives,
-    sample_of,
-    sampled_lives,
-    with_preload,
-)
+from bearingwear.studies.uncertainty.preloads import recommended_preloads, with_preload
+from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives
 from bearingwear.studies.uncertainty.variables import (
     ANALYSED,
     CHOICE,
@@ -89,7 +86,7 @@ def uncertain_lives(
     workers: processes that solve lives.
     tell: what takes lines of progress.
     """
-    plan = _plan(samples, seed)
+    plan = sampling_of(samples, seed)
     taken: list[str] = []
     settings = [[f"friction.ball_race={mu!r}"] for mu in frictions] or [[]]
     scenes = [uncertain_scene(scene, one, taken.append) for one in settings]
@@ -109,13 +106,12 @@ def recommended_life_quantiles(
     samples, seed, workers: as of `uncertain_lives`.
     """
     base = uncertain_scene(scene)
-    recommended = recommended_for(base, load(recommendation))
     preloads = {
-        (PRELOAD_METHODS[int(flag)], AS_RECOMMENDED): float(preload)
-        for flag, preload in zip(recommended["preload_method"], recommended["preload"], strict=True)
+        (method, AS_RECOMMENDED): preload
+        for method, preload in recommended_preloads(base, recommendation).items()
         if np.isfinite(preload)
     }
-    return life_quantiles([base], preloads, _plan(samples, seed), workers)
+    return life_quantiles([base], preloads, sampling_of(samples, seed), workers)
 
 
 def quantiles_and_indices(
@@ -133,24 +129,13 @@ def quantiles_and_indices(
     seed, workers: as of `uncertain_lives`.
     """
     base = uncertain_scene(scene)
-    recommended = recommended_for(base, load(recommendation))
+    recommended = recommended_preloads(base, recommendation, methods)
     preloads = {}
     for method in methods:
-        flag = PRELOAD_METHODS.index(method)
-        if flag not in recommended["preload_method"]:
-            raise CaseFileError(f"the recommendation does not contain {method}")
         preloads[method, OWN] = base.operation.preload_N
-        at_method = recommended["preload"].sel(preload_method=flag)
-        preloads[method, AS_RECOMMENDED] = float(at_method)
-    plan = _plan(samples, seed)
+        preloads[method, AS_RECOMMENDED] = recommended[method]
+    plan = sampling_of(samples, seed)
     return life_quantiles([base], preloads, plan, workers, with_indices=True)
-
-
-def _plan(samples: int, seed: int) -> Sampling:
-    try:
-        return record(Sampling, {"samples": samples, "seed": seed})
-    except SceneError as error:
-        raise CaseFileError(f"--{error.key}: {error.problem}") from None
 
 
 def life_quantiles(
@@ -226,7 +211,9 @@ def _lives_at(scene: Scene, plan: Sampling, workers: int, tell: Tell | None) -> 
     factors[ALL_BUT_WEAR] = np.ones((plan.samples, 1))
     row = {
         "preload": scene.operation.preload_N,
-        **_counts(found),
+        "evaluations": found.solves,
+        "solved_share": found.solved_share,
+        "status_count": [np.count_nonzero(found.status == s) for s in LIFE_STATUSES.values()],
         "nominal_life": nominal[0],
         "life_sample": [_evenly_spaced(hours[i], factors[i]) for i in sorted(hours)],
     }
@@ -235,15 +222,6 @@ def _lives_at(scene: Scene, plan: Sampling, workers: int, tell: Tell | None) -> 
     )
     row |= dict(zip(QUANTILE, np.moveaxis(quantiles, -1, 0), strict=True))
     return MethodLives(row, lives[0] * samples[0].factors[:, 0])
-
-
-def _counts(found: SampledLives) -> dict[str, Any]:
-    """How many lives were solved, and with which status members ended."""
-    return {
-        "evaluations": found.solves,
-        "solved_share": (found.status == OK).mean(),
-        "status_count": [np.count_nonzero(found.status == s) for s in LIFE_STATUSES.values()],
-    }
 
 
 def _evenly_spaced(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:

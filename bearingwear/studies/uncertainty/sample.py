@@ -6,7 +6,6 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -16,7 +15,6 @@ from scipy.stats import qmc
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY, SCATTER_ONLY
-from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
@@ -35,6 +33,11 @@ class SampledLives(NamedTuple):
     life: np.ndarray  # (n,) [s]; NaN where it was not solved
     status: np.ndarray  # (n,); REFUSED where no model takes the values
     solves: int  # lives that were solved; members that differ in K_s and H alone share one
+
+    @property
+    def solved_share(self) -> float:
+        """Share of the lives that could be computed."""
+        return float((self.status == OK).mean())
 
 
 class Sample(NamedTuple):
@@ -127,17 +130,3 @@ def quick_life_answer(
     if life.status != OK:
         return {"status": life.status}
     return {"status": OK, "life": float(life.last.time)}
-
-
-def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
-    """The scene with a method and a preload, whose distribution is scaled with it."""
-    distributions = dict(scene.uncertainty or {})
-    if "preload_N" in distributions:
-        share, old = preload_N / scene.operation.preload_N, distributions["preload_N"]
-        parts = {
-            part: getattr(old, part) * share
-            for part in ("mean", "standard_deviation", "median", "low", "high")
-            if getattr(old, part) is not None
-        }
-        distributions["preload_N"] = replace(old, **parts)
-    return replace(held_by(scene, method, preload_N), uncertainty=distributions)

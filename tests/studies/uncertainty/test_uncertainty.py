@@ -27,8 +27,9 @@ from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.plan import OWN
+from bearingwear.studies.uncertainty.preloads import with_preload
 from bearingwear.studies.uncertainty.quantiles import life_quantiles, sobol_rows
-from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives, with_preload
+from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives
 from bearingwear.studies.uncertainty.variables import PROBABILITIES
 
 PLAN = Sampling(samples=64)
