@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Workers
+from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
-from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import usable_cores
 from bearingwear.studies.sweep_dataset import (
     Kept,
