@@ -160,8 +160,8 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         help="what to compute at each point (default: solve)")
     sweep.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
     sweep.add_argument("--keep", type=_names, metavar="NAME,NAME...",
-        help="variables to keep (default: all), or extremes: the life, and the worst value of each "
-        "measure from new to the end of life")
+        help="variables to keep (default: all); or extremes: the life, and the worst value of each "
+        "measure from new to the end of life; or study: what a study keeps of a case")
     sweep.add_argument("--part", type=_part, metavar="K/N",
         help="compute the K-th of N parts; `bearingwear gather` joins their files")
     sweep.add_argument("-j", "--jobs", type=_count, metavar="N",

@@ -210,12 +210,13 @@ def sweep(args: argparse.Namespace) -> int:
 
 
 def gather(args: argparse.Namespace) -> int:
-    from bearingwear.results.labels import coded
     from bearingwear.results.netcdf import header
     from bearingwear.studies.dataset import write_dataset
-    from bearingwear.studies.sweep_dataset import SWEEP_KIND, gathered_parts
 
-    if header(args.files[0]).get("kind") == SWEEP_KIND:
+    if "part" in header(args.files[0]):
+        from bearingwear.results.labels import coded
+        from bearingwear.studies.sweep_dataset import gathered_parts
+
         write_dataset(coded(gathered_parts(args.files)), args.output)
         return OK
     from bearingwear.studies.grid.gather import study as gathered

@@ -15,12 +15,14 @@ from functools import partial
 from typing import Any, TypeVar
 
 from bearingwear.console import LINE_EVERY
-from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import usable_cores
 
 _P = TypeVar("_P")
 Answer = Mapping[str, Any]
 """Values by their names; what is asked of a point."""
+
+Tell = Callable[[str], None]
+"""What takes a line of progress."""
 
 REFUSED = -1
 """Status of a point that no model was asked for; files and tables call it `none`."""
@@ -34,7 +36,7 @@ without a result. Others are faults of the program and end a sweep."""
 
 _IGNORED = signal.SIGINT, signal.SIG_IGN
 
-CHUNKS_PER_WORKER = 8
+_CHUNKS_PER_WORKER, _MOST_AT_ONCE = 8, 32
 """How finely points are shared out; a process takes more when it has answered its share."""
 
 
@@ -72,14 +74,17 @@ class Workers:
         self._pool: ProcessPoolExecutor | None = None
         self._before = set(multiprocessing.active_children())
 
-    def answers_at(self, what: Callable[[_P], Answer], points: Sequence[_P]) -> Iterator[Answer]:
+    def answers_at(
+        self, what: Callable[[_P], Answer], points: Sequence[_P], at_once: int = _MOST_AT_ONCE
+    ) -> Iterator[Answer]:
         """The answers of a function at points, in their order.
 
         A point that raises one of `FAILURES` has the status `REFUSED` and a `PROBLEM`.
 
         what: a function of a module, or a `functools.partial` of one; other processes call it.
+        at_once: how many points a process takes at most; few where not all answers may be needed.
         """
-        answers = self._answers(partial(answer_of, what), points)
+        answers = self._answers(partial(answer_of, what), points, at_once)
         return with_progress(answers, len(points), self._label, self._progress)
 
     def start(self) -> None:
@@ -88,7 +93,9 @@ class Workers:
             # a terminal interrupts them, too; this process ends them
             self._pool = ProcessPoolExecutor(self.workers, None, signal.signal, _IGNORED)
 
-    def _answers(self, answer: Callable[[_P], Answer], points: Sequence[_P]) -> Iterator:
+    def _answers(
+        self, answer: Callable[[_P], Answer], points: Sequence[_P], at_once: int
+    ) -> Iterator[Answer]:
         if self.workers == 1:
             yield from map(answer, points)
             return
@@ -97,8 +104,10 @@ class Workers:
         if len(points) > here:
             self.start()
             assert self._pool is not None
-            size = math.ceil(len(points) / (CHUNKS_PER_WORKER * self.workers))
-            yield from self._pool.map(answer, itertools.islice(points, here, None), chunksize=size)
+            size = math.ceil(len(points) / (_CHUNKS_PER_WORKER * self.workers))
+            yield from self._pool.map(
+                answer, itertools.islice(points, here, None), chunksize=min(size, at_once)
+            )
 
     def __enter__(self) -> Workers:
         return self

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Workers
+from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
-from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import usable_cores
 from bearingwear.studies.sweep_dataset import (
     Kept,
@@ -79,9 +78,10 @@ def sweep(
     progress : bool
         Whether a sweep of more than a few seconds reports its progress on standard error (with
         tqdm, if installed).
-    keep : list of str, or "extremes", optional
+    keep : list of str, "extremes" or "study", optional
         Names of the variables to keep (default: all); `status` always stays. "extremes" keeps the
-        life itself and the worst value of each measure from new to the end of life.
+        life itself and the worst value of each measure from new to the end of life; "study" leaves
+        out profiles over the contacts, histories and states, as `study.nc` does.
     part : (int, int), optional
         `(3, 10)` computes the third of ten parts, for instance in ten jobs of a cluster.
         `bearingwear gather` joins their files.

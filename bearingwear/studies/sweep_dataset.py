@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.results.kinds import ONLY_IN_CASES, SWEEP_KIND
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lines
 from bearingwear.scene.blocks import CRITERIA
@@ -26,10 +27,10 @@ if TYPE_CHECKING:
 
     from bearingwear.solvers.result import Result
 
-SWEEP_KIND = "sweep"
 NUMBERED = "point"
 """Dimension of the points of a part, and its coordinate: their numbers."""
 
+KEEP_STUDY = "study"
 _OF_EXTREMES = ("life", "loss_at_end", "end_criterion")
 """Variables of a life that stand beside the worst values."""
 
@@ -56,6 +57,8 @@ class Kept:
             return cls(what, _OF_EXTREMES, True)
         if keep is None:
             return cls(what, None)
+        if keep == KEEP_STUDY and what == "solve":
+            return cls(what, _names_of_study())
         names = (keep,) if isinstance(keep, str) else tuple(keep)
         if what != "function":
             _check_names(names, what)
@@ -75,6 +78,13 @@ class Kept:
 
     def _has(self, name: str) -> bool:
         return self.names is None or name in (*self.names, "status", "end_criterion")
+
+
+def _names_of_study() -> tuple[str, ...]:
+    from bearingwear.results.variables import CASE
+
+    left_out = {*ONLY_IN_CASES}
+    return tuple(name for name, one in CASE.items() if not {name, *one.dims} & left_out)
 
 
 def _check_names(names: Iterable[str], what: str) -> None:
@@ -129,7 +139,7 @@ def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
         results.append(result)
     made = stacked(datasets_of(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)
     names = kept.names
-    return made if names is None else made[["status", *(n for n in names if n in made)]]
+    return made if names is None else made[[n for n in made.data_vars if n in (*names, "status")]]
 
 
 def _table_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
