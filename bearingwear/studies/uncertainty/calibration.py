@@ -43,6 +43,7 @@ from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
+from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
@@ -350,7 +351,8 @@ def _logs(
     scene = replace(scene, uncertainty={name: given[name] for name in names})
     if torque:
         return np.array([_log_torque(scene, names, row) for row in rows])
-    hours = sampled_lives(scene, rows, workers).life * HOURS_PER_SECOND
+    with Workers(workers, "calibrate", progress=False) as pool:
+        hours = sampled_lives(scene, rows, pool).life * HOURS_PER_SECOND
     return np.log(np.maximum(hours, math.exp(_NONE)))
 
 

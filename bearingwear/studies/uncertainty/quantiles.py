@@ -25,8 +25,8 @@ from bearingwear.results.quantiles import (
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.distributions import value_at, values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
+from bearingwear.studies.answers import Tell, Workers
 from bearingwear.studies.dataset import filled
-from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import (
     INDEX_SAMPLES,
     SAMPLES,
@@ -153,18 +153,18 @@ def life_quantiles(
     preloads: by method and choice of preload [N]; NaN where none is recommended.
     """
     rows = []
-    for scene in scenes:
-        found = {}
-        for (method, choice), preload in preloads.items():
-            row = MethodLives({"preload": preload, "evaluations": 0}, np.empty(0))
-            if np.isfinite(preload):
-                row = _lives_at(with_preload(scene, method, preload), plan, workers, tell)
-                if with_indices:
-                    row.row.update(_causes(with_preload(scene, method, preload), plan, workers))
-            found[method, choice] = row
-        for choice in {choice for _, choice in preloads}:
-            _add_longest([one for key, one in found.items() if key[1] == choice])
-        rows += [one.row for one in found.values()]
+    with Workers(workers, "uncertainty", tell or False) as pool:
+        for scene in scenes:
+            lives = {key: MethodLives({"preload": n}, np.empty(0)) for key, n in preloads.items()}
+            for (method, choice), preload in preloads.items():
+                if np.isfinite(preload):
+                    at_preload = with_preload(scene, method, preload)
+                    lives[method, choice] = _lives_at(at_preload, plan, pool, tell)
+                    if with_indices:
+                        lives[method, choice].row.update(_causes(at_preload, plan, pool))
+            for choice in {choice for _, choice in preloads}:
+                _add_longest([one for key, one in lives.items() if key[1] == choice])
+            rows += [one.row for one in lives.values()]
     axes: dict[Variable, Any] = {
         METHOD: [PRELOAD_METHODS.index(one) for one in dict.fromkeys(m for m, _ in preloads)],
         CHOICE: [PRELOAD_CHOICES.index(one) for one in dict.fromkeys(c for _, c in preloads)]
@@ -192,7 +192,7 @@ def life_quantiles(
     )
 
 
-def _lives_at(scene: Scene, plan: Sampling, workers: int, tell: Tell | None) -> MethodLives:
+def _lives_at(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
     """Lives and their quantiles: of all bearings, within a batch, and of the bearing of a batch."""
     if tell:
         tell(
@@ -202,7 +202,7 @@ def _lives_at(scene: Scene, plan: Sampling, workers: int, tell: Tell | None) -> 
     varied = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
     samples = [sample_of(scene, inputs, plan) for inputs in varied]
     rows = [np.array([_medians(scene)]), *(one.rows for one in samples)]
-    found = sampled_lives(scene, np.vstack(rows), workers, tell)
+    found = sampled_lives(scene, np.vstack(rows), pool)
     nominal, *lives = np.split(
         found.life * HOURS_PER_SECOND, np.cumsum([len(r) for r in rows[:-1]])
     )
@@ -246,14 +246,14 @@ def _medians(scene: Scene) -> list[float]:
     return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
-def _causes(scene: Scene, plan: Sampling, workers: int) -> dict[str, Any]:
+def _causes(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
     """Sobol indices of the lives, and lives with one value at its 10 % and 90 % quantile [h]."""
     names = list(scene.uncertainty or {})
     rows = sobol_rows(scene, plan)
     around = np.tile(_medians(scene), (2 * len(names), 1))
     for k, name in enumerate(names):
         around[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
-    found = sampled_lives(scene, np.vstack([rows.reshape(-1, len(names)), around]), workers)
+    found = sampled_lives(scene, np.vstack([rows.reshape(-1, len(names)), around]), pool)
     lives = found.life[: -len(around)].reshape(rows.shape[:2])
     worn = [k for k, name in enumerate(names) if name in WORN]
     values = rows[..., worn].reshape(-1, len(worn))

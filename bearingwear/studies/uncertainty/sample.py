@@ -19,8 +19,7 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
-from bearingwear.studies.answers import PROBLEM, answers_at
-from bearingwear.studies.pool import Tell
+from bearingwear.studies.answers import PROBLEM, Workers
 from bearingwear.studies.sampling import Sampling, perturbed, wear_factor
 
 POOLED = 2**15
@@ -95,9 +94,7 @@ def _sobol_points(dimensions: int, count: int, seed: int) -> np.ndarray:
     return qmc.Sobol(dimensions, seed=seed).random(count)
 
 
-def sampled_lives(
-    scene: Scene, rows: np.ndarray, workers: int = 1, tell: Tell | None = None
-) -> SampledLives:
+def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -> SampledLives:
     """Lives at values (n, names) of the uncertain keys, as quick lives with the grooves of `life`.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
@@ -107,7 +104,8 @@ def sampled_lives(
     others = [k for k, name in enumerate(names) if name not in WORN]
     unlike, which = np.unique(rows[:, others], axis=0, return_inverse=True)
     what = partial(quick_life_answer, scene, [names[k] for k in others])
-    answers = list(answers_at(what, unlike.tolist(), workers, "uncertainty", tell or False))
+    pool = pool or Workers(1, progress=False)
+    answers = list(pool.answers_at(what, unlike.tolist()))
     if all(PROBLEM in one for one in answers):
         raise NotAvailable(answers[0][PROBLEM])
     life = np.array([one.get("life", np.nan) for one in answers])[which.ravel()]
