@@ -124,7 +124,7 @@ def quick_life_answer(
     other = perturbed(scene, dict(zip(names, values, strict=True)))
     if other is None:
         return {"status": BEYOND_GROOVE}
-    life = worn_life(other, only_times=True) or HertzianLives(other, quick=True)(other)
+    life = worn_life(other) or HertzianLives(other, quick=True)(other)
     if life.status != OK:
         return {"status": life.status}
     return {"status": OK, "life": float(life.last.time)}
