@@ -135,6 +135,11 @@ def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:
         return {"status": REFUSED, PROBLEM: " ".join(str(error).split())}
 
 
+def answer_values(answer: Answer) -> dict[str, Any]:
+    """The values of an answer, without its problem."""
+    return {name: value for name, value in answer.items() if name != PROBLEM}
+
+
 def with_progress(
     answers: Iterable[Answer], count: int, label: str, progress: bool | Tell
 ) -> Iterator[Answer]:

@@ -18,7 +18,7 @@ from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lin
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.answers import PROBLEM, REFUSED, Answer
+from bearingwear.studies.answers import PROBLEM, REFUSED, Answer, answer_values
 from bearingwear.studies.extremes import KEEP_EXTREMES, WORST_VALUES, worst_values
 from bearingwear.studies.points import SweepPoints
 
@@ -105,7 +105,7 @@ def points_dataset(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
     from bearingwear.studies.dataset import filled
 
     if kept.what == "function":
-        rows = [{n: v for n, v in one.items() if n != PROBLEM} for one in answers]
+        rows = [answer_values(one) for one in answers]
         made = filled(_table_of(rows), {NUMBERED: len(rows)}, rows)
     else:
         made = _of_results(kept, answers)
