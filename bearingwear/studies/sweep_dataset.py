@@ -72,7 +72,11 @@ class Kept:
         """The answer of a solve or a life of a scene."""
         values = {n: v for n, v in result.values.items() if self._has(n)}
         attrs = {name: result.attrs[name] for name in ("fidelity", "warnings")}
-        about = {name: scene.plain.get(name) for name in ("arrangement", "model", "bearing")}
+        about = {  # of its scene, what decides the layout of a file
+            "arrangement": scene.arrangement and {"kind": scene.arrangement.kind},
+            "model": {"strips": scene.model.strips},
+            "bearing": {"ball_count": scene.bearing.ball_count},
+        }
         worst = worst_values(scene, result.values) if self.with_worst else {}
         return {"values": values, "attrs": attrs, "scene": about, "worst": worst}
 
