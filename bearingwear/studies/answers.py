@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import multiprocessing
+import pickle
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from functools import partial
 from typing import Any, TypeVar
 
 from bearingwear.console import LINE_EVERY
@@ -84,7 +85,7 @@ class Workers:
         what: a function of a module, or a `functools.partial` of one; other processes call it.
         at_once: how many points a process takes at most; few where not all answers may be needed.
         """
-        answers = self._answers(partial(answer_of, what), points, at_once)
+        answers = self._answers(what, points, at_once)
         return with_progress(answers, len(points), self._label, self._progress)
 
     def start(self) -> None:
@@ -94,20 +95,17 @@ class Workers:
             self._pool = ProcessPoolExecutor(self.workers, None, signal.signal, _IGNORED)
 
     def _answers(
-        self, answer: Callable[[_P], Answer], points: Sequence[_P], at_once: int
+        self, what: Callable[[_P], Answer], points: Sequence[_P], at_once: int
     ) -> Iterator[Answer]:
-        if self.workers == 1:
-            yield from map(answer, points)
-            return
-        here = 1 if self._pool is None else 0
-        yield from map(answer, points[:here])
+        here = len(points) if self.workers == 1 else 1 if self._pool is None else 0
+        yield from map(functools.partial(answer_of, what), points[:here])
         if len(points) > here:
             self.start()
             assert self._pool is not None
             size = math.ceil(len(points) / (_CHUNKS_PER_WORKER * self.workers))
-            yield from self._pool.map(
-                answer, itertools.islice(points, here, None), chunksize=min(size, at_once)
-            )
+            answer = functools.partial(_answer_of_sent, pickle.dumps(what))
+            others = itertools.islice(points, here, None)
+            yield from self._pool.map(answer, others, chunksize=min(size, at_once))
 
     def __enter__(self) -> Workers:
         return self
@@ -133,6 +131,16 @@ def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:
         return what(point)
     except FAILURES as error:
         return {"status": REFUSED, PROBLEM: " ".join(str(error).split())}
+
+
+def _answer_of_sent(sent: bytes, point: Any) -> Answer:
+    return answer_of(_received(sent), point)
+
+
+@functools.lru_cache(maxsize=4)
+def _received(sent: bytes) -> Any:
+    """A function as another process sent it; all its points share what its scenes remember."""
+    return pickle.loads(sent)
 
 
 def answer_values(answer: Answer) -> dict[str, Any]:

@@ -66,13 +66,22 @@ class Kept:
 
     def of_function(self, values: Mapping[str, Any]) -> Answer:
         """The answer of a function at a point."""
+        if not isinstance(values, Mapping):
+            kind = type(values).__name__
+            raise TypeError(
+                f"what: got a function that returns {kind}, expected a mapping of names"
+            )
         return {"status": OK} | {n: v for n, v in values.items() if self._has(n)}
 
     def of_result(self, scene: Scene, result: Result) -> Answer:
         """The answer of a solve or a life of a scene."""
         values = {n: v for n, v in result.values.items() if self._has(n)}
         attrs = {name: result.attrs[name] for name in ("fidelity", "warnings")}
-        about = {name: scene.plain.get(name) for name in ("arrangement", "model", "bearing")}
+        about = {  # of its scene, what decides the layout of a file
+            "arrangement": scene.arrangement and {"kind": scene.arrangement.kind},
+            "model": {"strips": scene.model.strips},
+            "bearing": {"ball_count": scene.bearing.ball_count},
+        }
         worst = worst_values(scene, result.values) if self.with_worst else {}
         return {"values": values, "attrs": attrs, "scene": about, "worst": worst}
 
@@ -105,6 +114,7 @@ def points_dataset(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
     from bearingwear.studies.dataset import filled
 
     if kept.what == "function":
+        answers = _of_equal_shapes(answers)
         rows = [answer_values(one) for one in answers]
         made = filled(_table_of(rows), {NUMBERED: len(rows)}, rows)
     else:
@@ -140,6 +150,19 @@ def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
     made = stacked(datasets_of(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)
     names = kept.names
     return made if names is None else made[[n for n in made.data_vars if n in (*names, "status")]]
+
+
+def _of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
+    """Answers of a function, of which those with values of other shapes than before are refused."""
+    shapes: dict[str, tuple[int, ...]] = {}
+    found: list[Answer] = []
+    for answer in answers:
+        own = {name: np.shape(value) for name, value in answer_values(answer).items()}
+        shapes = own | shapes
+        other = [name for name in own if own[name] != shapes[name]]
+        problem = "".join(f"{n}: got shape {own[n]}, expected {shapes[n]}" for n in other[:1])
+        found.append({"status": REFUSED, PROBLEM: problem} if problem else answer)
+    return found
 
 
 def _table_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:

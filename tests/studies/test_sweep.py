@@ -180,6 +180,19 @@ def test_a_function_is_asked_at_each_point(coarse, workers):
     assert (made["pair"][1, 0] == [7, 30000]).all() and (made["name"] == "gyro_s1").all()
 
 
+def as_many_as_newtons(scene):
+    return {"status": 0, "values": np.ones(int(scene.operation.preload_N)), "one": 1}
+
+
+def test_values_of_another_shape_are_refused(coarse):
+    with pytest.warns(UserWarning, match=r"none 1 \(values: got shape \(4,\), expected \(3,\)"):
+        made = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
+    assert made.status.values.tolist() == ["ok", "none", "ok"]
+    assert made["values"].isnull().all("values_0").values.tolist() == [False, True, False]
+    with pytest.raises(TypeError, match="what: got a function that returns int, expected a mapp"):
+        bearingwear.sweep(coarse, {PRELOAD: [3]}, lambda scene: 1, workers=1)
+
+
 def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
     with pytest.raises(SceneError, match="what: got .*lambda.*, expected a function of a module"):
         bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, lambda scene: {}, workers=2)

@@ -152,8 +152,9 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
 def _identity_of_sweep(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, Any]]:
     """Which cases a sweep over axes of a grid holds, and what it must share with other files."""
     keys = json.loads(dataset.attrs.get("changed_keys", "{}"))
-    if "scene" not in dataset.attrs or not keys or not set(keys.values()) <= {*GRID_KEYS.values()}:
-        problem = f"got other axes, expected some of {', '.join(GRID_KEYS.values())}"
+    of_grid = set(keys.values()) <= {*GRID_KEYS.values()} and {*keys} == {*dataset["status"].dims}
+    if not of_grid or "end_criterion" in dataset:
+        problem = f"got another sweep, expected one of solves over {', '.join(GRID_KEYS.values())}"
         raise CaseFileError(f"{path}: {problem}")
     scene = json.loads(dataset.attrs["scene"])
     own = vars(_case_of(scene))

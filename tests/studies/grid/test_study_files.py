@@ -124,6 +124,23 @@ def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
         assert (tmp_path / "study.nc").read_bytes() == (folder / "study.nc").read_bytes()
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--axis", "operation.preload_N=5,7"],
+        ["--axis", "friction.ball_race=0.08", "--what", "life"],
+        ["--rows", "rows.csv"],
+    ],
+)
+def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rows.csv").write_text("friction.ball_race,wear.ball_diameter_loss_um\n0.08,0\n")
+    assert main(["sweep", str(scene_file("gyro_s1")), *words, "--jobs", "1", "-o", "x.nc"]) == 0
+    capsys.readouterr()
+    assert main(["gather", "x.nc", "-o", "study.nc"]) == 2
+    assert only_line(capsys).startswith("x.nc: got another sweep, expected one of")
+
+
 def truncated(paths):
     paths[3].write_bytes(paths[3].read_bytes()[:2000])
     return paths, paths[3]
