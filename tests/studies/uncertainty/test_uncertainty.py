@@ -1,5 +1,6 @@
 """Lives of the design map against the life itself, and uncertainty against closed forms."""
 
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import numpy as np
@@ -18,12 +19,14 @@ from bearingwear.results.quantiles import (
     BATCH_ONLY,
     SCATTER_ONLY,
     load_quantiles,
+    spread_at,
 )
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.results.words import scene_of
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
+from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.plan import OWN
@@ -117,6 +120,26 @@ def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
         quantile = found["life_quantile"].sel(uncertain_inputs=inputs)
         assert_allclose(quantile, exact, rtol=2e-3)
     assert float(found["nominal_life"]) == pytest.approx(6.5 * nominal)
+
+
+@pytest.mark.parametrize("scatters", [False, True])
+def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
+    """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3."""
+    wear = {"distribution": "lognormal", "factor": 3.0, "same_for_batch": not scatters}
+    scene, path = with_spread(wear_coefficient=wear), tmp_path / "uncertainty.nc"
+    write_dataset(own_quantiles(scene, PLAN), path)
+    found = spread_at(load(path).squeeze())
+    ends = scene_life(scene) * 3.0 ** stats.norm.ppf([0.05, 0.95])
+    assert_allclose(found.bearings, ends, rtol=0.01)
+    assert_allclose(found.scatter if scatters else found.unknown, ends, rtol=0.01)
+    assert (found.unknown if scatters else found.scatter) is None
+    assert list(found.quantiles) == (["L10", "L50"] if scatters else [])
+    assert main(["show", str(path)]) == 0
+    assert ("L10" in capsys.readouterr().out) == scatters
+    assert main(["plot", str(path), "-o", str(tmp_path / "a.svg")]) == 0
+    title = ET.parse(tmp_path / "a.svg").getroot().findtext("{http://www.w3.org/2000/svg}title")
+    low, high = found.bearings.text.split(" to ")
+    assert f"between {low} and {high} h" in " ".join(title.split()) and "L10" not in title
 
 
 def test_wear_factors_go_with_the_friction_of_their_life():
