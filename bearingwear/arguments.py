@@ -105,7 +105,7 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
-    _add_for_the_workflow(command)
+    _add_many(command)
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -144,6 +144,36 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
 
 
+def _add_sweep(sweep: argparse.ArgumentParser) -> None:
+    sweep.add_argument("scenes", nargs="+", metavar="SCENE.yaml",
+        help="a scene file, or several, whose results lie along the dimension scene")
+    changed = sweep.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+        help="replace a value in every scene; may be repeated")
+    along = sweep.add_argument("--axis", action="append", default=[], metavar="KEY=VALUES",
+        help="values of a key, separated by commas, or LOW:HIGH:COUNT; may be repeated, and every "
+        "combination is a point")
+    for option in (changed, along):
+        option.completer = _scene_keys  # type: ignore[attr-defined]
+    sweep.add_argument("--rows", metavar="FILE.csv", type=Path,
+        help="a table instead of axes: its header has keys, and each row is a point")
+    sweep.add_argument("--what", choices=("solve", "life"), default="solve",
+        help="what to compute at each point (default: solve)")
+    sweep.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
+    sweep.add_argument("--keep", type=_names, metavar="NAME,NAME...",
+        help="variables to keep (default: all); or extremes: the life, and the worst value of each "
+        "measure from new to the end of life; or study: what a study keeps of a case")
+    sweep.add_argument("--part", type=_part, metavar="K/N",
+        help="compute the K-th of N parts; `bearingwear gather` joins their files")
+    sweep.add_argument("-j", "--jobs", type=_count, metavar="N",
+        help="number of processes (default: one per core)")
+    sweep.add_argument("-n", "--dry-run", action="store_true",
+        help="compute a few points and state the number of points and the expected time")
+    sweep.add_argument("--record-failures", action="store_true",
+        help="exit with status 0 even if no point is solved")
+    sweep.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
+        help="the file to write (required unless --dry-run is given)")
+
+
 def _add_step(step: argparse.ArgumentParser) -> None:
     step.add_argument("function", metavar="FUNCTION")
     step.add_argument("words", nargs="*", metavar="NAME=VALUE")
@@ -151,8 +181,10 @@ def _add_step(step: argparse.ArgumentParser) -> None:
     step.set_defaults(run="step")
 
 
-def _add_for_the_workflow(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
-    _add_gather(command("gather", "gather case files of one scene into one file over their grid"))
+def _add_many(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    _add_sweep(command("sweep", "solve scenes or their lives at many values of their keys"))
+    _add_gather(command("gather", "gather case files of one scene over their grid, or parts of a "
+        "sweep, into one file"))
     _add_page(command("page", "write the report page of a study"))
     _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
 
@@ -160,7 +192,7 @@ def _add_for_the_workflow(command: Callable[[str, str], argparse.ArgumentParser]
 def _add_gather(gather: argparse.ArgumentParser) -> None:
     gather.add_argument("files", nargs="+", metavar="CASE.nc", type=Path,
         help="case files that together fill a grid of preload methods, friction coefficients and "
-        "wear states")
+        "wear states, or all parts of a sweep")
     gather.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
 
@@ -266,12 +298,13 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    sub.add_argument("--friction", type=float, metavar="MU",
-        help="ball-race friction coefficient (default: the value in the scene)")
-    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, metavar="METHOD",
+    sub.add_argument("--friction", nargs="+", type=float, default=[], metavar="MU",
+        help="ball-race friction coefficients (default: the value in the scene)")
+    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, default=[], metavar="METHOD",
         help=f"{' or '.join(PRELOAD_METHODS)}, or both (default: the method in the scene)")
     sub.add_argument("--samples", type=int, metavar="N",
-        help="number of base samples, a power of two (2 N lives are computed)")
+        help="number of bearings, bearings of a batch, and batches sampled, a power of two "
+        "(default: 128)")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
         help="random seed (default: 1)")
     sub.add_argument("-j", "--jobs", type=int, metavar="N",
@@ -410,6 +443,23 @@ def _file_name(text: str) -> Path:
     if not os.path.basename(text):
         raise argparse.ArgumentTypeError(f"got {text!r}, expected a file name")
     return Path(text)
+
+
+def _names(text: str) -> list[str]:
+    return text.split(",")
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected 1 or more")
+    return int(text)
+
+
+def _part(text: str) -> tuple[int, int]:
+    number, _, parts = text.partition("/")
+    if not (number.isdecimal() and parts.isdecimal()):
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected K/N such as 3/10")
+    return int(number), int(parts)
 
 
 def _scene_keys(**_: Any) -> list[str]:

@@ -166,7 +166,7 @@ def _run(args: argparse.Namespace) -> int:
         # the model knows the scene by its name, the user by its file
         problem = str(error).partition(": ")[2]
         key, _, rest = problem.partition(": ")
-        at_fault = [k for k in [text.partition("=")[0] for text in args.set] if k == key]
+        at_fault = key in [text.partition("=")[0] for text in getattr(args, "set", ())]
         if key == "model.fidelity" and getattr(args, "fidelity", None):
             problem = f"--fidelity: {rest}"
         elif key == "restart":

@@ -178,8 +178,50 @@ def _solve_each(args: argparse.Namespace) -> int:
     return status
 
 
-def gather(args: argparse.Namespace) -> int:
+def sweep(args: argparse.Namespace) -> int:
+    args.scene = args.scenes[0]  # which errors name
+    if args.output is None and not args.dry_run:
+        raise UsageError("-o: got nothing, expected a file, or --dry-run")
+    from bearingwear.scene.changes import changes_of
+    from bearingwear.scene.read import variant
+    from bearingwear.studies.points_given import points_given
+    from bearingwear.studies.sweep import Sweep
+
+    changes = changes_of(args.set)
+    scenes = [variant(path, changes) for path in args.scenes]
+    keep = args.keep[0] if args.keep is not None and len(args.keep) == 1 else args.keep
+    points = points_given(args.axis, args.rows)
+    asked = Sweep.of(scenes, points, args.what, args.fidelity, keep)
+    if args.dry_run:
+        from bearingwear.studies.sweep_cost import cost_lines
+
+        print("\n".join(cost_lines(asked, args.jobs, args.part[1] if args.part else 1)))
+        return OK
+    for path in args.scenes:
+        check_output(args.output, path)
+    _tell_of_new_folder(args.output)
+    with ProgressLines() as tell:
+        made = asked.dataset(args.jobs, tell, args.part)
+    from bearingwear.results.labels import coded
     from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.sweep_dataset import sweep_warnings
+
+    write_dataset(coded(made), args.output)
+    for text in sweep_warnings(made):
+        sys.stderr.write(one_line(f"{args.output}: {text}"))
+    return OK if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
+
+
+def gather(args: argparse.Namespace) -> int:
+    from bearingwear.results.netcdf import header
+    from bearingwear.studies.dataset import write_dataset
+
+    if "part" in header(args.files[0]):
+        from bearingwear.results.labels import coded
+        from bearingwear.studies.sweep_dataset import gathered_parts
+
+        write_dataset(coded(gathered_parts(args.files)), args.output)
+        return OK
     from bearingwear.studies.grid.gather import study as gathered
 
     write_dataset(gathered(args.files), args.output)
@@ -220,11 +262,17 @@ def uncertainty(args: argparse.Namespace) -> int:
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.dataset import write_dataset
         from bearingwear.studies.sampling import SAMPLES, usable_cores
-        from bearingwear.studies.uncertainty.quantiles import life_quantiles
+        from bearingwear.studies.uncertainty.quantiles import uncertain_lives
 
-        samples = SAMPLES if args.samples is None else args.samples
-        more = samples, args.seed, args.jobs or usable_cores(), tell
-        found = life_quantiles(args.scene, args.friction, args.method or (), *more)
+        found = uncertain_lives(
+            args.scene,
+            frictions=args.friction,
+            methods=args.method,
+            samples=SAMPLES if args.samples is None else args.samples,
+            seed=args.seed,
+            workers=args.jobs or usable_cores(),
+            tell=tell,
+        )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not (found["solved_share"] > 0.0).any():

@@ -17,6 +17,7 @@ from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
     BY_WEAR,
+    CONFIDENCE,
     GIVEN,
     KIND,
     NO_QUANTILES,
@@ -24,6 +25,7 @@ from bearingwear.results.quantiles import (
     RECOMMENDED,
     SEE,
     TAKEN,
+    Spread,
     band_by_wear,
     causes_told,
     spread_of,
@@ -33,6 +35,8 @@ from bearingwear.results.units import Rough, display
 
 MOST_LISTED = 8
 """Values of a coordinate that are listed; of more, the first and the last are."""
+
+QUANTILE_COLUMNS = "quantiles", f"{100 * CONFIDENCE:g} % interval of each, due to sampling"
 
 STUDY_RANGES = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
 
@@ -87,7 +91,8 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     for label, method, friction, choice in lives:
         if spread := spread_of(known, scene, method, friction, choice):
             title = ": ".join(filter(None, ("spread in life", label)))
-            blocks.append(Block(title, (), tuple(spread_rows([spread.rows]))))
+            failed = tuple(filter(None, [spread.failures_sentence]))
+            blocks.append(Block(title, QUANTILE_COLUMNS, tuple(_error_rows(spread)), failed))
     missing = len(lives) - len(blocks)
     where = f" for the other {missing}" if blocks else ""
     taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
@@ -97,11 +102,20 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     return [*blocks, *([Block(lines=tuple(lines))] if lines else [])]
 
 
-def spread_rows(spreads: Sequence[Mapping[str, Any]]) -> list[Row]:
+def spread_rows(spreads: Sequence[Spread | None]) -> list[Row]:
     """A row for each of `Spread.rows`, of several lives."""
+    each = [spread.rows if spread else {} for spread in spreads]
     return [
-        Row(name, "h", tuple(rough_value(one.get(name)) for one in spreads), _life_name(name))
-        for name in dict.fromkeys(name for one in spreads for name in one)
+        Row(name, "h", tuple(rough_value(one.get(name)) for one in each), _life_name(name))
+        for name in dict.fromkeys(name for one in each for name in one)
+    ]
+
+
+def _error_rows(spread: Spread) -> list[Row]:
+    """The rows of a life, with the confidence interval beside each quantile."""
+    return [
+        row._replace(values=(*row.values, spread.errors[row.label]))
+        for row in spread_rows([spread])
     ]
 
 
@@ -133,11 +147,13 @@ def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float | None, i
         scene = json.loads(file.scene)
         yield "", scene["operation"]["preload_method"], scene["friction"].get("ball_race"), GIVEN
     elif kind == "recommendation" or (kind == KIND and PRELOAD_CHOICE in file.variables):
-        mu = json.loads(file.scene)["friction"].get("ball_race")
-        for method in _methods(file):
+        own = json.loads(file.scene)["friction"].get("ball_race")
+        frictions = values(file, "friction").tolist() if "friction" in file.variables else []
+        for mu, method in itertools.product(frictions or [own], _methods(file)):
             for choice in values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,):
                 where = "own" if choice == GIVEN else "recommended"
-                yield f"{method}, {where}", method, mu, choice
+                label = f"{method}, mu {mu:g}" if frictions else method
+                yield f"{label}, {where}", method, mu, choice
     elif _has_lives(file):
         for method in _methods(file):
             for mu in values(file, "friction"):

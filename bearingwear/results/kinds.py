@@ -13,6 +13,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 CASE_KIND, LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND = "case", "life", "study", "wear life"
+SWEEP_KIND = "sweep"
+
+ONLY_IN_CASES = ("strip", "steady_state", "time", "state", "final_time", "ball_diameter_loss")
+"""What a study leaves to case files: variables and dimensions whose variables are left out.
+
+They are profiles, histories, states to restart from, lists whose length differs from case to case,
+and the worn diameter, which is an axis of a study.
+"""
 
 Registry = Mapping[str, str]
 """Dotted name of a function for each kind of file."""

@@ -58,8 +58,11 @@ def coded(dataset: xr.Dataset) -> xr.Dataset:
         known = {NO_NAME: -1} | {label: code for code, label in enumerate(meanings)}
         if meanings and given.dtype.kind in "UOT" and set(given.flat) <= set(known):
             numbers = np.array([known[label] for label in given.flat], dtype=np.int8)
-            flags = {"flag_values": np.arange(len(meanings), dtype=np.int8)}
-            attrs = {**variable.attrs, **flags, "flag_meanings": " ".join(meanings)}
+            attrs = {}
+            for key, value in variable.attrs.items():  # in the order of the files of commands
+                if key == "flag_meanings":
+                    attrs["flag_values"] = np.arange(len(meanings), dtype=np.int8)
+                attrs[key] = value
             codes[name] = (variable.dims, numbers.reshape(given.shape), attrs)
     attrs = {key: value for key, value in dataset.attrs.items() if key not in MEMORY_ALONE}
     made = dataset.assign(codes)

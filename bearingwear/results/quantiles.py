@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, key_in_words
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 KIND = "uncertainty"
-PLACES_BESIDE = ("spread/*.nc", "design/uncertainty.nc", "uncertainty.nc")
+PLACES_BESIDE = ("spread.nc", "design/uncertainty.nc", "uncertainty.nc")
 """Where such files stand beside the results of a scene; the last is that of the design study."""
 
 TAKEN = "spread_taken"
@@ -36,9 +37,10 @@ PRELOAD_CHOICE, UNCERTAIN_INPUTS = "preload_choice", "uncertain_inputs"
 GIVEN, RECOMMENDED = 0, 1
 """Values of `PRELOAD_CHOICE`: the scene's own preload, and the recommended one."""
 
-ALL_INPUTS, ALL_BUT_WEAR = 0, 1
-"""Values of `UNCERTAIN_INPUTS`: all that the scene calls uncertain, or all but the wear coefficient
-and the hardness."""
+SAMPLED_INPUTS = ("all", "all_but_wear", "scatter", "batch")
+ALL_INPUTS, ALL_BUT_WEAR, SCATTER_ONLY, BATCH_ONLY = range(len(SAMPLED_INPUTS))
+"""Values of `UNCERTAIN_INPUTS`: all that the scene calls uncertain; all but the wear coefficient
+and the hardness; what scatters from bearing to bearing; what all bearings of a batch share."""
 
 CONFIDENCE = 0.95
 """Of the intervals of quantiles and Sobol indices."""
@@ -55,6 +57,9 @@ SEE = "use the command bearingwear uncertainty"
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""
 
+WITHIN_BATCH, OF_BATCH = "  scatter within a batch", "  uncertainty of the batch"
+"""Labels of its two parts."""
+
 BY_WEAR = f"  {BEARINGS_BETWEEN}, wear only"
 """Label of `band_by_wear`."""
 
@@ -66,7 +71,9 @@ class Spread(NamedTuple):
     scatter: Interval | None  # within the middle batch; None: bearings of a batch are alike
     unknown: Interval | None  # of the middle bearing of a batch; None: batches are alike
     quantiles: Mapping[str, float]  # L10 and L50 of the middle batch; empty without scatter
+    errors: Mapping[str, str]  # confidence intervals of these, by the labels of `rows`
     solved: float  # share of the sampled lives; the others are left out
+    failures: Mapping[str, int]  # the number of those, by their status
     longest: Interval | None  # of bearings by this method, of several [%]
     longest_share: float  # the same of the sampled bearings
 
@@ -85,12 +92,21 @@ class Spread(NamedTuple):
         return text + (share if self.solved < 1.0 else "")
 
     @property
+    def failures_sentence(self) -> str:
+        """`3 sampled lives could not be computed (beyond groove: 3)`, or nothing."""
+        count = sum(self.failures.values())
+        each = ", ".join(f"{name}: {n}" for name, n in self.failures.items())
+        verb = "life" if count == 1 else "lives"
+        left_out = f"{count} sampled {verb} could not be computed and count in no quantile"
+        return f"{left_out} ({each})." if count else ""
+
+    @property
     def rows(self) -> dict[str, Interval | float | str]:
         """Rows of a sheet or a table, by label."""
-        parts = {"scatter within a batch": self.scatter, "uncertainty of the batch": self.unknown}
         return {
             BEARINGS_BETWEEN: self.bearings,
-            **{f"  {label}": part or "none" for label, part in parts.items()},
+            WITHIN_BATCH: self.scatter or "none",
+            OF_BATCH: self.unknown or "none",
             **self.quantiles,
         }
 
@@ -124,16 +140,26 @@ def spread_text(spread: Spread | None) -> str:
     return spread.sentence if spread else NO_QUANTILES
 
 
-def load_quantiles(path: str | Path) -> xr.Dataset:
-    """A file of the study of uncertainty."""
+def load_quantiles(path: str | Path) -> list[xr.Dataset]:
+    """The quantiles in a file of the study of uncertainty, as `at_each_friction`."""
     found = load_kind(path, KIND)
-    if (
-        not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
-        or not np.isin(INTERVAL, found["probability"]).all()
-    ):
+    if found.sizes.get(UNCERTAIN_INPUTS) != len(SAMPLED_INPUTS) or PRELOAD_CHOICE not in found.dims:
         problem = "got a file written by an earlier version, expected a recomputed file"
         raise CaseFileError(f"{path}: {problem}")
-    return found
+    return at_each_friction(found)
+
+
+def at_each_friction(uncertainty: xr.Dataset) -> list[xr.Dataset]:
+    """A dataset for each friction coefficient of a file, with the scene at it; one without any."""
+    if "friction" not in uncertainty.dims:
+        return [uncertainty]
+    scene = json.loads(uncertainty.attrs["scene"])
+    return [
+        uncertainty.sel(friction=mu, drop=True).assign_attrs(
+            scene=json.dumps(with_changes(scene, {"friction.ball_race": mu}))
+        )
+        for mu in uncertainty["friction"].values.tolist()
+    ]
 
 
 def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
@@ -144,7 +170,7 @@ def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
         with contextlib.suppress(CaseFileError):
             # most files are of another kind, and need not wait for xarray
             if header(file).get("kind") == KIND:
-                found.append(load_quantiles(file))
+                found += load_quantiles(file)
     return found
 
 
@@ -173,10 +199,8 @@ def spread_of(
             and choice in dataset[PRELOAD_CHOICE]
             and _point(scene, method, friction) == _point(sampled, method)
         ):
-            one = dataset.isel(
-                {"preload_method": methods.index(method), UNCERTAIN_INPUTS: ALL_INPUTS}
-            ).sel({PRELOAD_CHOICE: choice})
-            return spread_at(one)
+            of_method = dataset.isel(preload_method=methods.index(method))
+            return spread_at(of_method.sel({PRELOAD_CHOICE: choice}))
     return None
 
 
@@ -220,28 +244,55 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
 
 
 def spread_at(one: xr.Dataset) -> Spread | None:
-    """The spread of one life; None where no life was solved."""
-    bearings = Interval(*one["life_quantile"].sel(probability=list(INTERVAL)).values.tolist())
+    """The spread of the lives of a method at a preload; None where no life was solved."""
+    bearings = interval_of(one, ALL_INPUTS)
     if not math.isfinite(bearings.low):
         return None
-    of_batch = one["batch_life_quantile"]
-    middle = of_batch.sel(batch_probability=0.5)
-    scatter = Interval(*middle.sel(probability=list(INTERVAL)).values.tolist())
-    unknown = Interval(
-        *of_batch.sel(probability=0.5, batch_probability=list(INTERVAL)).values.tolist()
-    )
+    scatter, unknown = interval_of(one, SCATTER_ONLY), interval_of(one, BATCH_ONLY)
     alike = scatter.low == scatter.high
+    intervals = {BEARINGS_BETWEEN: ALL_INPUTS, WITHIN_BATCH: SCATTER_ONLY, OF_BATCH: BATCH_ONLY}
+    errors = {
+        label: ", ".join(_error_text(one, inputs, p) for p in INTERVAL)
+        for label, inputs in intervals.items()
+    }
+    labels = {} if alike else {"L10": 0.1, "L50": 0.5}
+    errors |= {label: _error_text(one, SCATTER_ONLY, p) for label, p in labels.items()}
+    within = one["life_quantile"].sel({UNCERTAIN_INPUTS: SCATTER_ONLY})
     return Spread(
         bearings=bearings,
         scatter=None if alike else scatter,
         unknown=None if unknown.low == unknown.high else unknown,
-        quantiles={}
-        if alike
-        else {f"L{100 * p:.0f}": float(middle.sel(probability=p)) for p in (0.1, 0.5)},
+        quantiles={label: float(within.sel(probability=p)) for label, p in labels.items()},
+        errors=errors,
         solved=float(one["solved_share"]),
+        failures=_failures(one),
         longest=_longest(one),
         longest_share=100.0 * float(one.get("longest_share", math.nan)),
     )
+
+
+def interval_of(one: xr.Dataset, inputs: int) -> Interval:
+    """The lives of 90 % of the bearings of a sample, by its flag of `UNCERTAIN_INPUTS`."""
+    quantiles = one["life_quantile"].sel({UNCERTAIN_INPUTS: inputs})
+    return Interval(*quantiles.sel(probability=list(INTERVAL)).values.tolist())
+
+
+def _failures(one: xr.Dataset) -> dict[str, int]:
+    """How many sampled lives could not be computed, by their status in words."""
+    names = one["life_status"].attrs["flag_meanings"].split()
+    counts = zip(names, one["status_count"].values.tolist(), strict=True)
+    return {name.replace("_", " "): int(n) for name, n in counts if n and name != STATUS_NAMES[OK]}
+
+
+def _error_text(one: xr.Dataset, inputs: int, probability: float) -> str:
+    """The confidence interval of a quantile, whose ends the sample may not have, as two digits."""
+    at = {UNCERTAIN_INPUTS: inputs, "probability": probability}
+    low, high = (float(one[f"life_quantile_{end}"].sel(at)) for end in ("low", "high"))
+    if math.isfinite(low) and math.isfinite(high):
+        return " to ".join(dict.fromkeys(Rough(end).text for end in (low, high)))
+    if math.isfinite(high):
+        return f"up to {Rough(high).text}"
+    return f"from {Rough(low).text}" if math.isfinite(low) else "not known"
 
 
 def _longest(one: xr.Dataset) -> Interval | None:

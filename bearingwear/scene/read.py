@@ -16,15 +16,11 @@ from bearingwear.scene.checking.check import built, checked_data, checked_fields
 from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
 from bearingwear.scene.checking.records import NAME, keyed, setting, whole
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
-from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene, plain_data
+from bearingwear.scene.scene import IS_CHECKED, EndOfLife, Scene, key_of_scene, plain_data
 from bearingwear.scene.slip import regularisation_is_given, regularised
 from bearingwear.scene.uncertain import uncertain_key
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
-
-
-_CHECKED = "_is_checked"
-"""Marks a scene that was checked; `dataclasses.replace` makes one without it."""
 
 
 def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
@@ -88,12 +84,12 @@ def _as_checked(scene: Scene) -> Scene:
     """
     if scene.cases:
         _ = scene.in_cases
-    scene.__dict__[_CHECKED] = True
+    scene.__dict__[IS_CHECKED] = True
     return scene
 
 
 def _is_checked(scene: Scene) -> bool:
-    return _CHECKED in scene.__dict__
+    return IS_CHECKED in scene.__dict__
 
 
 def for_life(scene: Scene, source: str = "scene") -> Scene:

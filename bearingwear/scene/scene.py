@@ -75,6 +75,9 @@ __all__ = [
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
 
+IS_CHECKED = "_is_checked"
+"""Marks a scene that was checked; `dataclasses.replace` makes one without it."""
+
 Value = TypeVar("Value")
 
 NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
@@ -181,7 +184,8 @@ class Scene:
         return hash((plain, repr(dict(self.cases or {}))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        mark = {IS_CHECKED: True} if IS_CHECKED in self.__dict__ else None
+        return (*reduced(self), mark)
 
     def nominal(self, name: str) -> float:
         """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""

@@ -114,7 +114,9 @@ def stacked(
     for name, template in templates.items():
         inner = tuple(sizes[str(dim)] for dim in template.dims)
         values = _one_after_the_other(datasets, name, inner, along)
-        if np.issubdtype(template.dtype, np.integer) and np.isfinite(values).all():
+        if template.dtype.kind in "OUT":
+            pass
+        elif np.issubdtype(template.dtype, np.integer) and np.isfinite(values).all():
             values = values.astype(template.dtype)
         values = values.reshape((*lengths.values(), *inner))
         variables[name] = ((*lengths, *template.dims), values, template.attrs)
@@ -128,12 +130,14 @@ def _one_after_the_other(
 ) -> np.ndarray:
     """Values of a variable in all datasets, NaN where one has none or fewer."""
     every = [dataset.variables.get(name) for dataset in datasets]
+    kinds = {one.dtype.kind for one in every if one is not None}
+    dtype = object if kinds & set("OUT") else float
     known = [one for one in every if one is not None]
     if len(known) == len(every) and len({(one.dims, one.shape) for one in known}) == 1:
         parts = [one.values if along in one.dims else one.values[None] for one in known]
-        return np.concatenate(parts, dtype=float)
+        return np.concatenate(parts, dtype=dtype)
     ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
-    values = np.full((ends[-1], *inner), np.nan)
+    values = np.full((ends[-1], *inner), np.nan, dtype)
     for dataset, held, end in zip(datasets, every, ends, strict=True):
         if held is not None:
             shape = tuple(held.sizes[dim] for dim in held.dims if dim != along)
@@ -141,6 +145,20 @@ def _one_after_the_other(
             begin = end - dataset.sizes.get(along, 1)
             values[(slice(begin, end), *filled)] = held.values
     return values
+
+
+def reshaped(dataset: xr.Dataset, along: str, lengths: Mapping[str, int]) -> xr.Dataset:
+    """A dataset whose leading dimension is split in several, in C order."""
+    variables = {
+        name: (
+            (*lengths, *one.dims[1:]),
+            one.values.reshape((*lengths.values(), *one.shape[1:])),
+            one.attrs,
+        )
+        for name, one in dataset.data_vars.items()
+    }
+    coords = {name: one for name, one in dataset.coords.items() if along not in one.dims}
+    return xr.Dataset(variables, coords)
 
 
 def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]:

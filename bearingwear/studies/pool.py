@@ -7,7 +7,7 @@ import multiprocessing
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
@@ -15,9 +15,7 @@ from itertools import chain
 from typing import Any
 
 from bearingwear.console import LINE_EVERY
-
-Tell = Callable[[str], None]
-"""What takes a line of progress."""
+from bearingwear.studies.answers import Tell
 
 
 def to_stderr(text: str) -> None:
@@ -66,14 +64,6 @@ def _mapped(
     here = [function(*call) for call in calls[:count]]
     calls = calls[count:]
     return chain(here, pool.map(function, *zip(*calls, strict=True)) if calls else ())
-
-
-def in_processes(
-    function: Callable[[Any], Any], jobs: Sequence[Any], workers: int, caller: str
-) -> Iterator[Any]:
-    """Results of a function for each of some jobs, in their order; as `processes`."""
-    with processes(workers, caller) as each:
-        yield from each(function, jobs)
 
 
 _ENOUGH = 3

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.scene import UNCERTAIN, WORN, Bearing, Scene
@@ -23,10 +24,10 @@ def usable_cores() -> int:
 
 
 SAMPLES = 128
-"""Base samples of quantiles, where none are given."""
+"""Bearings of each sample that quantiles are taken from, where none are given."""
 
 INDEX_SAMPLES = 256
-"""Base samples of indices, where none are given."""
+"""Base samples of Sobol indices, where none are given."""
 
 
 @keyed
@@ -34,16 +35,21 @@ class Sampling:
     """Size and seed of a sample."""
 
     samples: int = setting(
-        "Number of base samples, a power of two", within="[1, 1048576]", default=INDEX_SAMPLES
+        "Number of bearings sampled, a power of two", within="[1, 1048576]", default=SAMPLES
     )
-    chunks: int = setting("Number of jobs that share the samples", within="[1, inf)", default=1)
     seed: int = setting("Random seed for the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
             raise SceneError("samples", f"got {self.samples}, expected a power of two")
-        if self.chunks > self.samples:
-            raise SceneError("chunks", f"got {self.chunks}, expected at most the number of samples")
+
+
+def sampling_of(samples: int, seed: int) -> Sampling:
+    """The sampling that options of a command or a step ask for. Raises SceneError."""
+    try:
+        return record(Sampling, {"samples": samples, "seed": seed})
+    except SceneError as error:
+        raise SceneError(f"--{error.key}", error.problem, source="") from None
 
 
 DIAMETER = "ball_diameter_mm"

@@ -1,39 +1,40 @@
-"""One scene at every combination of some of its values, as one dataset: `bearingwear.sweep`."""
+"""Scenes at many values of their keys, as one dataset: `bearingwear.sweep`."""
 
 from __future__ import annotations
 
-import itertools
-import json
 import math
+import pickle
 import warnings
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.console import LINE_EVERY
-from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lines
-from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.read import Source, as_scene, for_life
-from bearingwear.scene.scene import Scene, key_of_scene
-from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.pool import in_processes, told_in_lines
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers
+from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
 from bearingwear.studies.sampling import usable_cores
+from bearingwear.studies.sweep_dataset import (
+    Kept,
+    part_of_sweep,
+    points_dataset,
+    sweep_attributes,
+    sweep_warnings,
+    whole_sweep,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Job = tuple[Scene, str, str | None]
-"""A scene, what is asked of it, and the fidelity."""
-
-CHUNKS_PER_WORKER = 8
-"""How finely points are shared out; a process takes more when it has solved its share."""
+Question = str | Callable[[Scene], Mapping[str, Any]]
+"""What is asked of a scene: "solve", "life", or a function of it."""
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Multiples of it, modulo 1, spread evenly."""
 
-_POINT = "point"
-"""Dimension of the points of a chunk."""
+_MOST_LOOKED_AT = 20
+"""Points at which it is seen which models a sweep needs."""
 
 COARSEST = {
     "model.strips": 4,
@@ -45,24 +46,31 @@ COARSEST = {
 
 
 def sweep(
-    scene: Source,
-    changes: Mapping[str, Iterable[Any]],
-    what: str = "solve",
+    scene: Source | Sequence[Source],
+    points: Axes | Rows,
+    what: Question = "solve",
     fidelity: str | None = None,
     workers: int | None = None,
-    progress: bool = True,
+    progress: bool | Tell = True,
+    keep: str | Sequence[str] | None = None,
+    part: tuple[int, int] | None = None,
 ) -> xr.Dataset:
-    """Solve a scene or its life for every combination of some of its values.
+    """Solve scenes or their lives at many values of their keys.
 
     Parameters
     ----------
-    scene : path, dict or Scene
-    changes : mapping
-        The values of each key, in the units of a scene file:
+    scene : path, dict or Scene, or a list of them
+        Several scenes need different names.
+    points : mapping, or list of mappings
+        Axes: the values of each key, in the units of a scene file. Every combination is a point:
         `{"operation.preload_N": [5, 7, 9], "friction.ball_race": [0.05, 0.1]}`.
-    what : {"solve", "life"}
+        Rows, such as a sample: `[{"operation.preload_N": 5.2, "friction.ball_race": 0.07}, ...]`,
+        each of which is a point.
+    what : {"solve", "life"} or function
+        A function takes a `Scene` and returns a mapping of names to numbers, texts or arrays, each
+        always of the same shape. `status` may be one of them, as a code.
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
-        Overrides `model.fidelity` of the scene.
+        Overrides `model.fidelity` of the scenes.
     workers : int, optional
         Number of processes (default: one per core). With 1, no process is started. Where Python
         spawns processes (macOS, Windows, Python 3.14 and later), a script must call this function
@@ -70,20 +78,29 @@ def sweep(
     progress : bool
         Whether a sweep of more than a few seconds reports its progress on standard error (with
         tqdm, if installed).
+    keep : list of str, "extremes" or "study", optional
+        Names of the variables to keep (default: all); `status` always stays. "extremes" keeps the
+        life itself and the worst value of each measure from new to the end of life; "study" leaves
+        out profiles over the contacts, histories and states, as `study.nc` does.
+    part : (int, int), optional
+        `(3, 10)` computes the third of ten parts, for instance in ten jobs of a cluster.
+        `bearingwear gather` joins their files.
 
     Returns
     -------
     xarray.Dataset
         The contents of a case or life file, with one more dimension for each key. A dimension is
         named after the last part of the key (`preload_N`), or after all parts if that name is in
-        use (`operation_preload_N`); that of `friction.ball_race` is `friction`. Values of a point
-        that was not solved are NaN; `status` gives the reason.
+        use (`operation_preload_N`); that of `friction.ball_race` is `friction`. Rows lie along
+        `row`, several scenes along `scene`, and the points of a part along `point`. Values of a
+        point that was not solved are NaN; `status` gives the reason, or is "none" where the values
+        make no valid scene or no model can solve it.
 
     Raises
     ------
-    SceneError, NotAvailable
-        Both are ValueErrors: a value is not allowed, or no model can solve it. In either case
-        nothing is solved.
+    SceneError
+        A ValueError: a key or a value on an axis is not allowed (nothing is solved then), or no
+        point is valid.
 
     Warns
     -----
@@ -91,171 +108,151 @@ def sweep(
         Some points were not solved, or have warnings. Each warning is reported once, for the worst
         case.
     """
-    if what not in ("solve", "life"):
-        raise ValueError(f"what: got {what!r}, expected solve or life")
-    if not changes:
-        raise SceneError("", "got no key, expected one or more", source="changes")
-    base = as_scene(scene)
-    axes = {key: _values(key, values) for key, values in changes.items()}
-    points = _points(base, axes, what, fidelity)
-    cores = min(len(points), usable_cores() if workers is None else workers)
-    if cores > 1:
-        _compile(points, what)
-    size = math.ceil(len(points) / (CHUNKS_PER_WORKER * max(cores, 1)))
-    jobs = [(point, what, fidelity) for point, _ in points]
-    chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
-    # neighbours take alike long; the time left is that of the others
-    order = sorted(range(len(chunks)), key=lambda k: k * _GOLDEN % 1.0)
-    solved = in_processes(_solved, [chunks[k] for k in order], cores, "sweep")
-    found = _told(solved, len(jobs), progress)
-    parts = dict(zip(order, found, strict=True))
-    made = _side_by_side([parts[k] for k in range(len(chunks))], base, axes, what)
-    _warn(made, base.name)
+    asked = Sweep.of(scene, points, what, fidelity, keep)
+    made = asked.dataset(workers, progress, part)
+    for text in sweep_warnings(made):
+        warnings.warn(f"{', '.join(asked.points.names)}: {text}", stacklevel=2)
     return made
 
 
-def _warn(made: xr.Dataset, name: str) -> None:
-    """Warn where `sweep` is called of points not solved, and of what the solved ones warn of."""
-    said = [made.attrs["message"]] if (made["status"] != STATUS_NAMES[OK]).any() else []
-    for text in [*said, *(line.removeprefix(WARNING) for line in warning_lines(made.attrs))]:
-        warnings.warn(f"{name}: {text}", stacklevel=3)
+@dataclass(frozen=True)
+class Asked:
+    """What is asked at each point of a sweep; called with a point, it answers."""
+
+    scenes: tuple[Scene, ...]
+    keys: tuple[str, ...]
+    what: Question
+    fidelity: str | None
+    kept: Kept
+
+    def scene(self, point: ScenePoint) -> Scene:
+        """The scene of a point. Raises SceneError."""
+        made = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
+        return for_life(made) if self.what == "life" else made
+
+    def __call__(self, point: ScenePoint) -> Answer:
+        scene = self.scene(point)
+        if callable(self.what):
+            return self.kept.of_function(self.what(scene))
+        return self.kept.of_result(scene, _result(scene, self.what, self.fidelity))
 
 
-def _values(key: str, values: Any) -> list[Any]:
-    """The values of one key as plain data."""
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise SceneError("", f"got {shown(values)}, expected a list of values", source=key)
-    plain = values.tolist() if hasattr(values, "tolist") else list(values)
-    if not plain:
-        raise SceneError("", "got no value, expected one or more", source=key)
-    return [value.item() if hasattr(value, "item") else value for value in plain]
-
-
-def _points(
-    base: Scene, axes: Mapping[str, list[Any]], what: str, fidelity: str | None
-) -> list[tuple[Scene, str]]:
-    """The scene of every point, checked, and the model that solves it."""
-    from bearingwear.solvers.effects.choice import choice, choice_for_life
-
-    found = []
-    bearings = {}
-    for point in itertools.product(*axes.values()):
-        scene = base.with_(dict(zip(axes, point, strict=True)))
-        bearings[len(scene.sides)] = scene.arrangement.kind if scene.arrangement else "single"
-        if len(bearings) > 1:
-            problem = (
-                f"got {' and '.join(bearings.values())}, expected either pairs or single bearings"
-            )
-            raise SceneError("arrangement.kind", problem, source=base.name)
-        if what == "life":
-            found.append((for_life(scene), choice_for_life(scene, fidelity).fidelity))
-        else:
-            found.append((scene, choice(scene, fidelity).fidelity))
-    return found
-
-
-def _compile(points: Sequence[tuple[Scene, str]], what: str) -> None:
-    """Have the kernels of every model compiled and loaded once, before processes are forked."""
-    first = {fidelity: scene for scene, fidelity in reversed(points)}
-    for fidelity, scene in first.items():
-        asked = "solve" if fidelity == "dynamic" else what
-        _solved([(scene.with_(COARSEST), asked, fidelity)])
-
-
-def _solved(jobs: Sequence[Job]) -> xr.Dataset:
-    """Some points, along the dimension `point`."""
+def _result(scene: Scene, what: str, fidelity: str | None) -> Any:
     from bearingwear.lives.life import life
-    from bearingwear.results.netcdf import datasets_of
     from bearingwear.solvers.solve import solve
-    from bearingwear.studies.dataset import stacked
 
-    results = [
-        life(scene, fidelity) if what == "life" else solve(scene, fidelity)
-        for scene, what, fidelity in jobs
-    ]
-    made = stacked(datasets_of(results, _POINT), {_POINT: len(results)}, along=_POINT)
-    warnings = gathered_warnings(result.attrs for result in results)
-    fidelities = [result.attrs["fidelity"] for result in results]
-    return made.assign_attrs(fidelity=fidelities, warnings=warnings)
+    return life(scene, fidelity) if what == "life" else solve(scene, fidelity)
 
 
-def _told(parts: Iterator[xr.Dataset], count: int, progress: bool) -> Iterator[xr.Dataset]:
-    """The same parts, with a line of progress."""
-    if not progress:
-        return parts
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep whose keys, values and names are allowed."""
+
+    asked: Asked
+    points: SweepPoints
+
+    @classmethod
+    def of(
+        cls,
+        scene: Source | Sequence[Source],
+        points: Axes | Rows,
+        what: Question = "solve",
+        fidelity: str | None = None,
+        keep: str | Sequence[str] | None = None,
+    ) -> Sweep:
+        """The sweep that `sweep` is asked for. Raises SceneError."""
+        if not callable(what) and what not in ("solve", "life"):
+            raise ValueError(f"what: got {what!r}, expected solve, life or a function")
+        given: Sequence[Any] = scene if isinstance(scene, list | tuple) else [scene]
+        if not given:
+            raise SceneError("", "got no scene, expected one or more", source="scene")
+        scenes = tuple(as_scene(one) for one in given)
+        all_points = SweepPoints.of(scenes, points)
+        kept = Kept.of(keep, "function" if callable(what) else what)
+        return cls(Asked(scenes, (*all_points.columns,), what, fidelity, kept), all_points)
+
+    def dataset(
+        self,
+        workers: int | None = None,
+        progress: bool | Tell = True,
+        part: tuple[int, int] | None = None,
+    ) -> xr.Dataset:
+        """The answers at all points, or at those of a part along `point`."""
+        every = list(self.points)
+        numbers = range(len(every)) if part is None else _numbers_of_part(part, len(every))
+        order = _even_order(len(numbers))
+        points = [every[numbers[k]] for k in order]
+        what = self.asked.what
+        cores = min(len(points), usable_cores() if workers is None else workers)
+        with Workers(cores, "sweep", progress) as pool:
+            if cores > 1:
+                if not callable(what):
+                    self.compile(points)
+                    pool.start()
+                else:
+                    check_can_be_sent(what)
+            found = dict(zip(order, pool.answers_at(self.asked, points), strict=True))
+        answers = [found[k] for k in range(len(numbers))]
+        self._check_some_valid(every[numbers[0]], answers)
+        made = points_dataset(self.asked.kept, answers)
+        made.attrs |= sweep_attributes(self.asked.scenes, self.points, self.asked.kept.what)
+        if part is not None:
+            return part_of_sweep(made, self.points, numbers, part)
+        return whole_sweep(made, self.points)
+
+    def in_even_order(self) -> list[ScenePoint]:
+        """All points, the first few of which lie far apart."""
+        every = list(self.points)
+        return [every[k] for k in _even_order(len(every))]
+
+    def compile(self, points: Sequence[ScenePoint]) -> None:
+        """Compile and load the kernels that points need; processes that are forked have them."""
+        what = self.asked.what
+        if callable(what):
+            return
+        for fidelity, scene in self.models(points).items():
+            _result(scene.with_(COARSEST), "solve" if fidelity == "dynamic" else what, fidelity)
+
+    def models(self, points: Sequence[ScenePoint]) -> dict[str, Scene]:
+        """The models that some of the points need, each with a scene that needs it."""
+        from bearingwear.solvers.effects.choice import choice, choice_for_life
+
+        chosen = choice_for_life if self.asked.what == "life" else choice
+        found = {}
+        for point in points[:_MOST_LOOKED_AT]:
+            try:
+                scene = self.asked.scene(point)
+                found[chosen(scene, self.asked.fidelity).fidelity] = scene
+            except FAILURES:
+                continue
+        return found
+
+    def _check_some_valid(self, first: ScenePoint, answers: Sequence[Answer]) -> None:
+        """Raise the error of the first point where all of them have one."""
+        if all(PROBLEM in answer for answer in answers):
+            self.asked(first)
+            raise NotAvailable(answers[0][PROBLEM])
+
+
+def _even_order(count: int) -> list[int]:
+    """Numbers below a count, mixed: neighbours take alike long, and a time left is of others."""
+    return sorted(range(count), key=lambda k: k * _GOLDEN % 1.0)
+
+
+def _numbers_of_part(part: tuple[int, int], count: int) -> range:
+    """Numbers of the points of a part, which lie far apart: neighbours take alike long."""
+    number, parts = part
+    if not 1 <= number <= parts <= count:
+        problem = f"got {number}/{parts}, expected K/N with 1 <= K <= N <= {count} points"
+        raise SceneError("", problem, source="part")
+    return range(number - 1, count, parts)
+
+
+def check_can_be_sent(what: Callable[..., Any]) -> None:
+    """Refuse a function that other processes cannot import."""
     try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        return _told_in_lines(parts, count)
-    return _told_by_bar(parts, tqdm(total=count, desc="sweep", delay=LINE_EVERY))
-
-
-def _told_by_bar(parts: Iterator[xr.Dataset], bar: Any) -> Iterator[xr.Dataset]:
-    with bar:
-        for part in parts:
-            bar.update(part.sizes[_POINT])
-            yield part
-
-
-def _told_in_lines(parts: Iterator[xr.Dataset], count: int) -> Iterator[xr.Dataset]:
-    return told_in_lines(parts, count, "sweep: {} of {} points", lambda one: one.sizes[_POINT])
-
-
-def _side_by_side(
-    parts: Sequence[xr.Dataset], base: Scene, axes: Mapping[str, list[Any]], what: str
-) -> xr.Dataset:
-    from bearingwear.results.entries import common_attributes
-    from bearingwear.results.labels import labelled
-    from bearingwear.studies.dataset import stacked
-
-    names = _dimensions(axes, {str(name) for part in parts for name in part.variables})
-    lengths = {names[key]: len(values) for key, values in axes.items()}
-    made = labelled(stacked(parts, lengths, along=_POINT))
-    made = made.assign_coords({names[key]: _axis(key, names[key], axes[key]) for key in axes})
-    fidelities = dict.fromkeys(name for part in parts for name in part.attrs["fidelity"])
-    made.attrs = common_attributes() | {
-        "title": f"{what}: {base.name} at {math.prod(lengths.values())} points",
-        "kind": "sweep",
-        "scene": base.json,
-        "changed_keys": json.dumps({name: key for key, name in names.items()}),
-        "fidelity": ", ".join(fidelities),
-        "warnings": gathered_warnings(part.attrs for part in parts),
-        "message": _message(made["status"].values.ravel().tolist()),
-    }
-    return made
-
-
-def _dimensions(axes: Iterable[str], taken: set[str]) -> dict[str, str]:
-    """Name of the dimension of each key: that of a study, else its last part, if it is free."""
-    of_study = {key: name for name, key in GRID_KEYS.items() if name not in taken}
-    last = {key: of_study.get(key, key.rpartition(".")[2]) for key in axes}
-    often = Counter(last.values())
-    return {
-        key: key.replace(".", "_") if often[name] > 1 or name in taken else name
-        for key, name in last.items()
-    }
-
-
-def _axis(key: str, dim: str, values: list[Any]) -> xr.Variable:
-    """The coordinate of a key; values that are neither numbers nor names stand in it as text."""
-    import numpy as np
-    import xarray as xr
-
-    part = key_of_scene(key.removeprefix("arrangement.second."))
-    assert part is not None  # a scene with it was built
-    attrs = {"long_name": part.key.meaning}
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        return xr.Variable(dim, np.array(values), attrs | {"units": part.unit})
-    if part.kind == "choice":
-        attrs["flag_meanings"] = " ".join(part.key.choices)
-    texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
-    return xr.Variable(dim, np.array(texts), attrs)
-
-
-def _message(statuses: Sequence[str]) -> str:
-    """How many points were not solved, and why."""
-    failed = Counter(status for status in statuses if status != STATUS_NAMES[OK])
-    if not failed:
-        return "all points solved and verified"
-    reasons = ", ".join(f"{name} {count}" for name, count in failed.items())
-    return f"{failed.total()} of {len(statuses)} points were not solved: {reasons}"
+        pickle.dumps(what)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        name = getattr(what, "__qualname__", what)
+        problem = f"got {name}, expected a function of a module, or workers=1"
+        raise SceneError("", problem, source="what") from None

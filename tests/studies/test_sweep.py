@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -12,9 +11,10 @@ from support import ROOT
 
 import bearingwear
 from bearingwear import SceneError
+from bearingwear.results.netcdf import CaseFileError
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.studies import pool
-from bearingwear.studies import sweep as module
+from bearingwear.studies.points import names_of_keys
+from bearingwear.studies.sweep_dataset import gathered_parts
 
 PRELOAD, FRICTION, METHOD = "operation.preload_N", "friction.ball_race", "operation.preload_method"
 COARSE = {"model.strips": 8, "model.tolerance": 1e-3}
@@ -27,6 +27,12 @@ def coarse():
 
 def not_to_be_solved(*_):
     raise AssertionError("solved")
+
+
+def product_of_numbers(scene):
+    operation = scene.operation
+    values = {"product": operation.preload_N * scene.friction.ball_race, "name": scene.name}
+    return values | {"pair": [operation.preload_N, operation.shaft_speed_rpm]}
 
 
 def test_a_point_is_what_solve_finds(coarse):
@@ -87,7 +93,7 @@ def test_a_point_that_fails(coarse):
     ("changes", "said"),
     [
         ({PRELOAD: [5, -1]}, "operation.preload_N: got -1, expected"),
-        ({}, "changes: got no key, expected one or more"),
+        ({}, "axes: got no key, expected one or more"),
         ({PRELOAD: 5}, "operation.preload_N: got 5, expected a list of values"),
         ({METHOD: "constant_force"}, "operation.preload_method: got 'constant_force', expected a"),
         ({PRELOAD: []}, "operation.preload_N: got no value, expected one or more"),
@@ -96,26 +102,170 @@ def test_a_point_that_fails(coarse):
     ],
 )
 def test_nothing_is_solved_before_all_is_checked(coarse, changes, said, monkeypatch):
-    monkeypatch.setattr(module, "_solved", not_to_be_solved)
+    monkeypatch.setattr("bearingwear.studies.sweep._result", not_to_be_solved)
     with pytest.raises(SceneError) as error:
         bearingwear.sweep(coarse, changes, what="life", workers=1)
     assert said in str(error.value) and "--set" not in str(error.value)
 
 
-def test_a_model_that_cannot_solve_a_point(coarse, monkeypatch):
-    monkeypatch.setattr(module, "_solved", not_to_be_solved)
-    with pytest.raises(NotAvailable):
-        changes = {"operation.rotating_load_N": [0.0, 1.0]}
-        bearingwear.sweep(coarse, changes, fidelity="steady", workers=1)
-    with pytest.raises(ValueError, match="solve or life"):
+def test_a_model_that_cannot_solve_a_point(coarse):
+    rotating = "operation.rotating_load_N"
+    with pytest.warns(UserWarning, match="points were not solved: none 1 .gyro_s1: "):
+        made = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
+    assert made.status.values.tolist() == ["ok", "none"]
+    assert np.isfinite(made.total_qv).values.tolist() == [True, False]
+    with pytest.raises(NotAvailable):  # nor any other point
+        bearingwear.sweep(coarse, {rotating: [1.0, 2.0]}, fidelity="steady", workers=1)
+
+
+def test_workers_and_what_are_checked(coarse):
+    with pytest.raises(ValueError, match="solve, life or a function"):
         bearingwear.sweep(coarse, {PRELOAD: [5]}, what="lives")
     with pytest.raises(ValueError, match="sweep: workers: got -1, expected 1 or more"):
         bearingwear.sweep(coarse, {PRELOAD: [5]}, workers=-1)
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_combination_that_makes_no_bearing_leaves_the_others(coarse, workers):
+    """The largest of these balls do not fit side by side."""
+    axes = {"bearing.ball_count": [8, 10], "bearing.ball_diameter_mm": [1.9, 2.3]}
+    with pytest.warns(UserWarning, match="points were not solved: none"):
+        made = bearingwear.sweep(coarse, axes, workers=workers)
+    assert (made.status == "ok").values.tolist() == [[True, True], [True, False]]
+    assert np.isnan(made.total_qv[1, 1]) and np.isfinite(made.total_qv).sum() == 3
+
+
+def test_rows_are_points_of_their_own(coarse):
+    rows = [{PRELOAD: 5, FRICTION: 0.05}, {PRELOAD: 7, FRICTION: 0.1}, {PRELOAD: -7, FRICTION: 0.1}]
+    with pytest.warns(UserWarning, match=r"1 of 3 points .* none 1 \(operation.preload_N: got -7"):
+        made = bearingwear.sweep(coarse, rows, workers=1)
+    assert made.total_qv.dims == ("row",) and made.preload_N.values.tolist() == [5, 7, -7]
+    alone = bearingwear.solve(coarse.with_(rows[1]))
+    np.testing.assert_array_equal(made.contact_load[1], alone.contact_load)
+    assert made.friction.dims == ("row",) and made.status.values.tolist() == ["ok", "ok", "none"]
+
+
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        ([], "axes: got no row, expected one or more"),
+        ([{PRELOAD: 5}, {FRICTION: 0.1}], "row 1: got the keys friction.ball_race, expected "),
+        (7, "axes: got 7, expected axes KEY: VALUES, or a list of rows KEY: VALUE"),
+        ({PRELOAD: [5, 6, 5.0]}, "operation.preload_N: got 5 twice, expected each value once"),
+    ],
+)
+def test_points_that_are_refused(coarse, points, said):
+    with pytest.raises(SceneError, match=said):
+        bearingwear.sweep(coarse, points, workers=1)
+
+
+def test_several_scenes_lie_side_by_side(coarse):
+    other = coarse.with_({"name": "faster", "operation.shaft_speed_rpm": 40000})
+    made = bearingwear.sweep([coarse, other], {PRELOAD: [5, 7]}, workers=1)
+    assert made.total_qv.dims == ("scene", "preload_N")
+    assert made["scene"].values.tolist() == ["gyro_s1", "faster"]
+    alone = bearingwear.solve(other.with_({PRELOAD: 7}))
+    assert made.total_qv.sel(scene="faster", preload_N=7) == alone.total_qv
+    assert [one["name"] for one in json.loads(made.attrs["scenes"])] == ["gyro_s1", "faster"]
+    with pytest.raises(SceneError, match="name: got two scenes named gyro_s1"):
+        bearingwear.sweep([coarse, coarse], {PRELOAD: [5, 7]}, workers=1)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_function_is_asked_at_each_point(coarse, workers):
+    axes = {PRELOAD: [5, 7], FRICTION: [0.05, 0.1]}
+    made = bearingwear.sweep(coarse, axes, product_of_numbers, workers=workers)
+    np.testing.assert_allclose(made["product"], [[0.25, 0.5], [0.35, 0.7]])
+    assert made["pair"].dims == ("preload_N", "friction", "pair_0")
+    assert (made["pair"][1, 0] == [7, 30000]).all() and (made["name"] == "gyro_s1").all()
+
+
+def as_many_as_newtons(scene):
+    return {"status": 0, "values": np.ones(int(scene.operation.preload_N)), "one": 1}
+
+
+def test_values_of_another_shape_are_refused(coarse):
+    with pytest.warns(UserWarning, match=r"none 1 \(values: got shape \(4,\), expected \(3,\)"):
+        made = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
+    assert made.status.values.tolist() == ["ok", "none", "ok"]
+    assert made["values"].isnull().all("values_0").values.tolist() == [False, True, False]
+    with pytest.raises(TypeError, match="what: got a function that returns int, expected a mapp"):
+        bearingwear.sweep(coarse, {PRELOAD: [3]}, lambda scene: 1, workers=1)
+
+
+def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
+    with pytest.raises(SceneError, match="what: got .*lambda.*, expected a function of a module"):
+        bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, lambda scene: {}, workers=2)
+
+
+def test_only_what_is_kept_is_in_the_dataset(coarse):
+    axes = {PRELOAD: [5, 7]}
+    every = bearingwear.sweep(coarse, axes, workers=1)
+    some = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
+    assert set(some.data_vars) == {"status", "total_qv", "contact_load"}
+    for name in some.variables:
+        xr.testing.assert_identical(some[name].variable, every[name].variable)
+    with pytest.raises(SceneError, match="keep: got total_gv, expected total_qv"):
+        bearingwear.sweep(coarse, axes, workers=1, keep=["total_gv"])
+    with pytest.raises(SceneError, match="keep: got extremes of solve, expected it of life"):
+        bearingwear.sweep(coarse, axes, workers=1, keep="extremes")
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_extremes_are_the_worst_values_along_a_life(coarse):
+    axes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 7]}
+    made = bearingwear.sweep(coarse, axes, "life", workers=1, keep="extremes")
+    assert made.maximum_pressure.dims == ("preload_method", "preload_N")
+    point = made.sel(preload_method="fixed_position", preload_N=7)
+    alone = bearingwear.life(coarse.with_({METHOD: "fixed_position", PRELOAD: 7}))
+    np.testing.assert_array_equal(point.life, alone.life)
+    assert point.maximum_pressure == alone.history_maximum_pressure.max()
+    assert point.gyroscopic_slip_share == alone.history_gyroscopic_slip_share.max()
+    assert point.system_axial_stiffness == alone.history_system_axial_stiffness.min()
+    assert point.preload_kept == alone.history_residual_preload.min() / 7
+    assert point.rotor_axial_shift == abs(alone.history_rotor_axial_shift).max()
+    assert made.maximum_pressure.attrs["units"] == "Pa"
+    assert "history_time" not in made
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_worse_bearing_of_a_pair_counts(coarse):
+    """With two in tandem, one side has its preload from both of them."""
+    keys = {
+        METHOD: "fixed_position",
+        "arrangement.kind": "rigid_pair",
+        "arrangement.tandem": [2, 1],
+    }
+    keys["arrangement.second.wear.ball_diameter_loss_um"] = 0.1
+    pair = coarse.with_(keys)
+    made = bearingwear.sweep(pair, {PRELOAD: [7]}, "life", workers=1, keep="extremes")
+    alone = bearingwear.life(pair.with_({PRELOAD: 7}))
+    kept = alone.history_residual_preload.values * np.array([[2.0], [1.0]]) / 7
+    assert made.preload_kept.dims == ("preload_N",) and made.preload_kept[0] == kept.min()
+    assert made.maximum_pressure[0] == alone.history_maximum_pressure.max()
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
+def test_parts_make_the_whole(coarse, what, tmp_path):
+    axes = {"model.strips": [8, 10], PRELOAD: [5, 7, 9], FRICTION: [0.0, 0.08]}
+    whole = bearingwear.sweep(coarse, axes, what, workers=1)
+    paths = [tmp_path / f"{k}.nc" for k in (2, 1, 3)]
+    for k, path in zip((2, 1, 3), paths, strict=True):
+        bearingwear.save(bearingwear.sweep(coarse, axes, what, workers=1, part=(k, 3)), path)
+    xr.testing.assert_identical(gathered_parts(paths), whole)
+    with pytest.raises(CaseFileError, match="got 2 of 3 parts, expected also 1/3"):
+        gathered_parts([paths[0], paths[2]])
+    with pytest.raises(CaseFileError, match="got part 2/3 twice"):
+        gathered_parts([paths[0], paths[0]])
+    for part in ((0, 3), (4, 3), (1, 13)):
+        with pytest.raises(SceneError, match=r"part: got .*expected K/N with 1 <= K <= N <= 12"):
+            bearingwear.sweep(coarse, axes, what, workers=1, part=part)
+
+
 def test_names_of_the_dimensions():
     def names(*keys, taken=()):
-        return list(module._dimensions(keys, set(taken)).values())
+        return list(names_of_keys(keys, set(taken)).values())
 
     assert names(PRELOAD, FRICTION) == ["preload_N", "friction"]
     assert names("wear.counts", taken=["counts"]) == ["wear_counts"]
@@ -123,32 +273,6 @@ def test_names_of_the_dimensions():
         "materials_a_density_kg_m3",
         "materials_b_density_kg_m3",
     ]
-
-
-def parts(*lengths):
-    return [xr.Dataset({"a": ("point", np.zeros(length))}) for length in lengths]
-
-
-def test_progress(monkeypatch, capsys):
-    clock = [0.0]
-    monkeypatch.setattr(pool.time, "monotonic", lambda: clock[0])
-
-    def every_2_seconds():
-        for part in parts(1, 2, 2, 3, 2):
-            clock[0] += 2.0
-            yield part
-
-    assert len(list(module._told_in_lines(every_2_seconds(), 10))) == 5
-    lines = "sweep: 3 of 10 points\nsweep: 8 of 10 points, about 2 s left\n"
-    assert capsys.readouterr().err == lines
-
-
-def test_an_interrupt_waits_for_no_process():
-    results = pool.in_processes(time.sleep, [0.0, 60.0, 60.0, 60.0], 2, "sweep")
-    next(results)
-    started = time.monotonic()
-    results.close()
-    assert time.monotonic() - started < 20.0
 
 
 SCRIPT = """
@@ -179,10 +303,10 @@ def test_where_processes_start_anew(tmp_path):
 
 UNGUARDED = """
 import multiprocessing
-from bearingwear.studies.pool import in_processes
+from bearingwear.studies.answers import answers_at
 
 multiprocessing.set_start_method("spawn", force=True)
-list(in_processes(len, [[]], 2, "sweep"))
+list(answers_at(len, [[], []], 2))
 """
 
 
@@ -217,6 +341,6 @@ def test_pairs(coarse):
 
 @pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
 def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
-    monkeypatch.setattr(module, "_solved", not_to_be_solved)
+    monkeypatch.setattr("bearingwear.studies.sweep._result", not_to_be_solved)
     with pytest.raises(SceneError, match="arrangement.kind: got .*single"):
         bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

@@ -54,7 +54,7 @@ def test_the_whole_study_is_planned(repository):
     assert run.status == 0, run.text
     assert run.jobs["solve"] == 5 * 8 + 3 * 2  # a job for each method and friction
     assert run.jobs["wear_life"] == 8
-    assert run.jobs["spread"] == 3 * 4 + 3
+    assert run.jobs["spread"] == 6  # one for each scene
     assert run.jobs["solve_dynamic"] == 12 + 1
 
 

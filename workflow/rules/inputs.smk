@@ -35,10 +35,9 @@ def every_case(wildcards):
 def spreads(wildcards):
     """Files of the spread in life, of one scene or of all."""
     return [
-        f"results/{scene}/spread/mu{mu}.nc"
+        f"results/{scene}/spread.nc"
         for scene in config["uncertain_lives"]["scenes"]
         if scene in GRIDS and scene == getattr(wildcards, "scene", scene)
-        for mu in GRIDS[scene].friction_names
     ]
 
 
@@ -90,14 +89,6 @@ def sampled(wildcards):
     """Quantiles of sampled lives, of a scene of config/uncertainty.yaml."""
     asked = wildcards.scene in UNCERTAINTY["scenes"]
     return expand("results/{scene}/design/uncertainty.nc", **wildcards) if asked else []
-
-
-def recommended_preload(wildcards):
-    """The recommendation of the large map, for lives sampled at its preload."""
-    asked = wildcards.choice == "recommended"
-    return (
-        expand("results/{scene}/design/recommendation.nc", **wildcards) if asked else []
-    )
 
 
 def worn_loss(wildcards):

@@ -28,28 +28,30 @@ rule wear_life:
 
 
 rule spread:
-    """Spread in life at one friction coefficient, due to the uncertain values of the scene."""
+    """Spread in life at each friction coefficient, due to the uncertain values of the scene."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
         compiled=f"logs/compiled/{KERNELS}/worn",
     output:
-        "results/{scene}/spread/mu{mu}.nc",
+        "results/{scene}/spread.nc",
     log:
-        "logs/spread/{scene}/mu{mu}.log",
+        "logs/spread/{scene}.log",
     benchmark:
-        "logs/spread/{scene}/mu{mu}.tsv"
+        "logs/spread/{scene}.tsv"
     group:
         "spread"
+    threads: 2
     resources:
         runtime=5,
     params:
         code=sources("bearingwear.studies.uncertainty.quantiles"),
         scene=scene_values(uncertainty=True),
+        frictions=lambda wildcards: GRIDS[wildcards.scene].friction,
         methods=lambda wildcards: GRIDS[wildcards.scene].preload_method,
         samples=config["uncertain_lives"]["samples"],
         seed=config["uncertain_lives"]["seed"],
     shell:
-        "bearingwear uncertainty {input.scene} --friction {wildcards.mu} --method {params.methods}"
+        "bearingwear uncertainty {input.scene} --friction {params.frictions} --method {params.methods}"
         " --samples {params.samples} --seed {params.seed} --jobs {threads} --record-failures --quiet"
         " -o {output} &> {log}"
 

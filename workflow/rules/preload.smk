@@ -65,6 +65,7 @@ rule spread_at_recommended_preload:
         "logs/spread_at_recommended_preload/{scene}.tsv"
     group:
         "spread"
+    threads: 2
     resources:
         runtime=5,
     params:
@@ -75,7 +76,7 @@ rule spread_at_recommended_preload:
     shell:
         "bearingwear step bearingwear.studies.uncertainty.quantiles.recommended_life_quantiles"
         " scene={input.scene} recommendation={input.recommendation} samples={params.samples}"
-        " seed={params.seed} -o {output} &> {log}"
+        " seed={params.seed} workers={threads} -o {output} &> {log}"
 
 
 rule preload_report:

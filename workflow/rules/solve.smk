@@ -55,16 +55,17 @@ rule solve_chunk:
     resources:
         runtime=60,
     params:
-        code=sources("bearingwear.studies.grid.solve"),
+        code=sources("bearingwear.studies.sweep"),
         scene=scene_values(replaced=GRID_KEYS.values()),
-        friction=lambda wildcards: GRIDS[wildcards.scene].frictions_between(
-            wildcards.first, wildcards.last
+        friction=lambda wildcards: ",".join(
+            GRIDS[wildcards.scene].friction_names_between(wildcards.first, wildcards.last)
         ),
-        losses=lambda wildcards: GRIDS[wildcards.scene].ball_diameter_loss_um,
+        losses=lambda wildcards: ",".join(GRIDS[wildcards.scene].loss_names),
     shell:
-        "bearingwear step bearingwear.studies.grid.solve.solved_chunk scene={input.scene}"
-        " method={wildcards.method} friction={params.friction} losses_um={params.losses}"
-        " -o {output} &> {log}"
+        "bearingwear sweep {input.scene} --set operation.preload_method={wildcards.method}"
+        " --axis friction.ball_race={params.friction}"
+        " --axis wear.ball_diameter_loss_um={params.losses}"
+        " --keep study --jobs 1 --record-failures -o {output} &> {log}"
 
 
 rule gather:

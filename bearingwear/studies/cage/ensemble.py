@@ -8,7 +8,8 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ import xarray as xr
 from scipy.stats import norm, t
 
 from bearingwear.atomic import write_text
+from bearingwear.console import LINE_EVERY
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.provenance import result_hash
 from bearingwear.results.netcdf import CaseFileError, load
@@ -26,12 +28,12 @@ from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.warm import warm_scene
+from bearingwear.studies.answers import PROBLEM, Tell, Workers
 from bearingwear.studies.cage.draws import CageDraw, cage_drawn, cage_spread
 from bearingwear.studies.cage.motion import MOTIONS
 from bearingwear.studies.cage.plan import FEWEST, Ensemble
 from bearingwear.studies.cage.run import ACROSS, CAGE_RUN, cage_run
 from bearingwear.studies.dataset import filled
-from bearingwear.studies.pool import Tell, TimeLeft, in_processes, told_in_lines
 
 RunRow = dict[str, Any]
 """Values of `CAGE_RUN` of a run, and what it drew."""
@@ -192,17 +194,30 @@ def ensemble_of(
     if kept is not None:
         kept.read(rows)
     jobs = [_Job(solved, spread, plan, k) for k in range(len(rows), plan.runs)]
-    made: Any = in_processes(_done, jobs, workers, "bearingwear.cage")
-    each, left, begun = made, TimeLeft({}), len(rows)
-    if tell:
-        each = told_in_lines(made, len(jobs), "{} of at most {} runs", tell=tell, left=left)
+    made = _answers(jobs, workers)
+    begun = last = time.monotonic()
+    before_these = len(rows)
     with contextlib.closing(made):
-        while not _is_enough(rows, plan) and (row := next(each, None)) is not None:
+        while not _is_enough(rows, plan) and (row := next(made, None)) is not None:
             if kept is not None:
                 kept.add(len(rows), row)
             rows.append(row)
-            left.limit("", _expected_runs(rows, plan) - begun)
+            now = time.monotonic()
+            if tell and now - last > LINE_EVERY:
+                last, done = now, len(rows) - before_these
+                left = (now - begun) / done * (_expected_runs(rows, plan) - len(rows))
+                tell(f"{done} of at most {len(jobs)} runs, about {left:.0f} s left")
     return _dataset(rows[: plan.runs], names, attributes)
+
+
+def _answers(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, None]:
+    """Runs one by one in their order; who closes this waits for no other."""
+    with Workers(workers, "bearingwear.cage", progress=False) as pool:
+        pool.start()
+        for answer in pool.answers_at(_done, jobs, at_once=1):
+            if PROBLEM in answer:
+                raise ValueError(answer[PROBLEM])
+            yield dict(answer)
 
 
 def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:

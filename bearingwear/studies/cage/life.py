@@ -35,11 +35,11 @@ from bearingwear.scene.scene import WORN, EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
+from bearingwear.studies.answers import Tell
 from bearingwear.studies.cage.draws import WEAR, cage_spread
 from bearingwear.studies.cage.ensemble import END, OF_MOTION, ensemble_of, kept_in
 from bearingwear.studies.cage.plan import Ensemble
 from bearingwear.studies.dataset import filled, write_dataset
-from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import wear_factor
 
 WEARING = ("pockets", "land")

@@ -7,13 +7,13 @@ import xarray as xr
 from bearingwear.document.document import Block, Row
 from bearingwear.document.study import rough_value, spread_rows
 from bearingwear.document.table import flag_names
-from bearingwear.measures import plain
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BEARINGS_BETWEEN,
     causes_told,
+    interval_of,
     preload_drawn,
     quantities_of,
     spread_at,
@@ -50,41 +50,39 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
         for c, where in enumerate(flag_names(uncertainty["preload_choice"]))
     ]
     ones = [one for *_, one in points]
-    found = [spread_at(one.sel(uncertain_inputs=ALL_INPUTS)) for one in ones]
-    stated = [spread_at(one.sel(uncertain_inputs=ALL_BUT_WEAR)) for one in ones]
+    found = [spread_at(one) for one in ones]
+    stated = [interval_of(one, ALL_BUT_WEAR) if spread_at(one) else None for one in ones]
+    labels = dict.fromkeys(label for one in found if one for label in one.errors)
     longest = tuple(one and one.longest for one in found)
     rows = [
         Row("method", "", tuple(name for name, *_ in points), "preload_method"),
         Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
         Row("preload", "N", tuple(float(one["preload"]) for one in ones), "preload"),
         Row("nominal life", "h", tuple(Rough(one["nominal_life"]) for one in ones), "nominal_life"),
-        *spread_rows([one.rows if one else {} for one in found]),
+        *spread_rows(found),
+        *(
+            Row(f"{label.strip()}, interval due to sampling", "h",
+                tuple(one.errors.get(label, "") if one else "" for one in found))
+            for label in labels
+        ),
         Row(
             f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
-            tuple(rough_value(one and one.bearings) for one in stated), "life_wear_as_stated",
+            tuple(rough_value(one) for one in stated), "life_wear_as_stated",
         ),
         *([Row("this method gives the longest life", "%", longest)] if any(longest) else []),
         Row("lives computed", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
-        Row("lives evaluated", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
+        Row("lives solved", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
     ]  # fmt: skip
     said = (
-        f"{int(uncertainty.attrs['samples'])} base samples, random seed "
+        f"{int(uncertainty.attrs['samples'])} sampled bearings, random seed "
         f"{int(uncertainty.attrs['seed'])}. {causes_told(scene)}",
-        *_with_grooves(uncertainty),
+        *(
+            f"{name}, {where} preload: {one.failures_sentence}"
+            for (name, where, _), one in zip(points, found, strict=True)
+            if one and one.failures
+        ),
     )
     return Block("Uncertainty in life", rows=tuple(rows), axes=2, lines=said)
-
-
-def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
-    """Number of lives solved with worn grooves, and the error of the others."""
-    followed, share = uncertainty["followed_lives"], uncertainty["groove_share"]
-    if not bool((followed > 0).any()):
-        return []
-    return [
-        f"{int(followed.sum())} of the sampled lives were computed with worn grooves. The others "
-        f"were interpolated: all but {plain(100.0 * float(share.max()), 2)} % of them have an "
-        f"error of at most {plain(100.0 * float(uncertainty['groove_error'].max()), 2)} %."
-    ]
 
 
 def _indices(uncertainty: xr.Dataset) -> Block:
@@ -102,8 +100,6 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     for method, of_method in methods(uncertainty):
         one = of_method.sel(preload_choice=preload_drawn(of_method))
         words = method_words(scene_of(uncertainty), method)
-        class_index = tuple(map(float, one["class_index"].values))
-        rows.append(Row(f"{words}, within its class", "", class_index, f"class_index.{method}"))
         for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
             indices = one.sel(uncertain_inputs=inputs)
             known = zip(

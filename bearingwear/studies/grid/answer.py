@@ -37,7 +37,7 @@ RANK = 1
 
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
     """Step: the answer of the study, about its first scene, as the page reads it."""
-    known = [load_quantiles(path) for path in uncertainty]
+    known = [one for path in uncertainty for one in load_quantiles(path)]
     read = [loaded(path, interpolated_step=()) for path in lives]
     first = scene_of(read[0])
     return answer([life for one in read for life in lives_of(one, known)], first).stored
@@ -308,7 +308,7 @@ def lives_block(
             tuple(Estimated.of(life.hours, life.error * life.hours) for life in known),
             "life",
         ),
-        *spread_rows([life.spread.rows if life.spread else {} for life in known]),
+        *spread_rows([life.spread for life in known]),
         Row("ended by", "", tuple(life.end for life in known), "end_criterion"),
         Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in known)),
     )

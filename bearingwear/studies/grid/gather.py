@@ -12,6 +12,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.results.entries import stored_data
+from bearingwear.results.kinds import ONLY_IN_CASES, SWEEP_KIND, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.variables import STUDY_COORDINATES
@@ -19,14 +20,8 @@ from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.dataset import stacked
+from bearingwear.studies.dataset import reshaped, stacked
 from bearingwear.studies.grid.grid import Case, Grid
-
-# Left to the case files: profiles, histories, states to restart from, lists whose length differs
-# from case to case, and the worn diameter, which is an axis here.
-_LEFT_OUT = (
-    "strip", "steady_state", "time", "state", "final_time", "ball_diameter_loss",
-)  # fmt: skip
 
 # The same in every case of a study, or the cases do not belong together.
 _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
@@ -35,8 +30,8 @@ _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", 
 def study(paths: Iterable[str | Path]) -> xr.Dataset:
     """Gather the cases of one scene.
 
-    paths: case files, or chunks of many cases: every point of a grid once. The grid is what the
-        files say it is.
+    paths: case files, or sweeps over axes of the grid: every point of a grid once. The grid is what
+        the files say it is.
 
     Returns: dimensions `preload_method` (flags, in the order of `scene.PRELOAD_METHODS`),
         `friction`, `ball_diameter_loss` [um], then those of the case. Of a case whose status is not
@@ -75,8 +70,11 @@ class _Read:
         """Read file by file; refuse what does not belong to the others."""
         for path in map(Path, paths):
             dataset = load(path)
-            cases, shared = _identity(dataset, path)
-            if "case" not in dataset.dims and path.stem != cases[0].id:
+            is_sweep = kind_of(dataset) == SWEEP_KIND
+            cases, shared = (
+                _identity_of_sweep(dataset, path) if is_sweep else _identity(dataset, path)
+            )
+            if not is_sweep and path.stem != cases[0].id:
                 raise CaseFileError(f"{path}: contains the case {cases[0].id}")
             for case in cases:
                 if case in self.files:
@@ -88,7 +86,7 @@ class _Read:
                     other = next(iter(self.files.values()))
                     raise CaseFileError(f"{path}: {key} differs from {other}")
             self.warnings = gathered_warnings([{"warnings": self.warnings}, dataset.attrs])
-            yield dataset
+            yield _along_case(dataset, len(cases)) if is_sweep else dataset
 
 
 def _on_grid(whole: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset:
@@ -97,43 +95,7 @@ def _on_grid(whole: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset
     order = np.array([numbers[case] for case in grid.cases().values()])
     coords = axis_coordinates(grid)
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    shaped = {
-        name: (
-            (*lengths, *array.dims[1:]),
-            array.values[order].reshape((*lengths.values(), *array.shape[1:])),
-            array.attrs,
-        )
-        for name, array in whole.data_vars.items()
-    }
-    return xr.Dataset(shaped, whole.coords).assign_coords(coords)
-
-
-def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Cases of one scene along the dimension `case`, with their places on the axes of the study.
-
-    datasets: what the case files would hold, in the same order.
-    """
-    attributes: dict[str, Any] = {}
-    warnings = "[]"
-
-    def read() -> Iterator[xr.Dataset]:
-        nonlocal warnings
-        for dataset in datasets:
-            warnings = gathered_warnings([{"warnings": warnings}, dataset.attrs])
-            attributes.update(attributes or dataset.attrs | _identity(dataset, Path("chunk"))[1])
-            yield dataset
-
-    whole = _along_cases(read())
-    axes = ([PRELOAD_METHODS.index(case.preload_method) for case in cases],
-            [case.friction for case in cases],
-            [case.ball_diameter_loss_um for case in cases])  # fmt: skip
-    named = _axis_variables(*axes)
-    coords = {name: ("case", values, about) for name, (values, about) in named.items()}
-    for key in ("wall_time_s", "modelled", "residual"):
-        attributes.pop(key, None)
-    title = f"{len(cases)} cases of {json.loads(attributes['scene'])['name']}"
-    more = {"title": title, "warnings": warnings}
-    return whole.assign_coords(coords).assign_attrs(attributes | more)
+    return reshaped(whole.isel(case=order), "case", lengths).assign_coords(coords)
 
 
 _AT_ONCE = 500
@@ -141,7 +103,7 @@ _AT_ONCE = 500
 
 
 def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Values kept of cases and chunks, along the dimension `case`."""
+    """Values kept of cases and sweeps, along the dimension `case`."""
     parts: list[xr.Dataset] = []
     left = iter(datasets)
     while some := list(itertools.islice(left, _AT_ONCE)):
@@ -154,7 +116,7 @@ def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 
 def _joined(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     count = sum(dataset.sizes.get("case", 1) for dataset in datasets)
-    return stacked(datasets, {"case": count}, leave_out=_LEFT_OUT, along="case")
+    return stacked(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
 
 
 def _grid_of(files: Mapping[Case, Path]) -> Grid:
@@ -178,27 +140,58 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
     """Which cases a file holds, and what it must share with the others."""
     try:
         scene = json.loads(dataset.attrs["scene"])
-        if "case" in dataset.dims:
-            cases = [
-                Case(PRELOAD_METHODS[int(method)], float(friction), float(loss))
-                for method, friction, loss in zip(
-                    *(dataset[name].values for name in GRID_KEYS), strict=True
-                )
-            ]
-        else:
-            cases = [
-                Case(
-                    scene["operation"].pop("preload_method"),
-                    float(scene["friction"].pop("ball_race")),
-                    float(scene["wear"].pop("ball_diameter_loss_um")),
-                )
-            ]
-            int(dataset["status"])
+        case = _case_of(scene)
+        int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
     except (KeyError, TypeError, ValueError):
         problem = "got a file of another kind, expected a case of a study"
         raise CaseFileError(f"{path}: {problem}") from None
+    return [case], {"scene": json.dumps(scene)} | shared
+
+
+def _identity_of_sweep(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, Any]]:
+    """Which cases a sweep over axes of a grid holds, and what it must share with other files."""
+    keys = json.loads(dataset.attrs.get("changed_keys", "{}"))
+    of_grid = set(keys.values()) <= {*GRID_KEYS.values()} and {*keys} == {*dataset["status"].dims}
+    if not of_grid or "end_criterion" in dataset:
+        problem = f"got another sweep, expected one of solves over {', '.join(GRID_KEYS.values())}"
+        raise CaseFileError(f"{path}: {problem}")
+    scene = json.loads(dataset.attrs["scene"])
+    own = vars(_case_of(scene))
+    names = dict(zip(GRID_KEYS.values(), own, strict=True))
+    columns = [dataset[dim].values.tolist() for dim in keys]
+    cases = []
+    for values in itertools.product(*columns):
+        found = own | {names[key]: value for key, value in zip(keys.values(), values, strict=True)}
+        if not isinstance(found["preload_method"], str):
+            found["preload_method"] = PRELOAD_METHODS[int(found["preload_method"])]
+        cases.append(Case(**found))
+    shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
     return cases, {"scene": json.dumps(scene)} | shared
+
+
+def _case_of(scene: dict[str, Any]) -> Case:
+    """The case that a scene stands for, whose values are taken out of it."""
+    return Case(
+        scene["operation"].pop("preload_method"),
+        float(scene["friction"].pop("ball_race")),
+        float(scene["wear"].pop("ball_diameter_loss_um")),
+    )
+
+
+def _along_case(sweep: xr.Dataset, count: int) -> xr.Dataset:
+    """A sweep with its cases along one dimension, without numbers of those not solved."""
+    axes = len(json.loads(sweep.attrs["changed_keys"]))
+    solved = sweep["status"].values.ravel() == OK
+    variables = {}
+    for name, one in sweep.data_vars.items():
+        values = one.values.reshape((count, *one.shape[axes:]))
+        if not solved.all() and "flag_values" not in one.attrs:
+            values = np.where(solved.reshape((count,) + (1,) * (values.ndim - 1)), values, np.nan)
+        variables[name] = (("case", *one.dims[axes:]), values, one.attrs)
+    outer = {*sweep["status"].dims}
+    coords = {name: one for name, one in sweep.coords.items() if not outer & {*one.dims}}
+    return xr.Dataset(variables, coords, sweep.attrs)
 
 
 def _compared(value: Any) -> Any:

@@ -129,9 +129,9 @@ class Grid:
             for part in parts
         ]
 
-    def frictions_between(self, first: str, last: str) -> tuple[float, ...]:
+    def friction_names_between(self, first: str, last: str) -> list[str]:
         """Friction coefficients of a chunk, from the first to the last in its name."""
-        return tuple(mu for mu in self.friction if float(first) <= mu <= float(last))
+        return [mu for mu in self.friction_names if float(first) <= float(mu) <= float(last)]
 
     def every_value(self) -> list[Case]:
         """So few cases that each value of each axis is in one of them."""

@@ -41,7 +41,7 @@ _WEAR = {
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
     """Step: the numbers of a scene as CSV, and the few that matter as Markdown."""
     cases = loaded(study, ball_diameter_loss=())
-    known = [load_quantiles(path) for path in uncertainty]
+    known = [one for path in uncertainty for one in load_quantiles(path)]
     return cases_csv(cases), study_summary(cases, loaded(lives, interpolated_step=()), known)
 
 

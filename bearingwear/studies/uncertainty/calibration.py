@@ -43,6 +43,7 @@ from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
+from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
@@ -57,7 +58,7 @@ from bearingwear.studies.uncertainty.posterior import (
     conformities,
     posterior,
 )
-from bearingwear.studies.uncertainty.sample import lives
+from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
 """Points over ln mu at which lives are solved: for the interpolation, and to see its error."""
@@ -350,9 +351,8 @@ def _logs(
     scene = replace(scene, uncertainty={name: given[name] for name in names})
     if torque:
         return np.array([_log_torque(scene, names, row) for row in rows])
-    found = lives(scene, rows, workers)
-    hours = found.life * HOURS_PER_SECOND
-    hours = np.where(found.status == OK, hours, np.nan)
+    with Workers(workers, "calibrate", progress=False) as pool:
+        hours = sampled_lives(scene, rows, pool).life * HOURS_PER_SECOND
     return np.log(np.maximum(hours, math.exp(_NONE)))
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.studies.pool import Tell
+from bearingwear.studies.answers import Tell
 from bearingwear.studies.solve import life_scene
 
 OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")

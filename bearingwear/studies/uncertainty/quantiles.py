@@ -1,420 +1,279 @@
-"""Quantiles of sampled lives, and the uncertain value that decides.
+"""Quantiles of the lives of a scene by what is uncertain in it, and which uncertain value decides.
 
 Theory: docs/theory.md, section 15.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy import stats
+from scipy.stats import qmc
 
-from bearingwear.kernels.status import OK
-from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, TAKEN
-from bearingwear.results.variable import HOURS_PER_SECOND, Variable
-from bearingwear.scene.checking.check import record
-from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.distributions import value_at
-from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.dataset import filled
-from bearingwear.studies.design.recommend import recommended_for
-from bearingwear.studies.pool import Tell
-from bearingwear.studies.sampling import INDEX_SAMPLES, SAMPLES, Sampling
-from bearingwear.studies.uncertainty.batches import (
-    BATCH_PROBABILITIES,
-    PROBABILITIES,
-    Batches,
-    names_of,
-    of_class,
-    quantiles_with_error,
+from bearingwear.results.quantiles import (
+    ALL_BUT_WEAR,
+    ALL_INPUTS,
+    BATCH_ONLY,
+    CONFIDENCE,
+    KIND,
+    SCATTER_ONLY,
+    TAKEN,
 )
+from bearingwear.results.variable import HOURS_PER_SECOND, Variable
+from bearingwear.scene.distributions import value_at, values_at
+from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
+from bearingwear.studies.answers import Tell, Workers
+from bearingwear.studies.dataset import filled
+from bearingwear.studies.sampling import (
+    INDEX_SAMPLES,
+    SAMPLES,
+    Sampling,
+    sampling_of,
+    wear_factor,
+)
+from bearingwear.studies.uncertainty.intervals import life_quantile, longest_shares, sobol_indices
 from bearingwear.studies.uncertainty.plan import (
     AS_RECOMMENDED,
     OWN,
     PRELOAD_CHOICES,
     uncertain_scene,
 )
-from bearingwear.studies.uncertainty.sample import (
-    PART_KIND,
-    STATED,
-    independent_rows,
-    independent_wear_factors,
-    lives,
-    problem,
-    sample,
-    with_preload,
-    worse,
-)
-from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
+from bearingwear.studies.uncertainty.preloads import recommended_preloads, with_preload
+from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives
 from bearingwear.studies.uncertainty.variables import (
     ANALYSED,
-    BATCH,
     CHOICE,
-    INDEX,
+    FRICTION_AXIS,
     INPUTS,
+    LIFE_STATUSES,
     LONGEST_SHARE,
     METHOD,
+    PROBABILITIES,
     PROBABILITY,
-    UNCERTAINTY_AXES,
+    QUANTILE,
+    STATUSES,
 )
 
 MEMBERS = 512
 """Lives by which a file gives their distribution."""
 
 
-class Analysed(NamedTuple):
+class MethodLives(NamedTuple):
     """Lives of a method at one preload."""
 
     row: dict[str, Any]  # `ANALYSED`
-    life: np.ndarray  # (n,) of independent bearings; NaN where none was found
-    known: Stated
+    life: np.ndarray  # (n,) [s] of bearings in which everything uncertain varies
 
 
-def quantiles_and_indices(
-    scene: Path, parts: Sequence[Path], sampling: Mapping[str, int]
-) -> xr.Dataset:
-    """Step: quantiles of life and Sobol indices of its logarithm, from all parts of a sample.
-
-    parts: sampled lives.
-    sampling: `Sampling` by its fields.
-    CaseFileError: a file that is no such part, of another scene or sampling, or parts missing.
-    """
-    problem_scene, plan = uncertain_scene(scene), Sampling(**sampling)
-    found = _parts(parts, problem_scene, plan)
-    methods = list(dict.fromkeys(method for method, _ in found))
-    table = {
-        (method, choice): _analysed(problem_scene, method, found[method, choice], plan)
-        for method in methods
-        for choice in PRELOAD_CHOICES
-    }
-    for choice in PRELOAD_CHOICES:
-        _add_longest([table[method, choice] for method in methods])
-    names = tuple(problem_scene.uncertainty or {})
-    quantity = Variable("quantity", ("quantity",), "", "uncertain value", dtype="i1", flags=names)
-    rows = [one.row for one in table.values()]
-    return _dataset(problem_scene, plan, methods, PRELOAD_CHOICES, rows, {quantity: None})
-
-
-def _parts(
-    paths: Sequence[Path], scene: Scene, plan: Sampling
-) -> dict[tuple[str, str], list[xr.Dataset]]:
-    """Sampled lives by method and choice of preload, in the order of the chunks."""
-    parts: dict[tuple[str, str], list[xr.Dataset]] = {}
-    for path in paths:
-        part = load(path)
-        if part.attrs.get("kind") != PART_KIND:
-            raise CaseFileError(
-                f"{path}: got a file of another kind, expected a part of the sampled lives"
-            )
-        sampled = {name: int(part.attrs[name]) for name in ("samples", "seed", "chunks")}
-        if json.loads(part.attrs["scene"]) != scene.to_dict() or Sampling(**sampled) != plan:
-            raise CaseFileError(
-                f"{path}: got a different scene or sampling, expected those of the study"
-            )
-        parts.setdefault((part.attrs["preload_method"], part.attrs[PRELOAD_CHOICE]), []).append(
-            part
-        )
-    ordered = {}
-    for method in (m for m in PRELOAD_METHODS if any(m == known for known, _ in parts)):
-        for choice in PRELOAD_CHOICES:
-            some = sorted(
-                parts.get((method, choice), []), key=lambda part: int(part.attrs["chunk"])
-            )
-            if [int(part.attrs["chunk"]) for part in some] != list(range(plan.chunks)):
-                raise CaseFileError(
-                    f"sampled lives for {method}, {choice} preload: some parts are missing"
-                )
-            ordered[method, choice] = some
-    return ordered
-
-
-def life_quantiles(
+def uncertain_lives(
     scene: str | Path,
-    friction: float | None = None,
+    frictions: Sequence[float] = (),
     methods: Sequence[str] = (),
     samples: int = SAMPLES,
     seed: int = 1,
     workers: int = 1,
     tell: Tell | None = None,
 ) -> xr.Dataset:
-    """Step: quantiles of the life at a scene's own preload.
+    """Quantiles of the life at a scene's own preload.
 
-    friction: coefficient of ball and race, if not the scene's own [1].
+    frictions: coefficients of ball and race [1]; without any, that of the scene. With some, the
+        dataset has the dimension `friction`.
     methods: preload methods, if not the scene's own alone.
-    samples: half of the number of lives, a power of two.
-    workers: processes that follow grooves.
+    samples: number of bearings in each sample, a power of two.
+    workers: processes that solve lives.
     tell: what takes lines of progress.
     """
-    try:
-        plan = record(Sampling, {"samples": samples, "seed": seed})
-    except SceneError as error:
-        raise CaseFileError(f"--{error.key}: {error.problem}") from None
-    settings = [] if friction is None else [f"friction.ball_race={friction!r}"]
-    said: list[str] = []
-    base = uncertain_scene(scene, settings, said.append)
-    if tell and said:
-        tell(said[0])
-    methods = list(dict.fromkeys(methods or [base.operation.preload_method]))
-    found = own_quantiles(base, methods, plan, workers, tell)
-    return found.assign_attrs({TAKEN: said[0]} if said else {})
-
-
-def own_quantiles(
-    scene: Scene,
-    methods: Sequence[str],
-    plan: Sampling,
-    workers: int = 1,
-    tell: Tell | None = None,
-) -> xr.Dataset:
-    """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
-    preloads = dict.fromkeys(methods, scene.operation.preload_N)
-    return _quantiles_at(scene, preloads, plan, OWN, workers, tell)
+    plan = sampling_of(samples, seed)
+    taken: list[str] = []
+    settings = [[f"friction.ball_race={mu!r}"] for mu in frictions] or [[]]
+    scenes = [uncertain_scene(scene, one, taken.append) for one in settings]
+    if tell and taken:
+        tell(taken[0])
+    own = scenes[0].operation
+    preloads = {(m, OWN): own.preload_N for m in dict.fromkeys(methods or [own.preload_method])}
+    found = life_quantiles(scenes, preloads, plan, workers, tell, frictions)
+    return found.assign_attrs({TAKEN: taken[0]} if taken else {})
 
 
 def recommended_life_quantiles(
-    scene: Path, recommendation: Path, samples: int = SAMPLES, seed: int = 1
+    scene: Path, recommendation: Path, samples: int = SAMPLES, seed: int = 1, workers: int = 1
 ) -> xr.Dataset:
     """Step: quantiles of the life at the recommended preload of each method that has one.
 
-    samples, seed: as of `life_quantiles`.
+    samples, seed, workers: as of `uncertain_lives`.
     """
-    base, found = uncertain_scene(scene), load(recommendation)
+    base = uncertain_scene(scene)
     preloads = {
-        PRELOAD_METHODS[int(flag)]: float(preload)
-        for flag, preload in zip(found["preload_method"], found["preload"], strict=True)
+        (method, AS_RECOMMENDED): preload
+        for method, preload in recommended_preloads(base, recommendation).items()
         if np.isfinite(preload)
     }
-    recommended_for(base, found)
-    return _quantiles_at(base, preloads, Sampling(samples=samples, seed=seed), AS_RECOMMENDED)
+    return life_quantiles([base], preloads, sampling_of(samples, seed), workers)
 
 
-def _quantiles_at(
-    scene: Scene,
-    preloads: Mapping[str, float],
+def quantiles_and_indices(
+    scene: Path,
+    recommendation: Path,
+    methods: Sequence[str],
+    samples: int = INDEX_SAMPLES,
+    seed: int = 1,
+    workers: int = 1,
+) -> xr.Dataset:
+    """Step: quantiles and Sobol indices of the life, at the own and the recommended preload.
+
+    methods: preload methods.
+    samples: number of bearings in each sample and of base samples of the indices, a power of two.
+    seed, workers: as of `uncertain_lives`.
+    """
+    base = uncertain_scene(scene)
+    recommended = recommended_preloads(base, recommendation, methods)
+    preloads = {}
+    for method in methods:
+        preloads[method, OWN] = base.operation.preload_N
+        preloads[method, AS_RECOMMENDED] = recommended[method]
+    plan = sampling_of(samples, seed)
+    return life_quantiles([base], preloads, plan, workers, with_indices=True)
+
+
+def life_quantiles(
+    scenes: Sequence[Scene],
+    preloads: Mapping[tuple[str, str], float],
     plan: Sampling,
-    choice: str,
     workers: int = 1,
     tell: Tell | None = None,
+    frictions: Sequence[float] = (),
+    with_indices: bool = False,
 ) -> xr.Dataset:
-    """Quantiles of the life at a preload [N] of each method."""
-    table = []
-    for method, preload in preloads.items():
-        preloaded = with_preload(scene, method, preload)
-        rows, batches = independent_rows(preloaded, plan), Batches(preloaded, plan)
-        if tell:
-            tell(
-                f"{method}: sampling the lives of {len(rows)} independent bearings and of the same "
-                "number of bearings in batches"
-            )
-        found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
-        independent, known = slice(1, len(rows) + 1), worse(found.cost)
-        life, solved = found.life[independent], found.status[independent] == OK
-        hours = life * HOURS_PER_SECOND / found.wear_factor[independent]
-        row = {
-            "preload": preload,
-            "evaluations": solved.size,
-            "solved_share": solved.mean(),
-            "nominal_life": found.life[0] * HOURS_PER_SECOND,
-            **found.cost,
-            **batches.quantiles(found.life[len(rows) + 1 :], known),
-            **_quantiles_of(preloaded, plan, hours, known),
-        }
-        table.append(Analysed(row, life, known))
-    _add_longest(table)
-    return _dataset(scene, plan, list(preloads), [choice], [one.row for one in table])
+    """Quantiles of the lives of a scene, and Sobol indices if asked for.
 
-
-def _dataset(
-    scene: Scene,
-    plan: Sampling,
-    methods: Sequence[str],
-    choices: Sequence[str],
-    table: Sequence[Mapping[str, Any]],
-    more: Mapping[Variable, Any] = MappingProxyType({}),
-) -> xr.Dataset:
-    """What was found, by method and choice of preload, and further axes, as a file."""
-    axes: dict[str, Any] = {
-        METHOD: [PRELOAD_METHODS.index(method) for method in methods],
-        CHOICE: [PRELOAD_CHOICES.index(one) for one in choices],
+    scenes: one at each of `frictions`, or a single one.
+    preloads: by method and choice of preload [N]; NaN where none is recommended.
+    """
+    rows = []
+    with Workers(workers, "uncertainty", tell or False) as pool:
+        for scene in scenes:
+            lives = {key: MethodLives({"preload": n}, np.empty(0)) for key, n in preloads.items()}
+            for (method, choice), preload in preloads.items():
+                if np.isfinite(preload):
+                    at_preload = with_preload(scene, method, preload)
+                    lives[method, choice] = _lives_at(at_preload, plan, pool, tell)
+                    if with_indices:
+                        lives[method, choice].row.update(_causes(at_preload, plan, pool))
+            for choice in {choice for _, choice in preloads}:
+                _add_longest([one for key, one in lives.items() if key[1] == choice])
+            rows += [one.row for one in lives.values()]
+    axes: dict[Variable, Any] = {
+        METHOD: [PRELOAD_METHODS.index(one) for one in dict.fromkeys(m for m, _ in preloads)],
+        CHOICE: [PRELOAD_CHOICES.index(one) for one in dict.fromkeys(c for _, c in preloads)]
+        or [PRELOAD_CHOICES.index(AS_RECOMMENDED)],
         INPUTS: None,
         PROBABILITY: PROBABILITIES,
-        BATCH: BATCH_PROBABILITIES,
+        STATUSES: None,
     }
-    known = {name: one for name, one in ANALYSED.items() if any(name in row for row in table)}
+    if len(frictions):
+        axes = {FRICTION_AXIS: list(frictions)} | axes
+    if with_indices:
+        names = tuple(scenes[0].uncertainty or {})
+        axes[Variable("quantity", ("quantity",), "", "uncertain value", "i1", flags=names)] = None
+    known = {name: one for name, one in ANALYSED.items() if any(name in row for row in rows)}
     return filled(
         known,
-        {UNCERTAINTY_AXES[name]: values for name, values in axes.items()} | dict(more),
-        table,
-        title=f"Uncertainty in life: {scene.name}",
+        axes,
+        rows,
+        title=f"Uncertainty in life: {scenes[0].name}",
         kind=KIND,
-        scene=scene,
+        scene=scenes[0],
         samples=np.int64(plan.samples),
         seed=np.int64(plan.seed),
         confidence=CONFIDENCE,
     )
 
 
-def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Sampling) -> Analysed:
-    """Of the parts of a sample; nothing where there is no preload."""
-    found: dict[str, Any] = {"preload": float(parts[0].attrs["preload_N"]), "evaluations": 0}
-    if "life" not in parts[0]:
-        return Analysed(found, np.empty(0), EXACT)
-    whole = xr.concat(parts, "base")
-    solved = whole["status"].values == OK
-    life, factor = whole["life"].values, whole["wear_factor"].values
-    usable = (solved & (life > 0.0)).all(axis=1)
-    found["evaluations"] = solved.size
-    found["solved_share"] = solved.mean()
-    for name in ("solved_lives", "followed_lives"):
-        found[name] = sum(int(part.attrs[name]) for part in parts)
-    for name in STATED:
-        found[name] = max(float(part.attrs[name]) for part in parts)
-    found["index_share"] = usable.mean()
-    # of A and B; the others repeat them
-    halves, factors = ((x[:, [0, -1]]).ravel() for x in (life, factor))
-    known, at_preload = worse(found), with_preload(scene, method, found["preload"])
-    found |= _quantiles_of(at_preload, plan, halves / factors, known)
-    shape = 2, len(scene.uncertainty or {})
-    for name, variable in ANALYSED.items():
-        if variable.dims == INDEX:
-            found[name] = np.full(shape, np.nan)
-    for k, one in enumerate((life, life / factor)):  # as `uncertain_inputs`
-        y = np.log(one[usable])
-        if y.size and np.ptp(y) > 0.0:
-            for name, values in indices(scene, y, plan.seed).items():
-                found[name][k] = values
-    batches = Batches(at_preload, plan)
-    of_batches = lives(at_preload, batches.rows)
-    found |= batches.quantiles(of_batches.life, worse(of_batches.cost))
-    found["class_index"] = class_indices(at_preload, plan)
-    return Analysed(found | _one_at_a_time(at_preload), halves, known)
+def _lives_at(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
+    """Lives and their quantiles: of all bearings, within a batch, and of the bearing of a batch."""
+    if tell:
+        tell(
+            f"{scene.operation.preload_method}: sampling {plan.samples} bearings, "
+            f"{plan.samples} within a batch, and {plan.samples} batches"
+        )
+    varied = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
+    samples = [sample_of(scene, inputs, plan) for inputs in varied]
+    rows = [np.array([_medians(scene)]), *(one.rows for one in samples)]
+    found = sampled_lives(scene, np.vstack(rows), pool)
+    nominal, *lives = np.split(
+        found.life * HOURS_PER_SECOND, np.cumsum([len(r) for r in rows[:-1]])
+    )
+    hours = dict(zip(varied, lives, strict=True)) | {ALL_BUT_WEAR: lives[0]}
+    factors = {inputs: one.factors for inputs, one in zip(varied, samples, strict=True)}
+    factors[ALL_BUT_WEAR] = np.ones((plan.samples, 1))
+    row = {
+        "preload": scene.operation.preload_N,
+        "evaluations": found.solves,
+        "solved_share": found.solved_share,
+        "status_count": [np.count_nonzero(found.status == s) for s in LIFE_STATUSES.values()],
+        "nominal_life": nominal[0],
+        "life_sample": [_evenly_spaced(hours[i], factors[i]) for i in sorted(hours)],
+    }
+    quantiles = np.array(
+        [[life_quantile(hours[i], factors[i], p) for p in PROBABILITIES] for i in sorted(hours)]
+    )
+    row |= dict(zip(QUANTILE, np.moveaxis(quantiles, -1, 0), strict=True))
+    return MethodLives(row, lives[0] * samples[0].factors[:, 0])
 
 
-def _add_longest(methods: Sequence[Analysed]) -> None:
+def _evenly_spaced(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Quantiles of lives (n,) times factors (n, draws) at evenly spaced probabilities."""
+    solved = np.isfinite(hours)
+    if not solved.any():
+        return np.full(MEMBERS, np.nan)
+    every = hours[solved, None] * factors[solved]
+    return np.quantile(every, (np.arange(MEMBERS) + 0.5) / MEMBERS, method="hazen")
+
+
+def _add_longest(methods: Sequence[MethodLives]) -> None:
     """Add to each method how often it gives the longest life, where there are several."""
     some = [one for one in methods if len(one.life)]
     if len(some) > 1:
-        shares = longest_shares(np.array([one.life for one in some]), [one.known for one in some])
-        for one, share in zip(some, shares, strict=True):
+        for one, share in zip(some, longest_shares(np.array([o.life for o in some])), strict=True):
             one.row.update(dict(zip(LONGEST_SHARE, share, strict=True)))
 
 
-def longest_shares(life: np.ndarray, known: Sequence[Stated]) -> np.ndarray:
-    """Shares (methods, 3) of bearings that live longest by each method, and their intervals.
-
-    The intervals are those of Clopper and Pearson (1934). A bearing whose lives differ by less than
-    their errors may be longest by either; so may the share of lives whose error is not known.
-
-    life (methods, n): at the same sampled values; NaN where none was found.
-    known: of the lives of each method.
-    """
-    found = np.full((len(life), 3), np.nan)
-    error = np.array([one.error for one in known])[:, None]
-    share = sum(one.share for one in known)
-    lives = life[:, np.isfinite(life).all(axis=0)]
-    if not lives.size:
-        return found
-    least, most = lives * (1.0 - error), lives * (1.0 + error)
-    for m in range(len(lives)):
-        others = np.arange(len(lives)) != m
-        is_longest, is_surely, is_maybe = (
-            (own[m] > other[others]).all(axis=0)
-            for own, other in ((lives, lives), (least, most), (most, least))
-        )
-        found[m] = (
-            is_longest.mean(),
-            max(_interval(is_surely).low - share, 0.0),
-            min(_interval(is_maybe).high + share, 1.0),
-        )
-    return found
-
-
-def _interval(happened: np.ndarray) -> Any:
-    """Confidence interval of a probability, by what happened how often."""
-    return stats.binomtest(int(happened.sum()), happened.size).proportion_ci(CONFIDENCE)
-
-
-def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:
-    """The nominal life, and lives with one value at its 10 % and 90 % quantile [h]."""
-    names, middle = list(scene.uncertainty or {}), _middle(scene)
-    rows = [middle]
-    for j, name in enumerate(names):
-        for p in (0.1, 0.9):
-            value = float(value_at(scene, name, np.array(p)))
-            rows.append([value if i == j else v for i, v in enumerate(middle)])
-    nominal, *around = lives(scene, np.array(rows)).life * HOURS_PER_SECOND
-    return {
-        "nominal_life": nominal,
-        "life_one_at_a_time": np.array(around).reshape(len(names), 2),
-    }
-
-
-def _middle(scene: Scene) -> list[float]:
+def _medians(scene: Scene) -> list[float]:
     """Every uncertain value at its median."""
     return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
-def _quantiles_of(
-    scene: Scene, plan: Sampling, hours: np.ndarray, known: Stated
-) -> dict[str, np.ndarray]:
-    """Of the lives (2 samples,) of `independent_rows` with K_s and H of the scene.
-
-    With all uncertain values, and without those of K_s and H.
-    """
-    found, members, solved = [], [], np.isfinite(hours)
-    for factors in (independent_wear_factors(scene, plan), np.ones((len(hours), 1))):
-        # one batch, of independent bearings
-        found.append(quantiles_with_error(hours[None], factors, np.ones((1, 1)), known, (0.5,)))
-        every = (hours[solved, None] * factors[solved]).ravel()
-        even = (np.arange(MEMBERS) + 0.5) / MEMBERS
-        nothing = np.full(MEMBERS, np.nan)
-        members.append(np.quantile(every, even, method="hazen") if solved.any() else nothing)
-    names = ("life_quantile", "life_quantile_low", "life_quantile_high")
-    ends = {name: np.array([one[k][0] for one in found]) for k, name in enumerate(names)}
-    return ends | {"life_sample": np.array(members)}
-
-
-RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
-
-
-def indices(scene: Scene, y: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-    """Sobol indices (values,) of an answer y (samples, values + 2) in the order of `sample`."""
-    from SALib.analyze import sobol as sobol_analysis  # takes a second, and few ask for indices
-
-    found = sobol_analysis.analyze(
-        problem(scene), y.ravel(), calc_second_order=False, num_resamples=RESAMPLES,
-        conf_level=CONFIDENCE, seed=seed,
-    )  # fmt: skip
-    names = {"first_index": "S1", "total_index": "ST"}
-    return {name: np.asarray(found[key]) for name, key in names.items()} | {
-        f"{name}_error": np.asarray(found[f"{key}_conf"]) for name, key in names.items()
-    }
-
-
-def class_indices(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Total indices (values,) of log life, each value among those of its class."""
+def _causes(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
+    """Sobol indices of the lives, and lives with one value at its 10 % and 90 % quantile [h]."""
     names = list(scene.uncertainty or {})
-    found = np.full(len(names), np.nan)
-    for of_batch in (False, True):
-        own = names_of(scene, of_batch)
-        if not own:
-            continue
-        one = of_class(scene, of_batch)
-        fewer = replace(plan, samples=min(plan.samples, INDEX_SAMPLES), chunks=1)
-        rows = sample(one, fewer)
-        of_rows = lives(one, rows.reshape(-1, len(own)))
-        life = of_rows.life.reshape(rows.shape[:2])
-        usable = (np.isfinite(life) & (life > 0.0)).all(axis=1)
-        y = np.log(life[usable])
-        if y.size and np.ptp(y) > 0.0:
-            of_each = indices(one, y, plan.seed)["total_index"]
-            found[[names.index(name) for name in own]] = of_each
-    return found
+    rows = sobol_rows(scene, plan)
+    around = np.tile(_medians(scene), (2 * len(names), 1))
+    for k, name in enumerate(names):
+        around[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
+    found = sampled_lives(scene, np.vstack([rows.reshape(-1, len(names)), around]), pool)
+    lives = found.life[: -len(around)].reshape(rows.shape[:2])
+    worn = [k for k, name in enumerate(names) if name in WORN]
+    values = rows[..., worn].reshape(-1, len(worn))
+    factor = wear_factor(scene, [names[k] for k in worn], values).reshape(lives.shape)
+    answers = np.stack([lives, lives / factor], axis=1)  # with all inputs, and all but wear
+    nothing = np.full((2, len(names)), np.nan)  # of the samples that vary one class
+    indices: dict[str, Any] = {
+        name: np.vstack([of_each, nothing])
+        for name, of_each in sobol_indices(answers, plan.seed).items()
+    }
+    indices["index_share"] = (answers > 0.0).all(axis=(0, 1)).mean()
+    hours = found.life[-len(around) :] * HOURS_PER_SECOND
+    return indices | {"life_one_at_a_time": hours.reshape(-1, 2)}
+
+
+def sobol_rows(scene: Scene, plan: Sampling) -> np.ndarray:
+    """Values (values + 2, samples, values): A, B, and A with each value of B (Saltelli 2010)."""
+    names = list(scene.uncertainty or {})
+    columns = np.arange(len(names))
+    unit = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
+    a, b = np.hsplit(unit, 2)
+    every = [a, b, *(np.where(columns == k, b, a) for k in columns)]
+    return np.stack([values_at(scene, names, one) for one in every])

@@ -1,255 +1,130 @@
-"""Lives at sampled values of the uncertain keys of a scene.
+"""Samples of bearings: uncertain values at scrambled Sobol points, and the life of each member.
 
 Theory: docs/theory.md, section 15.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 from scipy.stats import qmc
 
-from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.quantiles import PRELOAD_CHOICE
-from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
-from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.blocks import CRITERIA
+from bearingwear.kernels.status import BEYOND_GROOVE, OK
+from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY, SCATTER_ONLY
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.distributions import values_at
-from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
-from bearingwear.scene.uncertain import friction_correlation
-from bearingwear.studies.dataset import filled
-from bearingwear.studies.design.recommend import recommended_for
-from bearingwear.studies.pool import Tell
-from bearingwear.studies.sampling import Sampling, wear_factor
-from bearingwear.studies.uncertainty.grooves import FoundLives, found_lives
-from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
-from bearingwear.studies.uncertainty.surrogate import Stated
+from bearingwear.scene.scene import WORN, Scene
+from bearingwear.scene.uncertain import is_same_for_batch
+from bearingwear.studies.answers import PROBLEM, Workers
+from bearingwear.studies.sampling import Sampling, perturbed, wear_factor
 
-PART_KIND = "sampled lives"
-BASE = Variable("base", ("base",), "1", "index of the base sample", dtype="i8")
-
-SAMPLED = table(
-    replace(STATUS, comment=None),
-    Variable(
-        "end_criterion", (), "", "criterion that determines the end of life", "i1", flags=CRITERIA
-    ),
-    Variable(
-        "wear_factor",
-        (),
-        "1",
-        "ratio of the life to that computed with the K_s and hardness in the scene",
-    ),
-    Variable("life", (), "h", "wear life", scale=HOURS_PER_SECOND),
-)
-"""What is found at sampled values."""
+POOLED = 2**15
+"""Lives that a quantile is taken from, at least: each life solved, times many wear factors."""
 
 
-def problem(scene: Scene) -> dict[str, Any]:
-    """The uncertain values as SALib takes them, by their probabilities."""
-    names = list(scene.uncertainty or {})
-    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+class SampledLives(NamedTuple):
+    """Lives of the members of a sample."""
 
-
-def independent(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Probabilities (2 samples, values) of A and B of `sample`."""
-    count = len(scene.uncertainty or {})
-    return qmc.Sobol(2 * count, seed=plan.seed).random(plan.samples).reshape(-1, count)
-
-
-def independent_rows(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Values (2 samples, values) of A and B of `sample`."""
-    return values_at(scene, list(scene.uncertainty or {}), independent(scene, plan))
-
-
-def independent_wear_factors(scene: Scene, plan: Sampling) -> np.ndarray:
-    """`pooled_wear_factors` (2 samples, draws) of `independent_rows`."""
-    names = list(scene.uncertainty or {})
-    worn = [name for name in names if name in WORN]
-    return pooled_wear_factors(scene, worn, names, independent(scene, plan))
-
-
-def sample(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Values (samples, values + 2, values): of each base sample A, A with one value of B each, B.
-
-    A scrambled Sobol sequence in Saltelli's arrangement; the same for the same seed.
-    """
-    sampled = problem(scene)
-    from SALib.sample import sobol as sobol_sample  # takes a second, and few ask for indices
-
-    unit = sobol_sample.sample(sampled, plan.samples, calc_second_order=False, seed=plan.seed)
-    return values_at(scene, sampled["names"], unit).reshape(plan.samples, -1, sampled["num_vars"])
-
-
-@dataclass(frozen=True, kw_only=True)
-class SampledLives(FoundLives):
-    """Lives at sampled values; `wear_factor` (n,) is that on the life by K_s and H."""
-
-    wear_factor: np.ndarray
+    life: np.ndarray  # (n,) [s]; NaN where it was not solved
+    status: np.ndarray  # (n,); REFUSED where no model takes the values
+    solves: int  # lives that were solved; members that differ in K_s and H alone share one
 
     @property
-    def cost(self) -> dict[str, float]:
-        """How many were solved, and how well the others are known, by names of variables."""
-        return {
-            "solved_lives": self.solved,
-            "followed_lives": self.followed,
-            **dict(zip(STATED, (*self.known, *self.worn), strict=True)),
-        }
+    def solved_share(self) -> float:
+        """Share of the lives that could be computed."""
+        return float((self.status == OK).mean())
 
 
-STATED = "interpolation_error", "interpolation_share", "groove_error", "groove_share"
+class Sample(NamedTuple):
+    """Bearings of which some of the uncertain values vary; the others are at their medians."""
+
+    rows: np.ndarray  # (n, names) values, with the wear coefficient and hardness of the scene
+    factors: np.ndarray  # (n, draws) by which the wear coefficient and hardness scale each life
 
 
-def worse(cost: Mapping[str, float]) -> Stated:
-    """Of lives with Hertzian and with worn grooves, by which intervals of quantiles are widened."""
-    error, share, groove_error, groove_share = (cost[name] for name in STATED)
-    return Stated(np.fmax(error, groove_error), np.fmax(share, groove_share))
+def varied_names(scene: Scene, inputs: int) -> list[str]:
+    """Names of the uncertain values that vary in a sample, by the flag of `UNCERTAIN_INPUTS`."""
+    given = scene.uncertainty or {}
+    varies = {
+        ALL_INPUTS: lambda name: True,
+        ALL_BUT_WEAR: lambda name: name not in WORN,
+        SCATTER_ONLY: lambda name: not is_same_for_batch(name, given[name]),
+        BATCH_ONLY: lambda name: is_same_for_batch(name, given[name]),
+    }[inputs]
+    return [name for name in given if varies(name)]
 
 
-def lives(
-    scene: Scene, rows: np.ndarray, workers: int = 1, tell: Tell | None = None
-) -> SampledLives:
-    """Lives at values (n, values), with the groove that `life` would follow.
+def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
+    """A sample in which the values of `varied_names` vary.
+
+    Samples of a scene share their points, so that a life which two of them need is solved once.
+    """
+    names, varied = list(scene.uncertainty or {}), varied_names(scene, inputs)
+    worn = [k for k, name in enumerate(names) if name in WORN]
+    others = [k for k, name in enumerate(names) if name not in WORN]
+    is_varied = np.isin(names, varied)
+    unit = np.full((plan.samples, len(names)), 0.5)
+    unit[:, others] = _sobol_points(len(others), plan.samples, plan.seed)
+    unit[:, ~is_varied] = 0.5
+    rows = values_at(scene, names, unit)
+    rows[:, worn] = [scene.nominal(names[k]) for k in worn]
+    if inputs == ALL_BUT_WEAR or not worn:
+        return Sample(rows, np.ones((plan.samples, 1)))
+    draws = max(POOLED // plan.samples, 1) if is_varied[worn].any() else 1
+    # consecutive Sobol points are evenly spread: each life meets the whole distribution of factors;
+    # in random order, as the places in a block go with its number, and so do the other values
+    blocks = _sobol_points(len(worn), plan.samples * draws, plan.seed + 1)
+    blocks = np.random.default_rng(plan.seed).permutation(blocks.reshape(plan.samples, draws, -1))
+    every = np.repeat(unit, draws, axis=0)
+    every[:, worn] = blocks.reshape(len(every), -1)
+    every[:, ~is_varied] = 0.5
+    values = values_at(scene, names, every)[:, worn]
+    factors = wear_factor(scene, [names[k] for k in worn], values)
+    return Sample(rows, factors.reshape(plan.samples, draws))
+
+
+def _sobol_points(dimensions: int, count: int, seed: int) -> np.ndarray:
+    """Scrambled Sobol points (count, dimensions); the same for the same seed."""
+    if not dimensions:
+        return np.empty((count, 0))
+    return qmc.Sobol(dimensions, seed=seed).random(count)
+
+
+def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -> SampledLives:
+    """Lives at values (n, names) of the uncertain keys, as quick lives with the grooves of `life`.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
     """
     names = list(scene.uncertainty or {})
-    shape = [k for k, name in enumerate(names) if name not in WORN]
     worn = [k for k, name in enumerate(names) if name in WORN]
+    others = [k for k, name in enumerate(names) if name not in WORN]
+    unlike, which = np.unique(rows[:, others], axis=0, return_inverse=True)
+    what = partial(quick_life_answer, scene, [names[k] for k in others])
+    pool = pool or Workers(1, progress=False)
+    answers = list(pool.answers_at(what, unlike.tolist()))
+    if all(PROBLEM in one for one in answers):
+        raise NotAvailable(answers[0][PROBLEM])
+    life = np.array([one.get("life", np.nan) for one in answers])[which.ravel()]
+    status = np.array([one["status"] for one in answers])[which.ravel()]
     factor = wear_factor(scene, [names[k] for k in worn], rows[:, worn])
-    unlike, which = np.unique(rows[:, shape], axis=0, return_inverse=True)
-    found = found_lives(scene, [names[k] for k in shape], unlike, workers, tell)
-    each = which.ravel()
-    of_each = {"life": found.life[each] * factor, "wear_factor": factor}
-    of_each |= {name: getattr(found, name)[each] for name in ("status", "end_criterion")}
-    return SampledLives(**(vars(found) | of_each))
+    return SampledLives(life * factor, status, len(unlike))
 
 
-POOLED = 2**15
-"""Lives of a pooled distribution, at least: those solved, each with many values of the wear factor.
-"""
+def quick_life_answer(
+    scene: Scene, names: Sequence[str], values: Sequence[float]
+) -> dict[str, float]:
+    """Status of a quick life of a scene at uncertain values, and the life [s] if it was solved.
 
-_FINE = 2**13  # values of the wear factor that its distribution is known from
-
-
-def pooled_wear_factors(
-    scene: Scene,
-    names: Sequence[str],
-    others: Sequence[str],
-    probabilities: np.ndarray,
-    pooled: int = POOLED,
-) -> np.ndarray:
-    """Factors (n, draws) on lives by uncertain values of K_s and H, at even probabilities.
-
-    names: those values; without any there is one draw, and the factor is 1.
-    others, probabilities (n, others): what else was sampled; K_s may go with friction.
-    pooled: least number of factors, except that no row has fewer than eight.
+    The life has the grooves that `life` follows.
     """
-    count = len(probabilities)
-    if not names:
-        return np.ones((count, 1))
-    friction, rho = friction_correlation(scene.uncertainty or {})
-    given = [name for name in others if rho and name == friction]
-    unit = qmc.Sobol(len(names), seed=0).random(_FINE)
-    rows = probabilities[:, [others.index(name) for name in given]]
-    sorted_factors = []
-    for row in rows if given else rows[:1]:
-        every = np.column_stack([np.tile(row, (_FINE, 1)), unit])
-        values = values_at(scene, [*given, *names], every)[:, len(given) :]
-        sorted_factors.append(np.sort(wear_factor(scene, names, values)))
-    draws = max(pooled // count, 8)
-    # each row between the others: rows alike give the distribution as finely as all their draws
-    even = (np.arange(draws) + (np.arange(count)[:, None] + 0.5) / count) / draws
-    parts = zip(np.array_split(even, len(sorted_factors)), sorted_factors, strict=True)
-    middles = (np.arange(_FINE) + 0.5) / _FINE
-    return np.concatenate([np.interp(part, middles, one) for part, one in parts])
-
-
-def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
-    """The scene with a method and a preload, whose distribution is scaled with it."""
-    distributions = dict(scene.uncertainty or {})
-    if "preload_N" in distributions:
-        share, old = preload_N / scene.operation.preload_N, distributions["preload_N"]
-        parts = {
-            part: getattr(old, part) * share
-            for part in ("mean", "standard_deviation", "median", "low", "high")
-            if getattr(old, part) is not None
-        }
-        distributions["preload_N"] = replace(old, **parts)
-    return replace(held_by(scene, method, preload_N), uncertainty=distributions)
-
-
-def preload_at(scene: Scene, method: str, choice: str, recommendation: xr.Dataset | None) -> float:
-    """The scene's own or the recommended preload [N]; NaN if none is recommended."""
-    if choice == OWN:
-        return scene.operation.preload_N
-    flag = PRELOAD_METHODS.index(method)
-    recommendation = recommended_for(scene, recommendation)
-    if flag not in recommendation["preload_method"]:
-        raise CaseFileError(f"the recommendation does not contain {method}")
-    return float(recommendation["preload"].sel(preload_method=flag))
-
-
-def sampled_lives(
-    scene: Path,
-    method: str,
-    preload_choice: str,
-    chunk: int,
-    sampling: Mapping[str, int],
-    recommendation: Path | None = None,
-) -> xr.Dataset:
-    """Step: one part of the sampled lives.
-
-    method: how the preload is applied.
-    preload_choice: `own` or `recommended`.
-    chunk: number of the part, from 0.
-    sampling: `Sampling` by its fields.
-    recommendation: of the design study, for the recommended preload.
-    """
-    plan = Sampling(**sampling)
-    if not 0 <= chunk < plan.chunks:
-        raise CaseFileError(f"chunk: got {chunk}, expected 0 to {plan.chunks - 1}")
-    found = None if recommendation is None else load(recommendation)
-    return sample_part(uncertain_scene(scene), plan, method, preload_choice, chunk, found)
-
-
-def sample_part(
-    scene: Scene,
-    plan: Sampling,
-    method: str,
-    choice: str = OWN,
-    chunk: int = 0,
-    recommendation: xr.Dataset | None = None,
-) -> xr.Dataset:
-    """One part of the sampled lives; empty where there is no preload to take."""
-    preload = preload_at(scene, method, choice, recommendation)
-    base = np.array_split(np.arange(plan.samples), plan.chunks)[chunk]
-    attributes: dict[str, Any] = {
-        "title": f"Sampled lives: {scene.name}, {method}, {choice} preload",
-        "kind": PART_KIND,
-        "scene": scene,
-        "preload_method": method,
-        PRELOAD_CHOICE: choice,
-        "samples": np.int64(plan.samples),
-        "seed": np.int64(plan.seed),
-        "chunk": np.int64(chunk),
-        "chunks": np.int64(plan.chunks),
-        "preload_N": np.float64(preload),
-    }
-    if np.isnan(preload):
-        return filled({}, {}, [{}], **attributes)
-    at_preload = with_preload(scene, method, preload)
-    rows = sample(at_preload, plan)[base]
-    found = lives(at_preload, rows.reshape(-1, rows.shape[-1]))
-    columns = (getattr(found, name) for name in SAMPLED)
-    return filled(
-        SAMPLED,
-        {BASE: base, "row": rows.shape[1]},
-        [dict(zip(SAMPLED, values, strict=True)) for values in zip(*columns, strict=True)],
-        **attributes,
-        **{name: np.array(value)[()] for name, value in found.cost.items()},
-    )
+    other = perturbed(scene, dict(zip(names, values, strict=True)))
+    if other is None:
+        return {"status": BEYOND_GROOVE}
+    life = worn_life(other) or HertzianLives(other, quick=True)(other)
+    if life.status != OK:
+        return {"status": life.status}
+    return {"status": OK, "life": float(life.last.time)}

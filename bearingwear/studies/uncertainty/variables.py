@@ -1,61 +1,56 @@
 """What a file of uncertain lives holds: its axes, and its statistics."""
 
-from bearingwear.results.quantiles import PRELOAD_CHOICE, UNCERTAIN_INPUTS
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.results.quantiles import PRELOAD_CHOICE, SAMPLED_INPUTS, UNCERTAIN_INPUTS
 from bearingwear.results.variable import Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
+from bearingwear.studies.answers import REFUSED
 from bearingwear.studies.uncertainty.plan import PRELOAD_CHOICES
 
+PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
+"""Of quantiles of life."""
+
+LIFE_STATUSES = dict(zip(STATUS_NAMES, range(len(STATUS_NAMES)), strict=True)) | {
+    "refused": REFUSED
+}
+"""Status of a sampled life by name; `refused`: no model takes the sampled values."""
+
+FRICTION_AXIS, METHOD = STUDY_COORDINATES["friction"], STUDY_COORDINATES["preload_method"]
 UNCERTAINTY_AXES = table(
-    STUDY_COORDINATES["preload_method"],
+    FRICTION_AXIS,
+    METHOD,
     Variable(PRELOAD_CHOICE, (PRELOAD_CHOICE,), "", "choice of preload", dtype="i1",
         flags=PRELOAD_CHOICES),
     Variable(UNCERTAIN_INPUTS, (UNCERTAIN_INPUTS,), "",
-        "which uncertain inputs vary: all, or all but the wear coefficient and the hardness",
-        dtype="i1", flags=("all", "all_but_wear")),
+        "which uncertain inputs vary: all; all but the wear coefficient and the hardness; those "
+        "that scatter within a batch; those common to a batch", dtype="i1", flags=SAMPLED_INPUTS),
     Variable("probability", ("probability",), "1", "share of bearings that have failed"),
-    Variable("batch_probability", ("batch_probability",), "1",
-        "share of batches with a lower value, given the uncertainty of the batch"),
+    Variable("life_status", ("life_status",), "", "status of a sampled life", dtype="i1",
+        flags=tuple(LIFE_STATUSES)),
 )  # fmt: skip
-METHOD, CHOICE, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
+*_, CHOICE, INPUTS, PROBABILITY, STATUSES = UNCERTAINTY_AXES.values()
 
 LONGEST_SHARE = ("longest_share", "longest_share_low", "longest_share_high")
+QUANTILE = ("life_quantile", "life_quantile_low", "life_quantile_high")
 
-QUANTILE, INDEX = (INPUTS, PROBABILITY), (INPUTS, "quantity")
+_QUANTILE, _INDEX = (UNCERTAIN_INPUTS, "probability"), (UNCERTAIN_INPUTS, "quantity")
 ANALYSED = table(
     Variable("preload", (), "N", "initial axial preload, median of its distribution"),
-    Variable("evaluations", (), "1", "number of lives evaluated", dtype="i8"),
-    Variable("solved_share", (), "1", "share of the evaluated lives that could be computed"),
+    Variable("evaluations", (), "1", "number of lives solved", dtype="i8",
+        comment="sampled bearings that differ only in wear coefficient and hardness share a life"),
+    Variable("solved_share", (), "1", "share of the sampled lives that could be computed",
+        comment="the others are not in the quantiles"),
+    Variable("status_count", ("life_status",), "1", "number of sampled lives with each status",
+        dtype="i8"),
     Variable("index_share", (), "1", "share of the base samples used for the indices"),
-    Variable("solved_lives", (), "1", "number of lives computed with Hertzian grooves"),
-    Variable("interpolation_error", (), "1",
-        "maximum relative error in the interpolated lives, except for interpolation_share of them",
-        comment="estimated from computed lives not used in the fit, with 95 % confidence if "
-        "several values vary; 0: no lives were interpolated"),
-    Variable("interpolation_share", (), "1",
-        "share of the interpolated lives whose error may exceed interpolation_error"),
-    Variable("followed_lives", (), "1", "number of lives computed with worn grooves"),
-    Variable("groove_error", (), "1",
-        "maximum relative error in interpolated lives with worn grooves, except for groove_share "
-        "of them",
-        comment="as for interpolation_error; 0: all were computed with worn grooves, NaN: none"),
-    Variable("groove_share", (), "1",
-        "share of the interpolated lives with worn grooves whose error may exceed groove_error"),
     Variable("nominal_life", (), "h", "life with every value at its median"),
-    Variable("batch_life_quantile", (BATCH, PROBABILITY), "h",
-        "quantile of the lives in a batch, for each quantile of the batch uncertainty",
-        comment="probability 0.1 gives L10; the middle of batch_probability gives the scatter "
-        "within a batch, and its ends give the uncertainty of the batch"),
-    Variable("batch_life_quantile_error", (BATCH, PROBABILITY), "h",
-        "half-width of the confidence interval of batch_life_quantile, due to sampling",
-        comment="the larger of the distances from the quantile to the ends of the interval, "
-        "widened by the error in interpolated lives"),
-    Variable("life_quantile", QUANTILE, "h",
-        "quantile of life, allowing for scatter within a batch and the uncertainty of the batch",
-        comment="90 % of bearings lie between probabilities 0.05 and 0.95"),
-    Variable("life_quantile_low", QUANTILE, "h",
-        "lower end of the confidence interval of life_quantile"),
-    Variable("life_quantile_high", QUANTILE, "h",
-        "upper end of the confidence interval of life_quantile"),
+    Variable("life_quantile", _QUANTILE, "h", "quantile of life",
+        comment="90 % of bearings lie between probabilities 0.05 and 0.95; what does not vary is "
+        "at its median, but wear coefficient and hardness as in the scene for all_but_wear"),
+    Variable("life_quantile_low", _QUANTILE, "h",
+        "lower end of the confidence interval of life_quantile, due to the size of the sample"),
+    Variable("life_quantile_high", _QUANTILE, "h",
+        "upper end of the confidence interval of life_quantile, due to the size of the sample"),
     Variable("longest_share", (), "1",
         "share of sampled bearings for which this method gives the longest life",
         comment="each bearing has the same uncertain values with every method"),
@@ -65,17 +60,15 @@ ANALYSED = table(
         "upper end of the confidence interval of longest_share"),
     Variable("life_one_at_a_time", ("quantity", "end"), "h",
         "life with one value at its 10 % and 90 % quantiles and the others at their medians"),
-    Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
-    Variable("first_index_error", INDEX, "1",
+    Variable("first_index", _INDEX, "1", "first-order Sobol index of log life",
+        comment="of the samples all and all_but_wear"),
+    Variable("first_index_error", _INDEX, "1",
         "half-width of the confidence interval of first_index"),
-    Variable("class_index", ("quantity",), "1",
-        "total Sobol index of log life within the class of the value",
-        comment="the two classes are values common to a batch and values that scatter within it; "
-        "the values in the other class are set to those in the scene"),
-    Variable("total_index", INDEX, "1", "total Sobol index of log life"),
-    Variable("total_index_error", INDEX, "1",
+    Variable("total_index", _INDEX, "1", "total Sobol index of log life",
+        comment="of the samples all and all_but_wear"),
+    Variable("total_index_error", _INDEX, "1",
         "half-width of the confidence interval of total_index"),
-    Variable("life_sample", (INPUTS, "member"), "h",
+    Variable("life_sample", (UNCERTAIN_INPUTS, "member"), "h",
         "sorted lives of independent bearings, at evenly spaced probabilities"),
 )  # fmt: skip
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

@@ -245,7 +245,7 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     run = "studies.uncertainty.quantiles"
     given = {"scene": scene, "recommendation": files["recommendation"]}
     assert step(f"{run}.recommended_life_quantiles", path, settings=settings, **given) == 0
-    assert step(f"{run}.life_quantiles", own, settings=settings, scene=scene) == 0
+    assert step(f"{run}.uncertain_lives", own, settings=settings, scene=scene) == 0
     spread, found = load(path), load(files["recommendation"])
     preloads = spread["preload"].values.ravel().tolist()
     assert preloads == found["preload"].values.tolist()

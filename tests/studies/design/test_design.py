@@ -31,7 +31,6 @@ from bearingwear.studies.design.map import HERTZIAN_GROOVE, life_point, map_part
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import mapped, recommendation_of
 from bearingwear.studies.uncertainty.quantiles import quantiles_and_indices
-from bearingwear.studies.uncertainty.sample import sampled_lives
 
 NOT_CONVERGED, BEYOND_GROOVE = (STATUS_NAMES.index(n) for n in ("not_converged", "beyond_groove"))
 METHODS = ("constant_force", "fixed_position")
@@ -41,7 +40,7 @@ LIMITS = {
     "maximum_pressure_GPa": 1.5,
     "friction_power_W": 0.2,
 }
-SAMPLING = {"samples": 4, "chunks": 2, "seed": 3}
+SAMPLING = {"samples": 4, "seed": 3}
 FILES = ("design", "recommendation", "uncertainty")
 
 
@@ -153,14 +152,8 @@ def folder(tmp_path_factory):
         )
     write_dataset(design_map(parts, LIMITS), design)
     write_dataset(recommendation_of(scene, design), recommendation)
-    samples = []
-    for method in METHODS:
-        for choice, chosen_by in (("own", None), ("recommended", recommendation)):
-            for chunk in (0, 1):
-                samples.append(folder / f"{method}-{choice}-{chunk}.nc")
-                one = sampled_lives(scene, method, choice, chunk, SAMPLING, chosen_by)
-                write_dataset(one, samples[-1])
-    write_dataset(quantiles_and_indices(scene, samples, SAMPLING), folder / "uncertainty.nc")
+    sampled = quantiles_and_indices(scene, recommendation, METHODS, **SAMPLING)
+    write_dataset(sampled, folder / "uncertainty.nc")
     return folder
 
 
@@ -316,8 +309,7 @@ def test_every_status_is_counted(folder, tmp_path):
 
 
 def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
-    scene, out = scene_file("gyro_s1"), tmp_path / "out.nc"
-    design = folder / "design.nc"
+    design, out = folder / "design.nc", tmp_path / "out.nc"
     gather = "studies.design.choice.design_map"
     recommend = "studies.design.recommend.recommendation_of"
     limits, others = ({"limits": {"gyroscopic_slip_share": share}} for share in (0.25, 0.5))
@@ -326,12 +318,13 @@ def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
     assert step(gather, out, settings=others, parts=parts) == 2
     assert step(gather, out, settings=limits, parts=parts) == 0
     assert step(recommend, out, scene=scene_file("gyro_s2"), design=design) == 2
-    given = {"scene": scene, "parts": [folder / "constant_force-own-0.nc"]}
     quantiles = "studies.uncertainty.quantiles.quantiles_and_indices"
-    for sampling in (SAMPLING, SAMPLING | {"samples": 1024}):
-        assert step(quantiles, out, settings={"sampling": sampling}, **given) == 2
+    given = {"scene": scene_file("gyro_s2"), "methods": "constant_force"}
+    for other in (design, folder / "recommendation.nc"):
+        assert step(quantiles, out, recommendation=other, **given) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 5 and "parts are missing" in lines[3]
+    assert len(lines) == 5 and "requires a recommendation file" in lines[3]
+    assert lines[4] == "the recommendation belongs to another scene"
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):

@@ -83,19 +83,25 @@ def sure(small_project, tmp_path):
 
     scene = load_scene(small_project / "mine.yaml")
     middle = np.arange(2.0, 41.0, 2.0).reshape(2, 2, 5)  # method, at, probability
-    of_batch = middle[:, :, None] * np.array([0.5, 1.0, 2.0])[:, None]
+    of_batch = middle[..., [2]] * np.array([0.5, 0.7, 1.0, 1.5, 2.0])
+    inputs = middle, middle, middle, of_batch  # all, all but wear, scatter, batch
+    counts = np.array([[[100, 0], [100, 0]], [[99, 1], [100, 0]]])
     dims = ("preload_method", "preload_choice", "uncertain_inputs", "probability")
+    statuses = {"flag_values": [0, 1], "flag_meanings": "ok not_converged"}
     methods = {"flag_values": [0, 1], "flag_meanings": " ".join(PRELOAD_METHODS)}
     dataset = xr.Dataset(
         {
-            "life_quantile": (dims, middle[:, :, None]),
-            "batch_life_quantile": ((*dims[:2], "batch_probability", *dims[3:]), of_batch),
+            **{
+                f"life_quantile{end}": (dims, factor * np.stack(inputs, axis=2))
+                for end, factor in (("_low", 0.9), ("", 1.0), ("_high", 1.1))
+            },
             "solved_share": (dims[:2], [[1.0, 1.0], [0.99, 1.0]]),
+            "status_count": ((*dims[:2], "life_status"), counts),
         },
         {
             "preload_method": ("preload_method", [0, 1], methods),
             "probability": [0.05, 0.1, 0.5, 0.9, 0.95],
-            "batch_probability": [0.05, 0.5, 0.95],
+            "life_status": ("life_status", [0, 1], statuses),
         },
         load(small_project / FOLDER / "wear_life.nc").attrs
         | {"kind": "uncertainty", "scene": json.dumps(scene.to_dict())},

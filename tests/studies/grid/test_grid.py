@@ -58,5 +58,5 @@ def test_chunks_of_a_grid():
         "constant_force-mu0.020-to-mu0.080",
         "constant_force-mu0.110-to-mu0.110",
     ]
-    assert grid.frictions_between("0.020", "0.080") == (0.02, 0.05, 0.08)
+    assert grid.friction_names_between("0.020", "0.080") == ["0.020", "0.050", "0.080"]
     assert len(grid.chunks(1000)) == 2

@@ -18,7 +18,7 @@ from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.grid.gather import chunk, study
+from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import interpolated_life
 from bearingwear.studies.grid.life import study_life, wear_life
@@ -85,9 +85,6 @@ def test_warnings_are_gathered_once_with_the_cases_counted(folder):
     assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
     largest = float(cases["ball_diameter_loss"].max())
     assert worn["sentence"].startswith(f"a wear depth of {largest:g} um is ")
-    files = [load(folder / "cases" / f"{case_id}.nc") for case_id in GRID.cases()]
-    together = chunk(list(GRID.cases().values()), files)
-    assert warnings_in(together.attrs) == told
     (worn,) = (one for one in warnings_in(lives.attrs) if one["id"] == "groove_worn")
     assert worn["cases"] == int((lives["status"] == OK).sum())
 
@@ -108,6 +105,40 @@ def test_flags_stay_whole_numbers_in_the_file(folder):
 def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
     assert step(GATHER, tmp_path / "again.nc", paths=cases) == 0
     assert (tmp_path / "again.nc").read_bytes() == (folder / "study.nc").read_bytes()
+
+
+def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
+    """Whatever the order of their axes, and whether the preload method is one of them."""
+    frictions, losses = (
+        ("friction.ball_race", "0,0.08"),
+        ("wear.ball_diameter_loss_um", "0,0.35,0.7"),
+    )
+    words = ["--keep", "study", "--jobs", "1", "-o"]
+    for axes in ((frictions, losses), (losses, frictions)):
+        paths = [tmp_path / f"{method}.nc" for method in PRELOAD_METHODS]
+        for method, path in zip(PRELOAD_METHODS, paths, strict=True):
+            typed = [word for key, values in axes for word in ("--axis", f"{key}={values}")]
+            typed += ["--set", f"operation.preload_method={method}"]
+            assert main(["sweep", str(scene_file("gyro_s1")), *typed, *words, str(path)]) == 0
+        assert main(["gather", *map(str, paths), "-o", str(tmp_path / "study.nc")]) == 0
+        assert (tmp_path / "study.nc").read_bytes() == (folder / "study.nc").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--axis", "operation.preload_N=5,7"],
+        ["--axis", "friction.ball_race=0.08", "--what", "life"],
+        ["--rows", "rows.csv"],
+    ],
+)
+def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rows.csv").write_text("friction.ball_race,wear.ball_diameter_loss_um\n0.08,0\n")
+    assert main(["sweep", str(scene_file("gyro_s1")), *words, "--jobs", "1", "-o", "x.nc"]) == 0
+    capsys.readouterr()
+    assert main(["gather", "x.nc", "-o", "study.nc"]) == 2
+    assert only_line(capsys).startswith("x.nc: got another sweep, expected one of")
 
 
 def truncated(paths):

@@ -1,5 +1,6 @@
 """Lives of the design map against the life itself, and uncertainty against closed forms."""
 
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import numpy as np
@@ -11,21 +12,50 @@ from support import scene_file
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.lives.life import life
+from bearingwear.results.netcdf import load
+from bearingwear.results.quantiles import (
+    ALL_BUT_WEAR,
+    ALL_INPUTS,
+    BATCH_ONLY,
+    SCATTER_ONLY,
+    load_quantiles,
+    spread_at,
+)
 from bearingwear.results.variable import HOURS_PER_SECOND
+from bearingwear.results.words import scene_of
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
+from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling, perturbed
-from bearingwear.studies.uncertainty.quantiles import indices, own_quantiles
-from bearingwear.studies.uncertainty.sample import independent_rows, lives, sample, sample_part
+from bearingwear.studies.uncertainty.plan import OWN
+from bearingwear.studies.uncertainty.preloads import with_preload
+from bearingwear.studies.uncertainty.quantiles import life_quantiles, sobol_rows
+from bearingwear.studies.uncertainty.sample import sample_of, sampled_lives
+from bearingwear.studies.uncertainty.variables import PROBABILITIES
 
-PLAN = Sampling(samples=1024, chunks=1, seed=1)
+PLAN = Sampling(samples=64)
+FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
 
 
 def with_spread(**spread):
     plain = load_scene(scene_file("gyro_s1")).to_dict()
     return scene_from_dict(plain | {"uncertainty": spread})
+
+
+def own_quantiles(scene, plan, workers=1):
+    operation = scene.operation
+    return life_quantiles(
+        [scene], {(operation.preload_method, OWN): operation.preload_N}, plan, workers
+    )
+
+
+def scene_life(scene, values=None):
+    """Life [h] of a scene, or of one with other uncertain values."""
+    if values is not None:
+        scene = perturbed(scene, dict(zip(scene.uncertainty, map(float, values), strict=True)))
+    return float(life(scene).values["life"]) * HOURS_PER_SECOND
 
 
 def test_life_of_the_map_is_the_life():
@@ -41,28 +71,23 @@ def test_life_of_the_map_is_the_life():
 
 
 def test_life_is_inverse_to_the_wear_coefficient():
-    """Known answer: with K_s alone uncertain, life is C/K_s, and K_s explains all of it."""
+    """Known answer: with K_s alone uncertain, life is C/K_s, and one solve is enough."""
     scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
-    sampled = sample_part(scene, PLAN, "constant_force")
-    y = sampled["life"].values
-    K_s = sample(scene, PLAN)[..., 0]
-    constant = life(scene).values["life"] * HOURS_PER_SECOND * 5e-6
-    assert_allclose(y * K_s, y.flat[0] * K_s.flat[0], rtol=1e-12)
-    assert_allclose(y * K_s, constant, rtol=1e-9)  # sampled lives have longer steps
-    found = indices(scene, np.log(y), seed=1)
-    assert_allclose(found["first_index"], 1.0, atol=0.03)  # sampling error, a few/sqrt(1024)
-    assert_allclose(found["total_index"], 1.0, atol=0.03)
-    # quantiles need one life: their intervals are those of the numbers of the wear factor
-    found = own_quantiles(scene, ["constant_force"], replace(PLAN, samples=64))
-    low, middle, high = (
-        found[f"life_quantile{end}"].values[0, 0, 0] for end in ("_low", "", "_high")
-    )
-    exact = constant / (8e-6 - np.array([0.05, 0.1, 0.5, 0.9, 0.95]) * 6e-6)
-    assert_allclose(middle, exact, rtol=2e-4)
-    assert_allclose([low, high], [exact, exact], rtol=1e-3)
-    members = found["life_sample"].values[0, 0, 0]
+    found = own_quantiles(scene, Sampling(samples=64)).squeeze()
+    assert found["evaluations"] == 1 and found["status_count"].values.tolist()[0] == 3 * 64 + 1
+    constant = scene_life(scene) * 5e-6
+    exact = constant / (8e-6 - np.array(PROBABILITIES) * 6e-6)
+    at = {"uncertain_inputs": ALL_INPUTS}
+    assert_allclose(found["life_quantile"].sel(at), exact, rtol=2e-4)
+    for end in ("low", "high"):
+        assert_allclose(found[f"life_quantile_{end}"].sel(at), exact, rtol=1e-3)
+    members = found["life_sample"].sel(at).values
     even = (np.arange(len(members)) + 0.5) / len(members)
     assert_allclose(members, constant / (8e-6 - even * 6e-6), rtol=5e-4)
+    # with K_s as it is, or within a batch, all lives are alike
+    for inputs, life_then in ((ALL_BUT_WEAR, constant / 5e-6), (SCATTER_ONLY, exact[2])):
+        alike = found["life_quantile"].sel(uncertain_inputs=inputs)
+        assert_allclose(alike, life_then, rtol=1e-9)
 
 
 def test_scaled_lives_are_the_solved_ones():
@@ -72,13 +97,62 @@ def test_scaled_lives_are_the_solved_ones():
         brinell_hardness_GPa={"distribution": "uniform", "low": 5.0, "high": 8.0},
         ball_race={"distribution": "normal", "standard_deviation": 0.01},
     )
-    rows = sample(scene, Sampling(samples=1, chunks=1, seed=5))[0]
-    found = lives(scene, rows)
-    names = list(scene.uncertainty)
-    for row, hours, state in zip(rows, found.life, found.status, strict=True):
-        one = life(perturbed(scene, dict(zip(names, map(float, row), strict=True))))
-        assert state == 0
-        assert_allclose(hours, one.values["life"], rtol=1e-9)
+    rows = sobol_rows(scene, Sampling(samples=1, seed=5))[:, 0]
+    found = sampled_lives(scene, rows)
+    assert (found.status == 0).all() and found.solves < len(rows)
+    for row, time in zip(rows, found.life, strict=True):
+        assert_allclose(time, scene_life(scene, row) / HOURS_PER_SECOND, rtol=1e-9)
+
+
+def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
+    """Closed form: K_s of the batch is lognormal, H of its bearings uniform; life goes as H/K_s."""
+    scene = with_spread(
+        wear_coefficient={"distribution": "lognormal", "factor": 2.0},
+        brinell_hardness_GPa={
+            "distribution": "uniform", "low": 5.0, "high": 8.0, "same_for_batch": False
+        },
+    )  # fmt: skip
+    found = own_quantiles(scene, Sampling(samples=64)).squeeze()
+    nominal = scene_life(scene) / scene.nominal("brinell_hardness_GPa")
+    of_bearings = nominal * (5.0 + 3.0 * np.array(PROBABILITIES))
+    of_batches = nominal * 6.5 * 2.0 ** stats.norm.ppf(PROBABILITIES)
+    for inputs, exact in ((SCATTER_ONLY, of_bearings), (BATCH_ONLY, of_batches)):
+        quantile = found["life_quantile"].sel(uncertain_inputs=inputs)
+        assert_allclose(quantile, exact, rtol=2e-3)
+    assert float(found["nominal_life"]) == pytest.approx(6.5 * nominal)
+
+
+@pytest.mark.parametrize("scatters", [False, True])
+def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
+    """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3."""
+    wear = {"distribution": "lognormal", "factor": 3.0, "same_for_batch": not scatters}
+    scene, path = with_spread(wear_coefficient=wear), tmp_path / "uncertainty.nc"
+    write_dataset(own_quantiles(scene, PLAN), path)
+    found = spread_at(load(path).squeeze())
+    ends = scene_life(scene) * 3.0 ** stats.norm.ppf([0.05, 0.95])
+    assert_allclose(found.bearings, ends, rtol=0.01)
+    assert_allclose(found.scatter if scatters else found.unknown, ends, rtol=0.01)
+    assert (found.unknown if scatters else found.scatter) is None
+    assert list(found.quantiles) == (["L10", "L50"] if scatters else [])
+    assert main(["show", str(path)]) == 0
+    assert ("L10" in capsys.readouterr().out) == scatters
+    assert main(["plot", str(path), "-o", str(tmp_path / "a.svg")]) == 0
+    title = ET.parse(tmp_path / "a.svg").getroot().findtext("{http://www.w3.org/2000/svg}title")
+    low, high = found.bearings.text.split(" to ")
+    assert f"between {low} and {high} h" in " ".join(title.split()) and "L10" not in title
+
+
+def test_wear_factors_go_with_the_friction_of_their_life():
+    """Each life stands with the K_s that its friction leaves; without correlation, with all."""
+    spread = {"ball_race": {"distribution": "lognormal", "factor": 1.3}}
+    for rho, expected in ((0.9, -0.9), (None, 0.0)):
+        wear = {"distribution": "lognormal", "factor": 3.0, "friction_correlation": rho}
+        scene = with_spread(**spread, wear_coefficient=wear)
+        sample = sample_of(scene, ALL_INPUTS, Sampling(samples=2048))
+        mu = np.repeat(np.log(sample.rows[:, :1]), sample.factors.shape[1], axis=1)
+        found = np.corrcoef(mu.ravel(), np.log(sample.factors).ravel())[0, 1]
+        assert_allclose(found, expected, atol=0.01)
+        assert_allclose(np.log(sample.factors).std(), np.log(3.0), rtol=0.01)
 
 
 def test_indices_of_a_product_are_shares_of_log_variance():
@@ -87,31 +161,76 @@ def test_indices_of_a_product_are_shares_of_log_variance():
         wear_coefficient={"distribution": "lognormal", "factor": 1.5},
         brinell_hardness_GPa={"distribution": "uniform", "low": 4.0, "high": 9.0},
     )
-    sampled = sample_part(scene, Sampling(samples=4096, chunks=1, seed=1), "fixed_position")
-    found = indices(scene, np.log(sampled["life"].values), seed=1)
+    preloads = {("constant_force", OWN): 7.0}
+    plan = Sampling(samples=1024)
+    found = life_quantiles([scene], preloads, plan, with_indices=True).squeeze()
     of_hardness = np.var(np.log(stats.uniform(4.0, 5.0).ppf((np.arange(1e5) + 0.5) / 1e5)))
     variance = np.array([np.log(1.5) ** 2, of_hardness])
-    share = variance / variance.sum()
     for kind in ("first_index", "total_index"):
-        assert np.all(np.abs(found[kind] - share) <= 2.0 * found[f"{kind}_error"])
-        assert_allclose(found[kind], share, atol=0.03)
+        index, error = (found[f"{kind}{end}"].sel(uncertain_inputs=0) for end in ("", "_error"))
+        assert_allclose(index, variance / variance.sum(), atol=0.03)
+        assert (np.abs(index - variance / variance.sum()) <= 2.0 * error).all()
+    assert found["index_share"] == 1.0 and found["evaluations"] == 1
+    exact = [[2.0 ** stats.norm.ppf(p) for p in (0.9, 0.1)]]
+    one_by_one = found["life_one_at_a_time"] / found["nominal_life"]
+    assert_allclose(one_by_one[0], 1.5 ** np.log2(exact[0]), rtol=1e-9)
 
 
-@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
-def test_same_seed_same_lives(method):
+def test_same_seed_same_lives():
     scene = load_scene(scene_file("gyro_s1"))
-    plan = Sampling(samples=2, chunks=2, seed=1)
-    first, again = (sample_part(scene, plan, method, chunk=1) for _ in range(2))
+    plan = Sampling(samples=4)
+    first, again = (own_quantiles(scene, plan, workers) for workers in (1, 2))
     assert first.identical(again)
-    other = sample_part(scene, Sampling(samples=2, chunks=2, seed=2), method, chunk=1)
-    assert not np.array_equal(first["life"], other["life"])
+    other = own_quantiles(scene, Sampling(samples=4, seed=2))
+    assert not np.array_equal(first["life_sample"], other["life_sample"])
 
 
-def test_spread_of_a_life_is_that_of_the_design_study():
-    """Same base samples: the lives of the one are those of the other."""
-    scene, plan = load_scene(scene_file("gyro_s1")), Sampling(samples=4, chunks=1, seed=1)
-    rows = sample(scene, plan)[:, [0, -1]].reshape(-1, len(scene.uncertainty))
-    assert_allclose(rows, independent_rows(scene, plan), rtol=1e-12)
+def test_sampled_lives_follow_grooves_where_life_does():
+    scene = load_scene(scene_file("gyro_s1"), FOLLOWED)
+    for method in ("constant_force", "fixed_position"):
+        at = with_preload(scene, method, 7.0)
+        rows = sample_of(at, ALL_BUT_WEAR, Sampling(samples=4)).rows
+        found = sampled_lives(at, rows)
+        for row, time in zip(rows, found.life, strict=True):
+            assert_allclose(time, scene_life(at, row) / HOURS_PER_SECOND, rtol=0.01)
+
+
+def test_lives_that_fail_are_counted(tmp_path, capsys):
+    """Balls that are too large for the grooves have no life; the others make the quantiles."""
+    diameter = {"distribution": "uniform", "low": 1.99, "high": 2.1}
+    plain = load_scene(scene_file("gyro_s1")).to_dict()
+    path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
+    bearingwear.save(scene_from_dict(plain | {"uncertainty": {"ball_diameter_mm": diameter}}), path)
+    assert main(["uncertainty", str(path), "-o", str(out), "--samples", "16"]) == 0
+    found = load(out).squeeze()
+    names = found["life_status"].attrs["flag_meanings"].split()
+    counts = dict(zip(names, found["status_count"].values.tolist(), strict=True))
+    assert counts["beyond_groove"] > 3 and sum(counts.values()) == 3 * 16 + 1
+    assert float(found["solved_share"]) == pytest.approx(counts["ok"] / (3 * 16 + 1))
+    assert "beyond groove" in capsys.readouterr().out
+
+
+def test_a_scene_that_no_model_takes_is_refused_in_one_line(tmp_path, capsys):
+    path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
+    settings = ["model.contact=worn", "model.slip_over=line"]
+    bearingwear.save(load_scene(scene_file("gyro_s1"), settings), path)
+    assert main(["uncertainty", str(path), "-o", str(out), "--samples", "4"]) == 2
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "model.contact: got worn" in told and not out.exists()
+
+
+def test_frictions_are_an_axis(tmp_path):
+    """Each is the spread of the scene with that friction."""
+    out, path = tmp_path / "uncertainty.nc", str(scene_file("gyro_s1"))
+    few = ["--samples", "8", "--quiet", "-o"]
+    assert main(["uncertainty", path, *few, str(out), "--friction", "0.02", "0.08"]) == 0
+    both = load_quantiles(out)
+    assert [scene_of(one)["friction"]["ball_race"] for one in both] == [0.02, 0.08]
+    for one, mu in zip(both, ("0.02", "0.08"), strict=True):
+        alone = tmp_path / f"{mu}.nc"
+        assert main(["uncertainty", path, *few, str(alone), "--friction", mu]) == 0
+        (other,) = load_quantiles(alone)
+        assert one.equals(other)
 
 
 FILM = ["friction.film.thickness_um=0.15", "model.contact=hertz"]
@@ -133,15 +252,15 @@ def test_lives_with_films_are_those_of_life():
         uncertainty=UNKNOWN_FILM,
         wear={"end_of_life": {"ball_diameter_loss_um": 1.0}, "counts": "ball_and_races"},
     )
-    rows = sample(scene, Sampling(samples=1, chunks=1, seed=3))[0]
-    found = lives(scene, rows)
-    assert (found.status == 0).all()
+    rows = sobol_rows(scene, Sampling(samples=1, seed=3))[:, 0]
+    found = sampled_lives(scene, rows)
+    assert (found.status == 0).all() and np.ptp(found.life) > 0.0
     names, through = list(scene.uncertainty), 0
-    for row, hours in zip(rows, found.life, strict=True):
+    for row, time in zip(rows, found.life, strict=True):
         one = life(perturbed(scene, dict(zip(names, map(float, row), strict=True)))).values
-        assert_allclose(hours, one["life"], rtol=1e-9)
+        assert_allclose(time, one["life"], rtol=1e-9)
         through += np.isfinite(one["race_film_worn_through"]).any()
-    assert through > 0 and np.ptp(found.life / found.wear_factor) > 0.0
+    assert through > 0
 
 
 def test_thickness_is_that_of_a_film_that_has_one():

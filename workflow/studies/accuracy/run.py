@@ -2,8 +2,9 @@
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ from bearingwear.solvers.effects.choice import asymmetries
 from bearingwear.solvers.race_control import race_control_motion
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
+from bearingwear.studies.answers import answer_values, answers_at
 from bearingwear.studies.dataset import filled
 from workflow.studies.accuracy.plan import (
     SweepPoint,
@@ -52,11 +54,15 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
     check_known(scene, accuracy["scenes"], f"{plan}: scenes")
     check_known(sweep, (*accuracy["references"], *accuracy["sweeps"]), f"{plan}: sweeps")
     file = plan.parent / "scenes" / f"{accuracy['scenes'][scene]['file']}.yaml"
-    changes, rows = scene_settings(accuracy, scene), []
-    for point in sweep_points(accuracy, sweep):
-        varied = load_scene(file, point.overrides(changes))
-        said = {"label": point.label, "value": point.value, "settings": point.text}
-        rows.append(said | point_values(varied, point, accuracy["repeats"], accuracy["seconds"]))
+    settings, points = scene_settings(accuracy, scene), list(sweep_points(accuracy, sweep))
+    timed_as = accuracy["repeats"], accuracy["seconds"]
+    what = partial(_values_at, file, settings, timed_as)
+    # one after the other: points that share the cores would take longer
+    answers = answers_at(what, points, workers=1, label=f"{scene}, {sweep}")
+    rows = [
+        {"label": point.label, "value": point.value, "settings": point.text} | answer_values(answer)
+        for point, answer in zip(points, answers, strict=True)
+    ]
     given = accuracy["sweeps"].get(sweep)
     return filled(
         SWEEP,
@@ -70,6 +76,12 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
         against=against(given) if given else sweep,
         comment="Wall times vary from run to run, so the file is not reproducible byte for byte.",
     )
+
+
+def _values_at(
+    file: Path, settings: Mapping[str, str], timed_as: tuple[int, float], point: SweepPoint
+) -> dict[str, float]:
+    return point_values(load_scene(file, point.overrides(settings)), point, *timed_as)
 
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:

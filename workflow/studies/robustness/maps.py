@@ -1,5 +1,6 @@
 """Solves steady states over two axes, and finds the boundaries of what is possible."""
 
+import itertools
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,6 +16,7 @@ from bearingwear.results.variables import CASE
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import Scene
+from bearingwear.studies.answers import answer_values, answers_at
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.closed_forms import closed_form
 from workflow.studies.robustness.draw import bare, with_values
@@ -47,20 +49,23 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
     along_x, along_y = record(KeyAxis, one["x"], "x"), record(KeyAxis, one["y"], "y")
     limits, scene = limit_values(robustness, name), base_scene(robustness, plan)
     base = bare(with_values(load_scene(scene).to_dict(), one["set"]))
-    states, borders = [], []
-    for at_x in along_x.values:
+    keys, axes = (along_y.key, along_x.key), {Y: along_y.values, X: along_x.values}
+    points = [dict(zip(keys, values, strict=True)) for values in itertools.product(*axes.values())]
+    answers = answers_at(partial(map_state, base), points, workers=1, label=name)
+    states = [answer_values(answer) for answer in answers]
+    borders = []
+    for k, at_x in enumerate(along_x.values):
         line = MapLine(base, along_x.key, at_x, along_y)
-        states.append([line.state(at_y) for at_y in along_y.values])
+        solutions = states[k :: len(along_x.values)]
         border = {}
         for limit, value in limits.items():
-            border[f"boundary_{limit}"] = line.boundary(limit, value, states[-1])
+            border[f"boundary_{limit}"] = line.boundary(limit, value, solutions)
             border[f"estimate_{limit}"] = line.estimate(limit, value)
         borders.append(border)
-    axes = {Y: along_y.values, X: along_x.values}
     found = filled(
         MAP_STATES,
         axes,
-        [state for row in zip(*states, strict=True) for state in row],
+        states,
         **study_attributes("maps", name),
         shown=one["title"],
         x_key=along_x.key,
@@ -77,6 +82,17 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
     return found.merge(lines, combine_attrs="override")
 
 
+def map_state(base: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
+    """A row of `MAP_STATES` of a scene with other values of some keys."""
+    scene = scene_from_dict(with_values(base, values))
+    found = solved_values(scene, "steady")
+    row = {"status": found["status"], "violations": "; ".join(violations(scene, "steady", found))}
+    if found["status"] != code.OK:
+        return row
+    row |= {key: found[key] for key in _SHOWN}
+    return row | {"gyroscopic_slip_share": np.max(found["gyroscopic_slip_share"])}
+
+
 class MapLine:
     """The steady states of a map at one value of x."""
 
@@ -87,24 +103,13 @@ class MapLine:
     def scene(self, y: float) -> Scene:
         return scene_from_dict(with_values(self.base, {self.axis.key: y}))
 
-    def state(self, y: float) -> dict[str, Any]:
-        """A row of `MAP_STATES`."""
-        scene = self.scene(y)
-        values = solved_values(scene, "steady")
-        wrong = "; ".join(violations(scene, "steady", values))
-        row = {"status": values["status"], "violations": wrong}
-        if values["status"] != code.OK:
-            return row
-        row |= {key: values[key] for key in _SHOWN}
-        return row | {"gyroscopic_slip_share": np.max(values["gyroscopic_slip_share"])}
-
     def boundary(self, limit: str, value: float | None, solutions: list[dict]) -> float:
         """Where a limit is passed, from the solutions at the points of the axis; NaN if never."""
         beyond = partial(excess, limit, value)
         return crossing(
             self.axis,
             list(map(beyond, solutions)),
-            lambda y: beyond(self.state(y)),
+            lambda y: beyond(map_state(self.base, {self.axis.key: y})),
         )
 
     def estimate(self, limit: str, value: float | None) -> float:

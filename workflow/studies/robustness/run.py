@@ -1,6 +1,7 @@
 """Solves random scenes and says how each one ends."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,11 @@ from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import solved
+from bearingwear.studies.answers import REFUSED, answers_at
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.lives import WORN_LIFE, life_violations
 from workflow.studies.robustness.plan import (
-    REFUSED,
     WITHOUT_REASON,
     base_scene,
     draw_blocks,
@@ -54,7 +55,8 @@ def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1
     trials = list(drawn(draws(draw), seed, count))
     kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
     keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
-    rows = [end_of(base, values, fidelity) | values for values in trials]
+    ends = answers_at(partial(end_of, base, fidelity=fidelity), trials, workers=1, label=name)
+    rows = [{**end, **values} for end, values in zip(ends, trials, strict=True)]
     attributes = study_attributes("scene_classes", name) | {"fidelity": fidelity, "seed": seed}
     return filled(TRIALS | keys, {"trial": count}, rows, **attributes)
 

@@ -54,7 +54,7 @@ def design_charts(
 ) -> str:
     """Step: the question of the study, and its charts, as JSON; files as of `design_answer`."""
     lives, found, sampled = design_files(design, recommendation, uncertainty)
-    sampled = sampled if spread is None else load_quantiles(spread)
+    sampled = sampled if spread is None else load_quantiles(spread)[0]
     given = limits_of(lives).given
     asked = f"User requirements, {worst_words(found)}: {_reached(found)}."
     question = asked if given else "Which preload and preload method give the longest life?"

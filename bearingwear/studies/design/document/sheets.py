@@ -113,7 +113,7 @@ def design_answer(
     """
     lives, found, sampled = design_files(design, recommendation, uncertainty)
     others = None if beside is None else load_beside(beside, found)
-    sampled = sampled if spread is None else load_quantiles(spread)
+    sampled = sampled if spread is None else load_quantiles(spread)[0]
     return preload_document(found, lives, sampled, others).stored
 
 
@@ -258,7 +258,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         *_setting_rows(found),
         Row("limited by", "", tuple(held), "active_limit"),
         Row(f"life, {counts.replace('_and_', ' + ')}", "h", _lives(found), "life"),
-        *(spread_rows([one.rows if one else {} for one in spread.values()])),
+        *spread_rows([*spread.values()]),
         *(() if any(spread.values()) else by_wear_row(scene, _floats(found["life"]))),
         Row("  groove model", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
     ]  # fmt: skip

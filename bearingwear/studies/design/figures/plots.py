@@ -21,9 +21,15 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import ALL_INPUTS, preload_drawn, spread_at, spread_text
+from bearingwear.results.quantiles import (
+    ALL_INPUTS,
+    at_each_friction,
+    preload_drawn,
+    spread_at,
+    spread_text,
+)
 from bearingwear.results.units import Rough, digits, display, span
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, mu_is, scene_of
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.held import decides_words, lives_words, worst_words
 from bearingwear.studies.design.document.sentences import method_names
@@ -66,16 +72,21 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
 
 
 def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
-    """Spread of lives, and its main cause if computed."""
+    """Spread of lives at each friction, and its main cause if computed."""
     if "total_index" in uncertainty:
         return uncertainty_figure(uncertainty)
-    rows = methods(uncertainty)
-    figure, panels = new_figure(1, len(rows), max(5.6, 4.2 * len(rows)), 3.6)
+    each = at_each_friction(uncertainty)
+    points = [(one, name, of_method) for one in each for name, of_method in methods(one)]
+    columns = uncertainty.sizes["preload_method"]
+    figure, panels = new_figure(len(each), columns, max(5.6, 4.2 * columns), 3.6 * len(each))
     said = []
-    for panel, (name, one) in zip(panels[0], rows, strict=True):
-        words = method_words(scene_of(uncertainty), name)
-        drawn = one.sel(preload_choice=preload_drawn(one), uncertain_inputs=ALL_INPUTS)
-        draw_cumulated(panel, drawn, COLOURS[name])
+    for panel, (at, name, of_method) in zip(panels.flat, points, strict=True):
+        scene = scene_of(at)
+        words = method_words(scene, name)
+        if len(each) > 1:
+            words += f", {mu_is(scene['friction']['ball_race'])}"
+        drawn = of_method.sel(preload_choice=preload_drawn(of_method))
+        draw_cumulated(panel, drawn.sel(uncertain_inputs=ALL_INPUTS), COLOURS[name])
         panel.set_title(f"{words}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")
         panel.set_ylabel("share of bearings worn out")

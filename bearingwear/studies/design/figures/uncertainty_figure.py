@@ -58,7 +58,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         cumulated.set_ylabel("share of bearings worn out")
         _tornado(tornado, drawn, names, colour)
         _bars(bars, drawn, colour)
-        failed += int(round(float(((1 - one["solved_share"]) * one["evaluations"]).sum())))
+        failed += int(one["status_count"].isel(life_status=slice(1, None)).sum())
     for row in panels:
         row[2].set_yticks(row[1].get_yticks(), [])
         row[2].set_ylim(row[1].get_ylim())
@@ -162,7 +162,7 @@ def _message(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
             return "nothing"
         return f"the {QUANTITY_WORDS[names[int(np.nanargmax(index.values))]]}"
 
-    spread = spread_at(one.sel(uncertain_inputs=ALL_INPUTS))
+    spread = spread_at(one)
     unsolved = f"; {failed} lives could not be computed" if failed else ""
     return (
         f"{scene}: {spread_text(spread)}; {decides(ALL_INPUTS)} has the largest effect or, if the "

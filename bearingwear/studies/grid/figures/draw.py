@@ -71,7 +71,7 @@ def draw_life(
 ) -> Figure:
     """Wear and preload over the life."""
     found = _loaded(lives, bearing, interpolated_step=(), friction=friction)
-    known = [load_quantiles(path) for path in uncertainty]
+    known = [one for path in uncertainty for one in load_quantiles(path)]
     return drawn_from(quasistatic.life_figure(found, friction, known), lives, *uncertainty)
 
 

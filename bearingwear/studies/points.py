@@ -1,0 +1,202 @@
+"""The points of a sweep: scenes, and values of their keys along axes or in rows."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from bearingwear.scene.arrangement import METHODS
+from bearingwear.scene.changes import KIND_KEY
+from bearingwear.scene.checking.check import fits
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.axis import GRID_KEYS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from bearingwear.scene.checking.records import Part
+
+ROW, SCENE = "row", "scene"
+"""Dimensions of the rows of a sample, and of several scenes."""
+
+Axes = Mapping[str, Iterable[Any]]
+Rows = Sequence[Mapping[str, Any]]
+
+
+class ScenePoint(NamedTuple):
+    """The number of a scene, and a value for each key."""
+
+    scene: int
+    values: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class SweepPoints:
+    """All points of a sweep, in the order of its dimensions.
+
+    columns: values of each key: those of its axis, or those of all rows.
+    """
+
+    names: tuple[str, ...]  # of the scenes
+    columns: Mapping[str, Sequence[Any]]
+    in_rows: bool
+
+    @classmethod
+    def of(cls, scenes: Sequence[Scene], given: Axes | Rows) -> SweepPoints:
+        """The points of scenes at axes or rows, where keys, values and names are allowed.
+
+        Values in rows are not checked, nor combinations of values on axes: some of them may make no
+        bearing. Raises SceneError.
+        """
+        names = tuple(scene.name for scene in scenes)
+        if again := _repeated(names):
+            raise SceneError("name", f"got two scenes named {again[0]}, expected different names")
+        if isinstance(given, Mapping):
+            columns = {key: _plain_values(key, values) for key, values in given.items()}
+        else:
+            columns = _columns_of_rows(given)
+        if not columns and len(scenes) < 2:
+            raise SceneError("", "got no key, expected one or more", source="axes")
+        for key, values in columns.items():
+            _check_key(scenes, key, values[0])
+            if isinstance(given, Mapping):
+                _check_axis(key, values)
+        _check_kinds(scenes, columns.get(KIND_KEY))
+        return cls(names, columns, not isinstance(given, Mapping))
+
+    @classmethod
+    def from_json(cls, text: str) -> SweepPoints:
+        """The points that `json` describes."""
+        data = json.loads(text)
+        return cls(tuple(data["names"]), data["columns"], data["in_rows"])
+
+    @property
+    def json(self) -> str:
+        """The points as text."""
+        return json.dumps(asdict(self))
+
+    def __iter__(self) -> Iterator[ScenePoint]:
+        columns = self.columns.values()
+        rows = zip(*columns, strict=True) if self.in_rows else itertools.product(*columns)
+        return itertools.starmap(ScenePoint, itertools.product(range(len(self.names)), rows))
+
+    def __len__(self) -> int:
+        return math.prod(self.lengths([]).values())
+
+    def key_names(self, taken: Iterable[str]) -> dict[str, str]:
+        """Name of each key in a dataset that has variables of other names."""
+        return names_of_keys(self.columns, {*taken, SCENE, ROW})
+
+    def lengths(self, taken: Iterable[str]) -> dict[str, int]:
+        """Names and lengths of the dimensions of a dataset that has variables of other names."""
+        several = {SCENE: len(self.names)} if len(self.names) > 1 else {}
+        if self.in_rows:
+            return several | {ROW: len(next(iter(self.columns.values())))}
+        keys = self.key_names(taken)
+        return several | {keys[key]: len(values) for key, values in self.columns.items()}
+
+    def coordinates(self, taken: Iterable[str]) -> dict[str, xr.Variable]:
+        """Coordinates of the dimensions; rows have one of each key."""
+        import numpy as np
+        import xarray as xr
+
+        keys = self.key_names(taken)
+        found = {
+            keys[key]: _coordinate(key, ROW if self.in_rows else keys[key], values)
+            for key, values in self.columns.items()
+        }
+        if len(self.names) > 1:
+            about = {"long_name": "name of the scene"}
+            found[SCENE] = xr.Variable(SCENE, np.array(self.names), about)
+        return found
+
+
+def names_of_keys(keys: Iterable[str], taken: Iterable[str]) -> dict[str, str]:
+    """Name of each key in a dataset: that of a study, else its last part, if it is free."""
+    of_study = {key: name for name, key in GRID_KEYS.items() if name not in taken}
+    last = {key: of_study.get(key, key.rpartition(".")[2]) for key in keys}
+    often = Counter(last.values())
+    return {
+        key: key.replace(".", "_") if often[name] > 1 or name in taken else name
+        for key, name in last.items()
+    }
+
+
+def _plain_values(key: str, values: Any) -> list[Any]:
+    """The values of one key as plain data."""
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise SceneError("", f"got {shown(values)}, expected a list of values", source=key)
+    plain = values.tolist() if hasattr(values, "tolist") else list(values)
+    if not plain:
+        raise SceneError("", "got no value, expected one or more", source=key)
+    return [value.item() if hasattr(value, "item") else value for value in plain]
+
+
+def _columns_of_rows(rows: Any) -> dict[str, list[Any]]:
+    if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
+        problem = f"got {shown(rows)}, expected axes KEY: VALUES, or a list of rows KEY: VALUE"
+        raise SceneError("", problem, source="axes")
+    if not rows:
+        raise SceneError("", "got no row, expected one or more", source="axes")
+    for number, row in enumerate(rows):
+        if row.keys() != rows[0].keys():
+            problem = f"got the keys {', '.join(row)}, expected {', '.join(rows[0])} as in row 0"
+            raise SceneError("", problem, source=f"row {number}")
+    return {key: _plain_values(key, [row[key] for row in rows]) for key in rows[0]}
+
+
+def _part_of(key: str) -> Part | None:
+    return key_of_scene(key.removeprefix("arrangement.second."))
+
+
+def _check_key(scenes: Sequence[Scene], key: str, value: Any) -> None:
+    if _part_of(key) is None:
+        scenes[0].with_({key: value})  # which names the keys that are near
+        raise SceneError("", "got no key of a scene, expected one", source=key)
+
+
+def _check_axis(key: str, values: Sequence[Any]) -> None:
+    part = _part_of(key)
+    assert part is not None
+    for value in values:
+        if not fits(value, part):
+            problem = f"got {shown(value)}, expected {part.allowed}"
+            raise SceneError("", problem, source=key)
+    if again := _repeated([value for value in values if not isinstance(value, dict | list)]):
+        problem = f"got {shown(again[0])} twice, expected each value once"
+        raise SceneError("", problem, source=key)
+
+
+def _check_kinds(scenes: Sequence[Scene], kinds: Sequence[Any] | None) -> None:
+    """Refuse pairs beside single bearings, which have values of other dimensions."""
+    own = [scene.arrangement.kind if scene.arrangement else "single" for scene in scenes]
+    kinds = [*dict.fromkeys(own if kinds is None else kinds)]
+    if len({kind in METHODS for kind in kinds}) > 1:
+        problem = f"got {' and '.join(kinds)}, expected either pairs or single bearings"
+        raise SceneError(KIND_KEY, problem, source=scenes[0].name)
+
+
+def _repeated(values: Iterable[Any]) -> list[Any]:
+    return [value for value, count in Counter(values).items() if count > 1]
+
+
+def _coordinate(key: str, dim: str, values: Sequence[Any]) -> xr.Variable:
+    """The coordinate of a key; values that are neither numbers nor names stand in it as text."""
+    import numpy as np
+    import xarray as xr
+
+    part = _part_of(key)
+    assert part is not None
+    attrs = {"long_name": part.key.meaning}
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return xr.Variable(dim, np.array(values), attrs | {"units": part.unit})
+    if part.kind == "choice":
+        attrs["flag_meanings"] = " ".join(part.key.choices)
+    texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
+    return xr.Variable(dim, np.array(texts), attrs)

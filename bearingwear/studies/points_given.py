@@ -1,0 +1,82 @@
+"""Axes and rows of a sweep as they are typed."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from bearingwear.atomic import reason
+from bearingwear.console import UsageError
+from bearingwear.scene.changes import changes_of
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.strict_yaml import data_of
+
+MOST_ON_AN_AXIS = 100_000
+
+
+def points_given(axes: Sequence[str], rows: Path | None) -> Any:
+    """Axes from texts `KEY=VALUES`, or rows from a table; UsageError, SceneError."""
+    if (rows is None) == (not axes):
+        both = "both --axis and --rows" if axes else "neither --axis nor --rows"
+        raise UsageError(f"sweep: got {both}, expected one of them")
+    if rows is not None:
+        return _rows_of(rows)
+    texts = []
+    for text in axes:
+        key, equals, values = text.partition("=")
+        if not equals:
+            problem = f"got {text}, expected KEY=VALUES such as operation.preload_N=5,7,9"
+            raise SceneError("", problem, source="--axis")
+        texts.append(f"{key}={_listed(key, values)}")
+    try:
+        return changes_of(texts)
+    except SceneError as error:
+        raise error.in_source(error.source.replace("--set", "--axis")) from None
+
+
+def _listed(key: str, text: str) -> str:
+    """Values as a list in YAML."""
+    if text.count(":") != 2:
+        return f"[{text}]"
+    low, high, count = text.split(":")
+    try:
+        start, end, n = float(low), float(high), int(count)
+        if not 2 <= n <= MOST_ON_AN_AXIS:
+            raise ValueError
+    except ValueError:
+        problem = f"got {text}, expected LOW:HIGH:COUNT with a count from 2 to {MOST_ON_AN_AXIS}"
+        raise SceneError("", problem, source=f"--axis {key}") from None
+    return f"[{', '.join(repr(start + (end - start) * k / (n - 1)) for k in range(n))}]"
+
+
+def _rows_of(path: Path) -> list[dict[str, Any]]:
+    """A row of values by their keys for each line of a table below its header."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeError) as error:
+        problem = f"got a file that cannot be read ({reason(error)}), expected a CSV file"
+        raise SceneError("", problem, source=str(path)) from None
+    lines = csv.reader(text.splitlines())
+    header = [key.strip() for key in next(lines, [])]
+    if not header or len(set(header)) < len(header):
+        raise SceneError("", "got no header of different keys, expected one", source=str(path))
+    rows = []
+    for number, cells in enumerate(filter(None, lines), 2):
+        where = f"{path}: line {number}"
+        if len(cells) != len(header):
+            problem = f"got {len(cells)} values, expected {len(header)}"
+            raise SceneError("", problem, source=where)
+        values = [_value(cell, where) for cell in cells]
+        rows.append(dict(zip(header, values, strict=True)))
+    if not rows:
+        raise SceneError("", "got no row, expected one or more", source=str(path))
+    return rows
+
+
+def _value(cell: str, where: str) -> Any:
+    try:
+        return float(cell)  # a hundred times as fast as YAML
+    except ValueError:
+        return data_of(cell, where)

@@ -1,0 +1,113 @@
+"""`bearingwear sweep`: axes and rows as they are typed, parts, cost, errors in one line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import bearingwear
+from bearingwear.cli import main
+
+SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
+COARSE = ["--set", "model.strips=8", "--set", "model.tolerance=1.0e-3"]
+PRELOADS, FRICTIONS = "operation.preload_N=5,7,9", "friction.ball_race=0.05:0.09:3"
+
+
+def sweep(*words):
+    return main(["sweep", str(SCENE), *map(str, words)])
+
+
+def test_axes_and_rows_make_the_datasets_of_python(tmp_path):
+    scene = bearingwear.load(SCENE).with_({"model.strips": 8, "model.tolerance": 1e-3})
+    axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
+    typed = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1, "-o", tmp_path / "axes.nc"]
+    assert sweep(*typed) == 0
+    made = bearingwear.load(tmp_path / "axes.nc")
+    expected = bearingwear.sweep(scene, axes, workers=1)
+    del expected.attrs["message"]
+    xr.testing.assert_identical(made, expected)
+
+    table = tmp_path / "rows.csv"
+    table.write_text(
+        "operation.preload_N,operation.preload_method\n5,constant_force\n7,fixed_position\n"
+    )
+    assert sweep(*COARSE, "--rows", table, "--keep", "total_qv", "-o", tmp_path / "rows.nc") == 0
+    with xr.open_dataset(tmp_path / "rows.nc") as file:
+        assert file.total_qv.dims == ("row",) and set(file.data_vars) == {"status", "total_qv"}
+        assert file.preload_N.values.tolist() == [5.0, 7.0]
+        fixed = scene.with_({"operation.preload_method": "fixed_position"})
+        assert file.total_qv[1] == bearingwear.solve(fixed).total_qv
+
+
+def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
+    typed = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
+    parts = [tmp_path / f"{k}.nc" for k in (1, 2)]
+    for k, path in enumerate(parts, 1):
+        assert sweep(*typed, "--part", f"{k}/2", "-o", path) == 0
+    assert sweep(*typed, "-o", tmp_path / "whole.nc") == 0
+    assert main(["gather", *map(str, parts), "-o", str(tmp_path / "all.nc")]) == 0
+    assert (tmp_path / "all.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
+    assert main(["gather", str(parts[1]), "-o", str(tmp_path / "none.nc")]) == 2
+    assert capsys.readouterr().err.endswith("2.nc: got 1 of 2 parts, expected also 1/2\n")
+    assert main(["show", str(tmp_path / "whole.nc")]) == 0
+    assert "total_qv" in capsys.readouterr().out
+
+
+def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    axes = ["--axis", "operation.preload_N=4:20:100", "--axis", "friction.ball_race=0.04:0.12:1000"]
+    assert sweep(*COARSE, *axes, "-n", "-j", 2, "--part", "1/20") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("100000 points (preload_N 100, friction 1000); 5 timed: ")
+    assert lines[1].startswith("expected: ") and lines[1].endswith(" on 2 cores")
+    assert lines[2].startswith("each of 20 parts: ") and "MB" in lines[3]
+    assert not list(tmp_path.iterdir())
+
+
+def test_points_that_fail_are_said_and_recorded(tmp_path, capsys):
+    typed = [*COARSE, "-j", 1, "-o", tmp_path / "x.nc"]
+    assert sweep(*typed, "--axis", "friction.ball_race=0,0.08") == 0
+    assert "x.nc: 1 of 2 points were not solved: undetermined 1\n" in capsys.readouterr().err
+    assert sweep(*typed, "--axis", "friction.ball_race=0") == 3
+    assert sweep(*typed, "--axis", "friction.ball_race=0", "--record-failures") == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--axis", PRELOADS], "-o: got nothing, expected a file, or --dry-run"),
+        (["-n"], "sweep: got neither --axis nor --rows, expected one of them"),
+        (["-n", "--axis", PRELOADS, "--rows", "a.csv"], "sweep: got both --axis and --rows, "),
+        (["-n", "--axis", "operation.preload_N"], "--axis: got operation.preload_N, expected KEY="),
+        (["-n", "--axis", "operation.preload_N=5,5"], "operation.preload_N: got 5 twice, expected"),
+        (
+            ["-n", "--axis", "operation.preload_N=-5"],
+            "operation.preload_N: got -5, expected a n",
+        ),
+        (["-n", "--axis", "operation.preload=5"], "operation.preload: got an unknown key; did you"),
+        (
+            ["-n", "--axis", "operation.preload_N=5:6:1"],
+            "--axis operation.preload_N: got 5:6:1, ",
+        ),
+        (["-n", "--axis", PRELOADS, "--keep", "total_gv"], "keep: got total_gv, expected total_qv"),
+        (["-n", "--axis", PRELOADS, "--keep", "extremes"], "keep: got extremes of solve, expected"),
+        (["-o", "x.nc", "--axis", PRELOADS, "--part", "4/3"], "part: got 4/3, expected K/N with"),
+        (["-n", "--rows", "missing.csv"], "missing.csv: got a file that cannot be read (No such"),
+        (["-n", "--rows", "short.csv"], "short.csv: line 3: got 1 values, expected 2"),
+        (["-n", "--rows", "twice.csv"], "twice.csv: got no header of different keys, expected one"),
+    ],
+)
+def test_errors_are_one_line(words, line, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n7\n")
+    Path("twice.csv").write_text("operation.preload_N,operation.preload_N\n5,6\n")
+    assert sweep(*words) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(line) and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("words", [["--part", "3"], ["--part", "a/b"], ["-j", "0"], ["-j", "-1"]])
+def test_options_that_are_no_numbers_are_refused(words, capsys):
+    assert sweep("-n", "--axis", PRELOADS, *words) == 2
+    assert "expected" in capsys.readouterr().err
