@@ -39,12 +39,13 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.design.best import SWEEP
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
 from bearingwear.studies.design.everywhere import new_states, state_extremes, worn_states
 from bearingwear.studies.design.map import followed_point
-from bearingwear.studies.design.plan import COARSE, DesignLimits, MapAxes, axes_around
-from bearingwear.studies.design.recommend import mapped
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.recommend import recommendation
 
 SEED, SCENES = 7, 60
 FINE, WIDE = 1.02, 1.10
@@ -165,27 +166,23 @@ def solved_again(one: dict[str, Any]) -> dict[str, Any]:
 
 def grid_of(scene: Scene, row: dict[str, Any], limits: DesignLimits, whole: bool) -> dict[str, Any]:
     """What the grid has beside a recommendation."""
-    preloads = axes_of(scene).preload_N
+    own = scene.operation.preload_N
     life = 0.0 if math.isnan(row["life"]) else row["life"]
-    best, lives = brute(scene, row["method"], limits, (preloads[0], preloads[-1]), life, whole)
+    ends = SWEEP[0] * own, SWEEP[-1] * own
+    best, lives = brute(scene, row["method"], limits, ends, life, whole)
     return {"best_preload": best[1], "best_life": best[0], "lives": lives, "whole": whole}
-
-
-def axes_of(scene: Scene) -> MapAxes:
-    return axes_around(scene, [scene.friction.coefficient], factors=COARSE)
 
 
 def recommended(case: dict[str, Any]) -> dict[str, Any]:
     """What `recommend` finds by each method, in which CPU time [s]."""
     scene = scene_of(case)
     started = time.process_time()
-    _, found = mapped(scene, axes_of(scene), DesignLimits(**case["limits"]), quick=True)
+    found = recommendation(scene, DesignLimits(**case["limits"]))
     rows = [
         {
             "method": method,
             "preload": float(one["preload"]),
             "life": float(one["life"][1]),
-            "cliff": float(one["cliff_preload"]),
         }
         for k, method in enumerate(PRELOAD_METHODS)
         for one in [found.isel(preload_method=k)]

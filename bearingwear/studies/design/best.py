@@ -41,7 +41,7 @@ STEP_BEYOND, STEPS_BEYOND, LITTLE_LONGER = 8.0, 3, 1.1
 """Beyond an end of the range at which the life is longest: a step, how many at most, and how many
 times longer the life has to become for the preload at its end to be taken."""
 
-EDGE = 3e-3  # width in log preload to which it is found where new bearings meet the requirements
+EDGE = 4e-3  # width in log preload to which it is found where new bearings meet the requirements
 PEAK, NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
 GAIN = 5e-3  # of the life, for which no exact life is solved
 STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
@@ -66,7 +66,11 @@ class PreloadPoint:
     @property
     def life(self) -> float:
         """The life [s]; zero where it was not solved."""
-        life = float(np.ravel(self.values.get("life", 0.0))[-1]) if self.values["status"] == OK else 0.0
+        life = (
+            float(np.ravel(self.values.get("life", 0.0))[-1])
+            if self.values["status"] == OK
+            else 0.0
+        )
         return life if life > 0.0 else 0.0
 
     def margins(self, limits: DesignLimits) -> np.ndarray:
@@ -118,6 +122,9 @@ class PreloadLine:
         return new is None or new.values["status"] != OK or new.is_allowed(limits)
 
 
+AnswersAt = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]
+"""Asks a function at points, in their order: `map`, or `answers_at` of processes."""
+
 Wanted = Callable[[PreloadLine], list[float]]
 """Preloads [N] of a line at which something has to be solved."""
 
@@ -128,7 +135,7 @@ class PreloadSearch:
 
     scene: Scene
     limits: DesignLimits
-    each: Callable[..., Iterator[Any]] = map  # `map`, or one whose calls share processes
+    answers_at: AnswersAt = map
     lines: list[PreloadLine] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -156,7 +163,9 @@ class PreloadSearch:
             (held_by(self.scene, line.method, preload), self.limits, solved)
             for line, preload in asked
         ]
-        for (line, preload), values in zip(asked, self.each(_solved_point, jobs), strict=True):
+        for (line, preload), values in zip(
+            asked, self.answers_at(_solved_point, jobs), strict=True
+        ):
             point = PreloadPoint(preload, values, solved)
             (line.new if solved == NEW else line.lives)[preload] = point
 
@@ -255,6 +264,8 @@ class PreloadSearch:
         width = abs(_width(best, near))
         if near.solved == NEW or not near.is_allowed(self.limits):
             return width > EDGE
+        if near.values["end_criterion"] != best.values["end_criterion"]:
+            return width > EDGE  # towards where both are met, a life may rise by any power
         return 0.5 * (STEEPEST * width - math.log(best.life / near.life)) > GAIN
 
     def _towards(self, best: PreloadPoint, near: PreloadPoint) -> float:

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,9 @@ FACTORS = (0.5, 0.5**0.5, 2.0**0.5, 2.0)
 
 WARMINGS = (5.0, 10.0, 20.0, 40.0)
 """Warming of the inner ring alone that is tried [K]."""
+
+FOUND_TO = 0.02
+"""To which the ends of friction and warmth are found, over all that is tried."""
 
 FARTHEST = 2.0
 """Factor by which a requirement is moved either way, at most."""
@@ -141,7 +143,12 @@ def _missing(line: PreloadLine, limits: DesignLimits) -> list[float]:
 def _ahead(lines: Sequence[PreloadLine], limits: DesignLimits, first: int) -> float:
     """Logarithm of the better method's best life over the other's; NaN where there is neither."""
     own, other = (interpolated_life(lines[k], limits) for k in (first, 1 - first))
-    if not max(own, other) > 0.0:
+    return _log_ratio(own, other)
+
+
+def _log_ratio(own: float, other: float) -> float:
+    """Logarithm of a life over another; NaN where one was not solved, or both are nothing."""
+    if not max(own, other) > 0.0 or math.isnan(own + other):
         return math.nan
     if not min(own, other) > 0.0:
         return math.copysign(math.inf, own - other)
@@ -181,33 +188,91 @@ def _assumption_changes(
         held_by(search.scene, line.method, one.preload)
         for line, one in zip(search.lines, best, strict=True)
     ]
-    tries: dict[str, dict[float, Callable[[Scene], Scene]]] = {}
+    now = _log_ratio(best[first].life, best[1 - first].life)
     key, mu = friction_of(search.scene)
+    each = []
     if mu > 0.0:
-        most = _most(key)
-        values = [mu * factor for factor in FACTORS if mu * factor <= most]
-        tries[FRICTION_KEY] = {value: partial(with_friction, value) for value in values}
+        values = [mu * factor for factor in FACTORS if mu * factor <= _most(key)]
+        each.append(_Tried(FRICTION_KEY, with_friction, mu, {mu: now}, values))
     if search.scene.thermal is None:
-        tries[WARMTH_KEY] = {kelvin: partial(warmed, kelvin) for kelvin in WARMINGS}
-    changed = [(scene, None) for scene in scenes] + [
-        (scene, change) for each in tries.values() for change in each.values() for scene in scenes
-    ]
-    lives = iter(search.each(_changed_life, [s for s, _ in changed], [c for _, c in changed]))
-    own = [next(lives) for _ in scenes]
-    scales = [one.life / quick if quick > 0.0 else 1.0 for one, quick in zip(best, own, strict=True)]
-    now_ahead = math.log(best[first].life / best[1 - first].life)
-    found = []
-    for name, each in tries.items():
-        now = mu if name == FRICTION_KEY else 0.0
-        ahead = {now: now_ahead}
-        for value in each:
-            pair = [scale * next(lives) for scale in scales]
-            ahead[value] = math.log(pair[first] / pair[1 - first]) if min(pair) > 0.0 else math.nan
-        below, above = _crossings(ahead, now)
-        found.append(
-            Change(name=name, now=now, below=below, above=above, tried=(min(ahead), max(ahead)))
+        each.append(_Tried(WARMTH_KEY, warmed, 0.0, {0.0: now}, WARMINGS))
+    scales: list[float] = []
+    while asked := [(one, value) for one in each for value in one.wanted]:
+        changed = [one.change(value, scene) for one, value in asked for scene in scenes]
+        own = [] if scales else scenes
+        answers = search.answers_at(quick_life, [*own, *changed])
+        lives = [answer.get("life", math.nan) for answer in answers]
+        if not scales:
+            quick = zip(best, lives, strict=False)
+            scales = [one.life / life if life > 0.0 else 1.0 for one, life in quick]
+        pairs = np.reshape(lives[len(own) :], (len(asked), len(scenes))) * scales
+        for (one, value), pair in zip(asked, pairs.tolist(), strict=True):
+            one.ahead[value] = _log_ratio(pair[first], pair[1 - first])
+        for one in each:
+            one.wanted = [mid for end in one.brackets for mid in end.middle(one.width)]
+    return [*(one.found for one in each), *_groove_change(best, first)]
+
+
+@dataclass(frozen=True)
+class _Bracket:
+    """Two values of an assumption, between which an advantage is lost or is not known any more."""
+
+    held: float
+    lost: float
+    ahead: tuple[float, float]  # at both
+
+    def middle(self, width: float) -> list[float]:
+        """The value between them, if they are farther apart than a width."""
+        is_wide = abs(self.lost - self.held) > width
+        return [0.5 * (self.held + self.lost)] if is_wide else []
+
+    @property
+    def root(self) -> float:
+        """Where the advantage is lost; NaN where it is not known beyond."""
+        held, lost = self.ahead
+        if math.isnan(lost):
+            return math.nan
+        share = held / (held - lost) if math.isfinite(held - lost) else 0.5
+        return self.held + share * (self.lost - self.held)
+
+
+@dataclass
+class _Tried:
+    """Values of an assumption, and the logarithm of the better method's life over the other's."""
+
+    name: str
+    change: Callable[[float, Scene], Scene]
+    now: float
+    ahead: dict[float, float]
+    wanted: Sequence[float]
+
+    @property
+    def width(self) -> float:
+        """To which the value is found at which an advantage is lost."""
+        return FOUND_TO * (max(self.ahead) - min(self.ahead))
+
+    @property
+    def brackets(self) -> list[_Bracket]:
+        """Below and above the present value, where there is one."""
+        return [one for one in (self._bracket(-1.0), self._bracket(1.0)) if one]
+
+    def _bracket(self, sign: float) -> _Bracket | None:
+        order = sorted(value for value in self.ahead if sign * (value - self.now) >= 0.0)
+        for a, b in itertools.pairwise(order[:: int(sign)]):
+            if not self.ahead[b] > 0.0:
+                return _Bracket(a, b, (self.ahead[a], self.ahead[b]))
+        return None
+
+    @property
+    def found(self) -> Change:
+        ends, tried = [], []
+        for sign, farthest in ((-1.0, min(self.ahead)), (1.0, max(self.ahead))):
+            one = self._bracket(sign)
+            ends.append(one.root if one else math.nan)
+            tried.append(one.held if one and math.isnan(one.root) else farthest)
+        return Change(
+            name=self.name, now=self.now, below=ends[0], above=ends[1], tried=(tried[0], tried[1])
         )
-    return [*found, *_groove_change(best, first)]
 
 
 def _groove_change(best: Sequence[PreloadPoint], first: int) -> list[Change]:
@@ -216,24 +281,7 @@ def _groove_change(best: Sequence[PreloadPoint], first: int) -> list[Change]:
     if not all(one.values.get("groove") for one in best) or not np.isfinite(lives).all():
         return []
     is_other = lives[first] < lives[1 - first]
-    return [
-        Change(name=GROOVE_KEY, now=1.0, below=1.0 if is_other else math.nan, tried=(0.0, 1.0))
-    ]
-
-
-def _crossings(ahead: Mapping[float, float], now: float) -> tuple[float, float]:
-    """Values below and above the present one at which an advantage is lost; NaN for none."""
-    ends = []
-    for order in (sorted((v for v in ahead if v <= now), reverse=True), sorted(v for v in ahead if v >= now)):
-        end = math.nan
-        for a, b in itertools.pairwise(order):
-            if not ahead[b] > 0.0:
-                if ahead[b] <= 0.0:
-                    share = ahead[a] / (ahead[a] - ahead[b])
-                    end = a + share * (b - a)
-                break
-        ends.append(end)
-    return ends[0], ends[1]
+    return [Change(name=GROOVE_KEY, now=1.0, below=1.0 if is_other else math.nan, tried=(0.0, 1.0))]
 
 
 def friction_of(scene: Scene) -> tuple[str, float]:
@@ -262,14 +310,15 @@ def warmed(kelvin: float, scene: Scene) -> Scene:
     return replace(scene, temperature=warm)
 
 
-def _changed_life(scene: Scene, change: Callable[[Scene], Scene] | None) -> float:
-    """A quick life [s] of a scene with a change; NaN where it was not solved."""
-    changed = scene if change is None else change(scene)
-    each = [quick_life(one) for one in cases_that_wear(changed).values()]
-    return float(np.min(each))
+def quick_life(scene: Scene) -> dict[str, Any]:
+    """The shortest quick life of a scene's cases [s]; NaN where one was not solved."""
+    return {"life": min((_quick_life(one) for one in cases_that_wear(scene).values()), key=_rank)}
 
 
-def quick_life(scene: Scene) -> float:
-    """A quick life of a scene without cases [s]; NaN where it was not solved."""
+def _rank(life: float) -> float:
+    return life if life == life else -math.inf
+
+
+def _quick_life(scene: Scene) -> float:
     life = worn_life(scene, quick=True, only_times=True) or HertzianLives(scene)(scene)
     return float(np.ravel(life.last.time)[-1]) if life.status == OK else math.nan

@@ -6,15 +6,14 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from bearingwear.kernels.status import OK
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.life import life
@@ -25,10 +24,12 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.best import (
     EXACT,
     NEW,
+    AnswersAt,
     PreloadLine,
     PreloadPoint,
     PreloadSearch,
@@ -60,7 +61,7 @@ from bearingwear.studies.design.map import (
     worst_cases,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
-from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
+from bearingwear.studies.pool import Tell, to_stderr
 from bearingwear.studies.solve import life_scene
 
 RECOMMENDATION = "recommendation"
@@ -90,9 +91,6 @@ ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 
 NO_ERRORS = np.full(2, np.nan)
 
-Each = Callable[..., Iterator[Any]]
-"""`map`, or one whose calls share processes."""
-
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
     """Step: the preload to take, by the requirements that a design map was made with."""
@@ -114,30 +112,25 @@ def small_map(
         to_stderr(f"{scene.stem}: {text}")
 
     base, required = life_scene(scene), DesignLimits(**limits)
-    with processes(workers, "recommend", some_here=True) as each:
+    with Workers(workers, "recommend", tell) as pool:
         return (
-            preload_map(base, MapAxes(**axes), required, each, tell),
-            recommendation(base, required, each, tell),
+            preload_map(base, MapAxes(**axes), required, pool.answers_at),
+            recommendation(base, required, pool.answers_at, tell),
         )
 
 
 def preload_map(
-    scene: Scene, axes: MapAxes, limits: DesignLimits, each: Each = map, tell: Tell | None = None
+    scene: Scene, axes: MapAxes, limits: DesignLimits, answers_at: AnswersAt = map
 ) -> xr.Dataset:
-    """Lives of a scene over the axes of a map, and the best preload of each line of it.
-
-    tell: given a line of text now and then.
-    """
+    """Lives of a scene over the axes of a map, and the best preload of each line of it."""
     scenes = scenes_of_map(scene, axes.values)
-    lives = each(followed_point, scenes, [limits] * len(scenes))
-    if tell is not None:
-        lives = told_in_lines(lives, len(scenes), "{} of {} lives in the map", tell=tell)
+    lives = answers_at(partial(followed_point, limits=limits), scenes)
     design = map_of(scene, axes.values, limits, list(lives))
     return with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
 
 
 def recommendation(
-    scene: Scene, limits: DesignLimits, each: Each = map, tell: Tell | None = None
+    scene: Scene, limits: DesignLimits, answers_at: AnswersAt = map, tell: Tell | None = None
 ) -> xr.Dataset:
     """The preload to take by each method, and what would change the choice between them.
 
@@ -147,7 +140,7 @@ def recommendation(
     tell: given a line of text now and then.
     """
     tell = tell or (lambda text: None)
-    search = PreloadSearch(scene, limits, each)
+    search = PreloadSearch(scene, limits, answers_at)
     best: list[PreloadPoint | None] = [None] * len(search.lines)
     if limits.given:
         tell("lives over preload")
@@ -161,15 +154,12 @@ def recommendation(
         else:
             rows.append(_row(search, line, one))
     tell("what would change the choice")
-    printed = each(
-        _printed,
-        [
-            held_by(scene, line.method, one.preload)
-            for line, one in zip(search.lines, best, strict=True)
-            if one is not None
-        ],
-        [one.values for one in best if one is not None],
-    )
+    taken = [
+        (held_by(scene, line.method, one.preload), one.values)
+        for line, one in zip(search.lines, best, strict=True)
+        if one is not None
+    ]
+    printed = iter([*answers_at(_printed, taken)])
     changes = changes_dataset(changes_of(search, best))
     for row, one in zip(rows, best, strict=True):
         row |= {} if one is None else next(printed)
@@ -207,8 +197,9 @@ def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[s
     return row
 
 
-def _printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
-    """What stands beside a recommended preload."""
+def _printed(taken: tuple[Scene, Mapping[str, Any]]) -> dict[str, Any]:
+    """What stands beside a recommended preload, of a scene and what was found of it."""
+    scene, point = taken
     return {**_as_printed(scene, point), MACHINE: machine_answers(scene)}
 
 
