@@ -66,11 +66,7 @@ class PreloadPoint:
     @property
     def life(self) -> float:
         """The life [s]; zero where it was not solved."""
-        life = (
-            float(np.ravel(self.values.get("life", 0.0))[-1])
-            if self.values["status"] == OK
-            else 0.0
-        )
+        life = self.values.get("life", 0.0) if self.values["status"] == OK else 0.0
         return life if life > 0.0 else 0.0
 
     def margins(self, limits: DesignLimits) -> np.ndarray:

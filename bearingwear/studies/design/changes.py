@@ -277,7 +277,7 @@ class _Tried:
 
 def _groove_change(best: Sequence[PreloadPoint], first: int) -> list[Change]:
     """Whether the other method is better with Hertzian grooves: 1 where it is, as a share."""
-    lives = [float(np.ravel(one.values["hertzian_life"])[-1]) for one in best]
+    lives = [one.values["hertzian_life"] for one in best]
     if not all(one.values.get("groove") for one in best) or not np.isfinite(lives).all():
         return []
     is_other = lives[first] < lives[1 - first]
@@ -321,4 +321,4 @@ def _rank(life: float) -> float:
 
 def _quick_life(scene: Scene) -> float:
     life = worn_life(scene, quick=True, only_times=True) or HertzianLives(scene)(scene)
-    return float(np.ravel(life.last.time)[-1]) if life.status == OK else math.nan
+    return float(life.last.time) if life.status == OK else math.nan

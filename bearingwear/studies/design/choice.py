@@ -18,7 +18,7 @@ from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import CaseFileError, load_kind
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import scene_of
-from bearingwear.studies.dataset import counted, pareto
+from bearingwear.studies.dataset import pareto
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
 
@@ -76,7 +76,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
 
 def with_choices(design: xr.Dataset) -> xr.Dataset:
     """A map with the best preload of every line of it."""
-    index, active = best_within(design, limits_of(design), counted(design))
+    index, active = best_within(design, limits_of(design))
     none = index < 0
     best = design.isel(preload=xr.where(none, 0, index))
     preload, life = best["preload"].where(~none), best["life"].where(~none)
@@ -102,9 +102,7 @@ def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
     return [LIMITED[name].margins(values, limit) for name, limit in limits.held.items()]
 
 
-def best_within(
-    design: xr.Dataset, limits: DesignLimits, basis: int
-) -> tuple[xr.DataArray, xr.DataArray]:
+def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray, xr.DataArray]:
     """Index of the preload with the longest life within the limits, and the limit that holds it.
 
     Lives that were not solved are never chosen. The active limit is what keeps the choice from the
@@ -117,7 +115,7 @@ def best_within(
     others = [str(dim) for dim in design["status"].dims if dim != "preload"]
     order = (*others, "preload")
     solved = (design["status"] == OK).transpose(*order).values
-    lives = design["life"].isel(loss_basis=basis).transpose(*order).values
+    lives = design["life"].transpose(*order).values
     each = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
     each.append(np.where(design["impractical"].transpose(*order).values, -1.0, 1.0))
     names = [*limits.held, ACTIVE[NOT_PRACTICAL]]
@@ -163,10 +161,10 @@ def stiffness_of(design: xr.Dataset) -> Measure:
     return bearing if bearing.key in given and rotor.key not in given else rotor
 
 
-def front(design: xr.Dataset, basis: int) -> xr.DataArray:
+def front(design: xr.Dataset) -> xr.DataArray:
     """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
     solved = design["status"] == OK
-    lives = design["life"].isel(loss_basis=basis).where(solved)
+    lives = design["life"].where(solved)
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
     best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
     return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)

@@ -92,7 +92,7 @@ def state_extremes(
     sides = whole_sides(states, scene) if len(states) == 2 else states
     found = {}
     for one in LIMITED.values():
-        if one.resting:
+        if not one.of_speed:
             continue
         for name, variable, kind in zip(one.extremes, one.variables, one.kinds, strict=True):
             if kind == QUASISTATIC and not own:
@@ -202,7 +202,7 @@ class Everywhere(NamedTuple):
         found = set()
         for key, limit in self.limits.items():
             one = LIMITED[key]
-            if one.resting:
+            if not one.of_speed:
                 continue
             for name in one.extremes:
                 known = [

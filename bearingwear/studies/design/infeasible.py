@@ -93,7 +93,7 @@ def _where_words(point: Mapping[str, Any], name: str, cases: bool) -> str:
     """Where a measure is the worst, after its value."""
     measure, deciding = LIMITED[name], point.get(DECIDING, {})
     known = [deciding[one] for one in measure.extremes if one in deciding]
-    if not known or measure.resting:
+    if not known or not measure.of_speed:
         return ""
     worst = (min if measure.falls else max)(known, key=lambda one: abs(one["value"]))
     return f" ({condition_words(worst, cases)})"

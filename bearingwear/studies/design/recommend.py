@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -22,10 +23,10 @@ from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.answers import Workers
-from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.best import (
     EXACT,
     NEW,
@@ -60,7 +61,7 @@ from bearingwear.studies.design.map import (
     scenes_of_map,
     worst_cases,
 )
-from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.plan import COARSE, DesignLimits, MapAxes, axes_around
 from bearingwear.studies.pool import Tell, to_stderr
 from bearingwear.studies.solve import life_scene
 
@@ -69,9 +70,7 @@ RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial pr
     comment="rounded to three significant digits, or to more if the requirements or the life "
         "demand it"
 )  # fmt: skip
-LIFE_ERROR = Variable(
-    "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error in the life"
-)
+LIFE_ERROR = Variable("life_error_estimate", (), "1", "estimated numerical error in the life")
 BEYOND_RANGE = table(
     Variable("beyond_preload", (), "N",
         "preload far outside the range in which the recommended preload lies"),
@@ -88,8 +87,6 @@ WORST_CASES = "worst_cases"
 
 ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 """What is found of a recommended preload and is no variable."""
-
-NO_ERRORS = np.full(2, np.nan)
 
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
@@ -127,6 +124,31 @@ def preload_map(
     lives = answers_at(partial(followed_point, limits=limits), scenes)
     design = map_of(scene, axes.values, limits, list(lives))
     return with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
+
+
+def recommended(
+    scene: Scene,
+    limits: DesignLimits,
+    source: str = "scene",
+    workers: int = 1,
+    tell: Tell | None = None,
+) -> tuple[xr.Dataset, xr.Dataset | None]:
+    """The preload to take at the scene's own friction and speed and, where no requirement is given,
+    lives over preload beside it.
+
+    source: what error messages name.
+    tell: given a line of text now and then.
+    """
+    limits.check(scene, source)
+    if scene.operation.preload_N <= 0.0:
+        problem = f"got {scene.operation.preload_N:g}, expected a number > 0 to search around"
+        raise SceneError("operation.preload_N", problem, source=source)
+    with Workers(workers, "recommend", progress=False) as pool:
+        found = recommendation(scene, limits, pool.answers_at, tell)
+        if limits.given or scene.friction.film is not None:
+            return found, None
+        axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
+        return found, preload_map(scene, axes, limits, pool.answers_at)
 
 
 def recommendation(
@@ -213,17 +235,17 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
         parts = {name: _as_printed(one, points[name]) for name, one in scene.in_cases.items()}
         errors = [parts[name]["life_error_estimate"] for name in cases_that_wear(scene)]
         return {
-            "life_error_estimate": np.max(errors, axis=0),
+            "life_error_estimate": max(errors),
             "warnings": _with_cases(gathered_warnings(parts.values()), parts),
             WORST_CASES: worst_cases(point),
         }
     grooves, _ = grooves_followed(scene, "steady")
     if grooves is not None and WARNED in point:
-        found = groove_errors(grooves, float(point["life"][1]), int(point["end_criterion"]))
-        error = found.get("life_error_estimate", NO_ERRORS)
+        found = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
+        error = found.get("life_error_estimate", math.nan)
         return {"life_error_estimate": error, WARNED: point[WARNED]}
     answer = life(scene)
-    error = answer.values.get("life_error_estimate", NO_ERRORS)
+    error = answer.values.get("life_error_estimate", math.nan)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
 
 
@@ -250,7 +272,7 @@ def _dataset(
     )
     flags = [PRELOAD_METHODS.index(method) for method in PRELOAD_METHODS]
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
-    axes = {MAP_AXES["preload_method"]: flags, LOSS_BASIS: None}
+    axes = {MAP_AXES["preload_method"]: flags}
     made = filled_points(
         axes,
         known,
@@ -291,5 +313,5 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
 
 def best_method(recommendation: xr.Dataset) -> int | None:
     """Number of the method with the longest recommended life; None if no preload is allowed."""
-    lives = recommendation["life"].isel(loss_basis=counted(recommendation)).values
+    lives = recommendation["life"].values
     return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None

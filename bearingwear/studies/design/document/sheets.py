@@ -64,7 +64,6 @@ from bearingwear.studies.design.document.words import (
     RECOMMENDED_WORDS,
     held_words,
     limit_text,
-    required_words,
 )
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES
@@ -152,14 +151,10 @@ def preload_document(
         title = none_title(found) if given else "Effect of a requirement"
         blocks.append(Block(title, lines=tuple(why), place="lead"))
     if by_life(found):
-        blocks += [_changes(found), _recommended(found, spread)]
+        blocks += [_recommended(found, spread), _changes(found)]
     warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in stated_warnings(found)]
     if warned:
         blocks.append(Block("Warnings (worst values)", lines=tuple(warned), place="strip"))
-    if given:
-        required = sentence("; ".join(required_words(given)))
-        title = f"Requirements, {worst_words(found)}"
-        blocks.append(Block(title, lines=(required,), place="more"))
     blocks += machine_blocks(found)
     blocks += [] if design is None else [_over_preload(design)]
     blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
@@ -321,6 +316,4 @@ def _over_preload(design: xr.Dataset) -> Block:
         Row("preload method", "", names, "preload_method"),
         *brief_rows([one for _, _, one in points]),
     ]
-    return Block(
-        "Life and requirements against preload", rows=tuple(rows), axes=2, place="charted"
-    )
+    return Block("Life and requirements against preload", rows=tuple(rows), axes=2, place="charted")
