@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
+import bisect
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -41,6 +42,7 @@ STEP_BEYOND, STEPS_BEYOND, LITTLE_LONGER = 8.0, 3, 1.1
 """Beyond an end of the range at which the life is longest: a step, how many at most, and how many
 times longer the life has to become for the preload at its end to be taken."""
 
+BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
 EDGE = 4e-3  # width in log preload to which it is found where new bearings meet the requirements
 PEAK, NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
 GAIN = 5e-3  # of the life, for which no exact life is solved
@@ -48,7 +50,7 @@ STEEPEST = 1.0  # power of the preload with which a life rises, other than at a 
 ROUNDS = 6  # of exact lives, at most
 SIMILAR = 0.9
 """Least share of the longest life at which a preload may be set in place of the recommended one."""
-END_WIDTH = 0.05  # in log preload, to which the ends of these preloads are found
+END_WIDTH = 0.09  # in log preload, to which the ends of these preloads are found
 AT_LIMIT = 5e-3  # what is left to a requirement, relative, that counts as nothing
 
 NEW, QUICK, EXACT = range(3)
@@ -77,14 +79,14 @@ class PreloadPoint:
         if self.values["status"] != OK:
             return np.full(len(limits.held) + 1, -1.0)
         unknown = math.inf if self.solved == NEW else -1.0
-        found = [
-            float(LIMITED[name].margins(self.values, limit))
-            if any(extreme in self.values for extreme in LIMITED[name].extremes)
-            else unknown
-            for name, limit in limits.held.items()
-        ]
+        found = []
+        for name, limit in limits.held.items():
+            one = LIMITED[name]
+            known = [self.values[extreme] for extreme in one.extremes if extreme in self.values]
+            each = [one.margin(value, limit) for value in known if value == value]
+            found.append(min(each) if each else -1.0 if known else unknown)
         found.append(-1.0 if self.values.get("impractical") else 1.0)
-        return np.nan_to_num(found, nan=-1.0, posinf=math.inf)
+        return np.array(found)
 
     def is_allowed(self, limits: DesignLimits) -> bool:
         """Whether all requirements are met and, if a life was solved, there is one."""
@@ -140,17 +142,20 @@ class PreloadSearch:
         grid = sorted(preload for preload in around if preload <= most_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
-    def solve(self, wanted: Wanted, solved: int) -> bool:
+    def solve(self, wanted: Wanted, solved: int, limits: DesignLimits | None = None) -> bool:
         """Solve what all lines want; returns whether they want anything.
 
         New bearings are solved first where a life is wanted: a preload at which they break a
         requirement has none.
+
+        limits: requirements in place of those of the search.
         """
+        limits = limits or self.limits
         asked = [(line, p) for line in self.lines for p in wanted(line)]
         if solved != NEW:
             unseen = [(line, p) for line, p in asked if p not in line.new]
             self._solve(unseen, NEW)
-            asked = [(line, p) for line, p in asked if line.may_live(p, self.limits)]
+            asked = [(line, p) for line, p in asked if line.may_live(p, limits)]
         self._solve(asked, solved)
         return bool(asked)
 
@@ -190,6 +195,7 @@ class PreloadSearch:
         while self.solve(self._between_new, NEW):
             pass
         self.solve(self._first_lives, QUICK)
+        self.solve(self._lives_between, QUICK)
 
     def _between_new(self, line: PreloadLine) -> list[float]:
         """Where new bearings come to meet the requirements, or nearly do."""
@@ -207,14 +213,29 @@ class PreloadSearch:
         return [_between(order[k], order[k + 1]) for k in sorted(gaps)]
 
     def _first_lives(self, line: PreloadLine) -> list[float]:
-        """The preloads of the grid that new bearings allow, and the ends of where they do."""
+        """Every second preload of the grid that new bearings allow, and the ends of where they
+        do.
+        """
         order = sorted(line.new)
         allowed = [line.may_live(p, self.limits) for p in order]
-        wanted = {p for p in line.grid if line.may_live(p, self.limits)}
+        wanted = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
         for (a, first), (b, second) in itertools.pairwise(zip(order, allowed, strict=True)):
             if first != second:
                 wanted.add(a if first else b)
         return sorted(wanted - set(line.lives))
+
+    def _lives_between(self, line: PreloadLine) -> list[float]:
+        """The other preloads of the grid, where the life may be longer than the best one."""
+        best, order, wanted = line.best(self.limits), sorted(line.lives), []
+        longest = best.life if best else 0.0
+        for p in line.grid:
+            k = bisect.bisect(order, p)
+            beside = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
+            ends = {one.values["end_criterion"] for one in beside if one.life > 0.0}
+            most = max((one.life for one in beside), default=math.inf) * BETWEEN
+            if len(ends) != 1 or len(beside) < 2 or most >= longest:
+                wanted.append(p)
+        return [p for p in wanted if p not in line.lives and line.may_live(p, self.limits)]
 
     def _lengthened(self, line: PreloadLine) -> PreloadPoint | None:
         """The best preload of a line if it is at an end of the range, which goes on then."""

@@ -107,7 +107,7 @@ def _limit_change(search: PreloadSearch, name: str, first: int) -> Change:
     for is_up, end in ((False, low), (True, high)):
         wider = _moved(search.limits, name, end)
         if is_up != LIMITED[name].falls:  # looser: preloads that are not allowed now come in
-            search.solve(lambda line, wider=wider: _missing(line, wider), QUICK)  # type: ignore[misc]
+            search.solve(lambda line, wider=wider: _more(line, search.limits, wider), QUICK, wider)  # type: ignore[misc]
         ends[is_up] = math.nan
         before = 1.0
         for value in np.geomspace(now, end, _MOVES + 1)[1:].tolist():
@@ -135,9 +135,10 @@ def _moved(limits: DesignLimits, name: str, value: float) -> DesignLimits:
     return replace(limits, **changed)
 
 
-def _missing(line: PreloadLine, limits: DesignLimits) -> list[float]:
-    """Preloads of the grid that new bearings allow by other requirements, without a life."""
-    return [p for p in line.grid if p not in line.lives and line.may_live(p, limits)]
+def _more(line: PreloadLine, limits: DesignLimits, wider: DesignLimits) -> list[float]:
+    """Preloads of the grid without a life that new bearings allow by wider requirements alone."""
+    refused = [p for p in line.grid if p not in line.lives and not line.may_live(p, limits)]
+    return [p for p in refused if line.may_live(p, wider)]
 
 
 def _ahead(lines: Sequence[PreloadLine], limits: DesignLimits, first: int) -> float:
