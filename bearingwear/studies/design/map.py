@@ -251,11 +251,11 @@ def _still_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
     if status != OK:
         return found | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
     met = np.flatnonzero(Criteria(scene).margins(states) <= 0.0)
-    life = np.full(2, 0.0 if met.size else np.inf)
+    life = 0.0 if met.size else math.inf
     found |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
     if limits.gyroscopic_slip_share is not None:
-        found["time_to_slip_limit"] = np.full(2, np.inf)
+        found["time_to_slip_limit"] = math.inf
     found |= gone_through(scene, [worse_state(states, scene)] * 2)
     node = Node(0.0, None, states, life)
     return _everywhere(scene, found, Life([node], None, status=OK), limits, exactly=True)
