@@ -121,7 +121,7 @@ class _Compared(Grooves):
         """Rate of loss of each bearing, from mean depths over the width when new [m/s]."""
         each, share = zip(self.sides, states, strict=True), 0.5 * ARC_STEP
         rates = [side.rate(point_of(state)) for side, state in each]
-        return np.array([w.ball + share * (w.grooves.sum() + 2.0 * w.band.sum()) for w in rates])
+        return np.array([w.ball + share * (w.grooves.sum()) for w in rates])
 
 
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:

@@ -143,7 +143,7 @@ class Grooves:
         """Time in which the deepest place wears by a part of the gap at the edge [s]."""
         lengths = []
         for side, state, rate in zip(self.sides, now.states, rates, strict=True):
-            deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
+            deepest = rate.grooves.max(axis=1) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
             fastest = (deepest / gap).max()  # 0 at rest
             lengths.append(self.depth / fastest if fastest else math.inf)
