@@ -21,7 +21,6 @@ from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
-from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.cage.plan import FEWEST
 from bearingwear.studies.design.plan import DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
@@ -71,7 +70,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     if scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
-    of_scene = {"small_map": small_map, "limits": limits.stored, "beside": _beside(scene)}
+    of_scene = {"small_map": small_map, "limits": limits.stored}
     design = {"scenes": {name: of_scene}}
     plans = {"config/config.yaml": config, "config/design.yaml": design}
     asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
@@ -97,18 +96,6 @@ def _cages(scene: Scene, name: str) -> dict[str, Any]:
         "ensemble": {"runs": FEWEST},
         "in_main_study": True,
     }
-
-
-def _beside(scene: Scene) -> dict[str, Any]:
-    """What a reader asks next: the bearing cold if it is warm, and warm if it is cold."""
-    from bearingwear.solvers.effects.growth import WARMER
-
-    if scene.temperature or scene.thermal:
-        words = "all parts at mounting temperature"
-        return {"cold": {"words": words, "set": {"temperature": None, "thermal": None}}}
-    inner = Temperature().reference_C + WARMER
-    words = f"an inner ring {WARMER:g} K warmer than the rest of the bearing"
-    return {"warm": {"words": words, "set": {"temperature.inner_ring_C": inner}}}
 
 
 def _frictions(scene: Scene, source: str) -> list[float]:

@@ -5,6 +5,8 @@ import re
 
 import numpy as np
 import pytest
+from bearingwear.studies.design.room import NEITHER_LONGER
+from bearingwear.studies.design.search import SIMILAR
 from small_study import CHOICE
 from support import only_line, step
 
@@ -20,8 +22,6 @@ from bearingwear.studies.design.document.sentences import by_life
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.map import followed_point
-from bearingwear.studies.design.room import NEITHER_LONGER
-from bearingwear.studies.design.search import SIMILAR
 
 PLACE = "initial_axial_displacement"
 CASES = {

@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from bearingwear.studies.design.preload_line import PreloadLine, denser, round_number
+from bearingwear.studies.design.room import limit_end
+from bearingwear.studies.design.search import BESIDE, FALL, answered, search
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
@@ -12,10 +15,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
-from bearingwear.studies.design.preload_line import PreloadLine, denser, round_number
 from bearingwear.studies.design.recommend import Search, _row, held_back_by, mapped
-from bearingwear.studies.design.room import limit_end
-from bearingwear.studies.design.search import BESIDE, FALL, answered, search
 from bearingwear.studies.pool import TimeLeft
 
 MAP = [round(100.0 * 2.0 ** (k / 2), 1) for k in range(9)]
