@@ -261,7 +261,7 @@ def check_design(design: Mapping[str, Any]) -> None:
     for name, one in design["scenes"].items():
         path = scene_file(name)
         limits = record(DesignLimits, one["limits"], f"config/design.yaml: scenes.{name}.limits")
-        limits.check(life_scene(path), path)
+        limits.check(life_scene(path, films=True), path)
 
 
 def check_sampled(uncertainty: Mapping[str, Any]) -> None:

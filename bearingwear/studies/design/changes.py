@@ -29,7 +29,8 @@ from bearingwear.studies.design.plan import DesignLimits
 LIMIT_KEY = "limits."
 """Before the name of a requirement."""
 
-FRICTION_KEY, WARMTH_KEY, GROOVE_KEY = "friction", "temperature.inner_ring_C", "groove"
+FRICTION_KEY, SHEAR_KEY = "friction.ball_race", "friction.film.shear_strength_MPa"
+WARMTH_KEY, GROOVE_KEY = "temperature.inner_ring_C", "groove"
 
 FACTORS = (0.5, 0.5**0.5, 2.0**0.5, 2.0)
 """Friction that is tried, over the scene's."""
@@ -194,7 +195,7 @@ def _assumption_changes(
     each = []
     if mu > 0.0:
         values = [mu * factor for factor in FACTORS if mu * factor <= _most(key)]
-        each.append(_Tried(FRICTION_KEY, with_friction, mu, {mu: now}, values))
+        each.append(_Tried(key, with_friction, mu, {mu: now}, values))
     if search.scene.thermal is None:
         each.append(_Tried(WARMTH_KEY, warmed, 0.0, {0.0: now}, WARMINGS))
     scales: list[float] = []
@@ -289,8 +290,8 @@ def friction_of(scene: Scene) -> tuple[str, float]:
     """The key of the friction of balls on races, and its value."""
     film = scene.friction.film
     if film is not None:
-        return "friction.film.shear_strength_MPa", film.shear_strength_MPa
-    return "friction.ball_race", scene.friction.coefficient
+        return SHEAR_KEY, film.shear_strength_MPa
+    return FRICTION_KEY, scene.friction.coefficient
 
 
 def _most(key: str) -> float:

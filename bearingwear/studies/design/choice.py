@@ -20,7 +20,7 @@ from bearingwear.results.variable import Variable
 from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import pareto
 from bearingwear.studies.design.map import SLIP_SHARE
-from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 
 ACTIVE = (
     *LIMITED,
@@ -30,7 +30,6 @@ ACTIVE = (
     "no_preload_within_limits",
     "end_of_life",
     "impractical",
-    "cliff",
 )
 """What keeps the recommended preload from one with a longer life."""
 (
@@ -40,7 +39,6 @@ ACTIVE = (
     NO_PRELOAD,
     OTHER_END,
     NOT_PRACTICAL,
-    AT_CLIFF,
 ) = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(
@@ -192,6 +190,8 @@ def design_files(
 def at_scene(design: xr.Dataset) -> xr.Dataset:
     """The line of a map at the scene's own friction and speed."""
     scene = scene_of(design)
+    mu = scene["friction"].get("ball_race")
     return design.sel(
-        friction=scene["friction"]["ball_race"], shaft_speed=scene["operation"]["shaft_speed_rpm"]
+        friction=NO_FRICTION if mu is None else mu,
+        shaft_speed=scene["operation"]["shaft_speed_rpm"],
     )

@@ -66,16 +66,20 @@ def least_violations(
     if not usable:
         return {}, False
     margin = np.array([order[k].margins(limits)[:-1] for k in usable])
+    # new bearings alone say nothing of a life
+    margin = np.where(np.isinf(margin), -np.inf, margin)
     nearest = margin.argmax(axis=0)
     failed = {
         name: usable[nearest[k]]
         for k, name in enumerate(limits.held)
-        if margin[nearest[k], k] < 0.0
+        if -np.inf < margin[nearest[k], k] < 0.0
     }
     if failed:
         return failed, False
     best = int(margin.min(axis=1).argmax())
-    violated = {name: usable[best] for k, name in enumerate(limits.held) if margin[best, k] < 0.0}
+    violated = {
+        name: usable[best] for k, name in enumerate(limits.held) if -np.inf < margin[best, k] < 0.0
+    }
     return violated, True
 
 

@@ -405,6 +405,8 @@ def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: 
     """The scene at a point of the map."""
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
     made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
+    if scene.friction.film is not None:
+        return made
     return replace(made, friction=replace(scene.friction, ball_race=mu))
 
 
@@ -423,7 +425,7 @@ def map_part(
     slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
     axes = [method], [friction], shaft_speed_rpm, preload_N
-    base = life_scene(scene)
+    base = life_scene(scene, films=True)
     limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
     points = [followed_point(one, limits) for one in scenes_of_map(base, axes)]
     return map_of(base, axes, limits, points)

@@ -34,6 +34,9 @@ def _limit(one: Measure) -> Key:
     return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, bounds)
 
 
+NO_FRICTION = 0.0
+"""Place of a scene with friction.film along the friction of a map: it has no one coefficient."""
+
 LEAST_KEPT = 0.01
 """Share of its initial preload that each bearing must keep, so that its balls roll: below it, it
 counts as lifted off."""

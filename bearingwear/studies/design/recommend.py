@@ -61,7 +61,7 @@ from bearingwear.studies.design.map import (
     scenes_of_map,
     worst_cases,
 )
-from bearingwear.studies.design.plan import COARSE, DesignLimits, MapAxes, axes_around
+from bearingwear.studies.design.plan import COARSE, NO_FRICTION, DesignLimits, MapAxes, axes_around
 from bearingwear.studies.pool import Tell, to_stderr
 from bearingwear.studies.solve import life_scene
 
@@ -91,7 +91,7 @@ ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
     """Step: the preload to take, by the requirements that a design map was made with."""
-    base, lives = life_scene(scene), load(design)
+    base, lives = life_scene(scene, films=True), load(design)
     if not is_of_scene(lives, base):
         raise CaseFileError(f"{design}: belongs to another scene")
     return recommendation(base, limits_of(lives))
@@ -108,7 +108,7 @@ def small_map(
     def tell(text: str) -> None:
         to_stderr(f"{scene.stem}: {text}")
 
-    base, required = life_scene(scene), DesignLimits(**limits)
+    base, required = life_scene(scene, films=True), DesignLimits(**limits)
     with Workers(workers, "recommend", tell) as pool:
         return (
             preload_map(base, MapAxes(**axes), required, pool.answers_at),
@@ -145,9 +145,10 @@ def recommended(
         raise SceneError("operation.preload_N", problem, source=source)
     with Workers(workers, "recommend", progress=False) as pool:
         found = recommendation(scene, limits, pool.answers_at, tell)
-        if limits.given or scene.friction.film is not None:
+        if limits.given:
             return found, None
-        axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
+        mu = NO_FRICTION if scene.friction.film else scene.friction.coefficient
+        axes = axes_around(scene, [mu], source, COARSE)
         return found, preload_map(scene, axes, limits, pool.answers_at)
 
 

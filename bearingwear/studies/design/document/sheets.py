@@ -27,7 +27,13 @@ from bearingwear.results.quantiles import RECOMMENDED, Spread, load_quantiles, s
 from bearingwear.results.units import Estimated, Rough, digits, in_ascii
 from bearingwear.results.warnings import WARNING, warning_line
 from bearingwear.results.words import in_words, methods, scene_of
-from bearingwear.studies.design.changes import FRICTION_KEY, GROOVE_KEY, LIMIT_KEY, WARMTH_KEY
+from bearingwear.studies.design.changes import (
+    FRICTION_KEY,
+    GROOVE_KEY,
+    LIMIT_KEY,
+    SHEAR_KEY,
+    WARMTH_KEY,
+)
 from bearingwear.studies.design.choice import (
     ACTIVE,
     at_scene,
@@ -80,6 +86,7 @@ SAME = 1e-6
 
 CHANGE_WORDS = {
     FRICTION_KEY: ("ball-race friction coefficient", ""),
+    SHEAR_KEY: ("shear strength of the film", "MPa"),
     WARMTH_KEY: ("warming of the inner ring alone", "K"),
     GROOVE_KEY: ("groove model", ""),
 }
