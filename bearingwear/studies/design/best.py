@@ -50,7 +50,7 @@ STEEPEST = 1.0  # power of the preload with which a life rises, other than at a 
 ROUNDS = 6  # of exact lives, at most
 SIMILAR = 0.9
 """Least share of the longest life at which a preload may be set in place of the recommended one."""
-END_WIDTH = 0.09  # in log preload, to which the ends of these preloads are found
+END_WIDTH = 0.06  # in log preload, to which the ends of these preloads are found
 AT_LIMIT = 5e-3  # what is left to a requirement, relative, that counts as nothing
 
 NEW, QUICK, EXACT = range(3)
@@ -213,15 +213,14 @@ class PreloadSearch:
         return [_between(order[k], order[k + 1]) for k in sorted(gaps)]
 
     def _first_lives(self, line: PreloadLine) -> list[float]:
-        """Every second preload of the grid that new bearings allow, and the ends of where they
-        do.
+        """Every second preload of the grid that new bearings allow; of each range that they allow,
+        the ends and where they come nearest to no requirement.
         """
-        order = sorted(line.new)
-        allowed = [line.may_live(p, self.limits) for p in order]
         wanted = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
-        for (a, first), (b, second) in itertools.pairwise(zip(order, allowed, strict=True)):
-            if first != second:
-                wanted.add(a if first else b)
+        runs = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
+        for run in [[*run] for is_allowed, run in runs if is_allowed]:
+            most = max(run, key=lambda p: line.new[p].margins(self.limits).min())
+            wanted |= {run[0], most, run[-1]}
         return sorted(wanted - set(line.lives))
 
     def _lives_between(self, line: PreloadLine) -> list[float]:
@@ -283,7 +282,8 @@ class PreloadSearch:
             return width > EDGE
         if near.values["end_criterion"] != best.values["end_criterion"]:
             return width > EDGE  # towards where both are met, a life may rise by any power
-        return 0.5 * (STEEPEST * width - math.log(best.life / near.life)) > GAIN
+        rise, drop = STEEPEST * width, math.log(best.life / near.life)
+        return (rise if drop > rise else 0.5 * (rise - drop)) > GAIN  # one so steep is a jump
 
     def _towards(self, best: PreloadPoint, near: PreloadPoint) -> float:
         """A preload between two: just within the requirements that are met between them, else in
