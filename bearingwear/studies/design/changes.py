@@ -322,5 +322,5 @@ def _rank(life: float) -> float:
 
 
 def _quick_life(scene: Scene) -> float:
-    life = worn_life(scene, quick=True, only_times=True) or HertzianLives(scene)(scene)
+    life = worn_life(scene, quick=True) or HertzianLives(scene)(scene)
     return float(life.last.time) if life.status == OK else math.nan

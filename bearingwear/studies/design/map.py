@@ -22,7 +22,12 @@ from bearingwear.lives.ends import NO_CRITERION, Criteria, with_end
 from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.many import HertzianLives, worn_life, worse_state, worse_states
+from bearingwear.lives.many import (
+    HertzianLives,
+    worn_life_with_stiffness,
+    worse_state,
+    worse_states,
+)
 from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -222,7 +227,7 @@ def _followed_life(
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
     if even is not None and hertzian == 0.0:
         return found, even  # beyond a limit when new, whatever the groove
-    worn = worn_life(scene, quick)
+    worn = worn_life_with_stiffness(scene, quick)
     if worn is None:
         assert even is not None
         return found, even

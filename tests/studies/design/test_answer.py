@@ -60,7 +60,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     assert "Temperature is neglected" in said["Warnings (worst values)"]
     found_in = tables(answer)
     first = {line[0]: line[1] for line in found_in["open"].table[1]}
-    assert first["life (h)"] == digits(spring)
+    assert first["life, ball + races (h)"] == digits(spring)
     assert first["limited by"] == "dynamic stiffness, arrangement"
     rows = {line[0]: line[1:] for line in found_in["lead"].table[1]}
     now, other = rows["required axial stiffness of the arrangement (N/µm)"]

@@ -188,6 +188,7 @@ def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spr
 def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Block:
     """The preload to take by each method, what limits it, its life, and the worst values there."""
     each = [one for _, one in methods(found)]
+    counts = scene_of(found)["wear"]["counts"].replace("_and_", " + ")
     held = [
         held_words(ACTIVE[int(one["active_limit"])], lambda name, one=one: float(one[name]))  # type: ignore[misc]
         for one in each
@@ -204,7 +205,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         Row("  to", "N", _floats(found["most_preload"]), "most_preload", given=True),
         Row("  spacer offset", "um", offsets, "spacer_offset"),
         Row("limited by", "", tuple(held), "active_limit"),
-        Row("life", "h", _lives(found), "life"),
+        Row(f"life, {counts}", "h", _lives(found), "life"),
     ]
     if any(spread.values()):
         rows += spread_rows([one.rows if one else {} for one in spread.values()])
