@@ -43,9 +43,11 @@ STEP_BEYOND, STEPS_BEYOND, LITTLE_LONGER = 8.0, 3, 1.1
 times longer the life has to become for the preload at its end to be taken."""
 
 BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
+FAR = 0.1  # of a requirement: so far beyond it on both sides, it is not met between them
 EDGE = 4e-3  # width in log preload to which it is found where new bearings meet the requirements
 PEAK, NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
 GAIN = 5e-3  # of the life, for which no exact life is solved
+EVEN = 0.3  # power by which a life that falls evenly may still rise
 STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
 ROUNDS = 6  # of exact lives, at most
 SIMILAR = 0.9
@@ -186,7 +188,9 @@ class PreloadSearch:
                 break
         for line in self.lines:
             line.lives = {p: one for p, one in line.lives.items() if self._counts(line, one)}
-        while self.solve(self._at_ends, EXACT):
+        taken = [(best.life, line) for line in self.lines if (best := line.best(self.limits))]
+        longest = max(taken, key=lambda one: one[0], default=(0.0, None))[1]
+        while self.solve(lambda line: self._at_ends(line) if line is longest else [], EXACT):
             pass
 
     def sweep(self) -> None:
@@ -214,13 +218,14 @@ class PreloadSearch:
 
     def _first_lives(self, line: PreloadLine) -> list[float]:
         """Every second preload of the grid that new bearings allow; of each range that they allow,
-        the ends and where they come nearest to no requirement.
+        the ends and the middle.
         """
         wanted = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
         runs = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
         for run in [[*run] for is_allowed, run in runs if is_allowed]:
-            most = max(run, key=lambda p: line.new[p].margins(self.limits).min())
-            wanted |= {run[0], most, run[-1]}
+            wanted |= {run[0], run[-1]}
+            if len(run) > 1:
+                wanted.add(_between(line.new[run[0]], line.new[run[-1]]))
         return sorted(wanted - set(line.lives))
 
     def _lives_between(self, line: PreloadLine) -> list[float]:
@@ -232,9 +237,13 @@ class PreloadSearch:
             beside = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
             ends = {one.values["end_criterion"] for one in beside if one.life > 0.0}
             most = max((one.life for one in beside), default=math.inf) * BETWEEN
-            if len(ends) != 1 or len(beside) < 2 or most >= longest:
+            if len(ends) != 1 or len(beside) < 2 or (most >= longest and not self._far(*beside)):
                 wanted.append(p)
         return [p for p in wanted if p not in line.lives and line.may_live(p, self.limits)]
+
+    def _far(self, a: PreloadPoint, b: PreloadPoint) -> bool:
+        """Whether both of two lives break the same requirement by far."""
+        return bool((np.maximum(a.margins(self.limits), b.margins(self.limits)) < -FAR).any())
 
     def _lengthened(self, line: PreloadLine) -> PreloadPoint | None:
         """The best preload of a line if it is at an end of the range, which goes on then."""
@@ -270,19 +279,29 @@ class PreloadSearch:
         wanted = [best.preload] if best.solved != EXACT else []
         order = line.in_order(self.limits)
         k = next(k for k, one in enumerate(order) if one.preload == best.preload)
-        for near in [*order[max(k - 1, 0) : k], *order[k + 1 : k + 2]]:
-            if self._may_gain(best, near):
-                wanted.append(self._towards(best, near))
+        for beyond in (order[:k][::-1], order[k + 1 :]):
+            if beyond and self._may_gain(best, *beyond[:2]):
+                wanted.append(self._towards(best, beyond[0]))
         return sorted(set(wanted) - {p for p, one in line.lives.items() if one.solved == EXACT})
 
-    def _may_gain(self, best: PreloadPoint, near: PreloadPoint) -> bool:
-        """Whether a life between two preloads may be longer than the best one."""
+    def _may_gain(
+        self, best: PreloadPoint, near: PreloadPoint, next_one: PreloadPoint | None = None
+    ) -> bool:
+        """Whether a life between two preloads may be longer than the best one.
+
+        next_one: the next point on the same side, by which one sees whether the life goes evenly.
+        """
         width = abs(_width(best, near))
         if near.solved == NEW or not near.is_allowed(self.limits):
             return width > EDGE
-        if near.values["end_criterion"] != best.values["end_criterion"]:
+        ends = {one.values["end_criterion"] for one in (best, near)}
+        if len(ends) > 1:
             return width > EDGE  # towards where both are met, a life may rise by any power
-        rise, drop = STEEPEST * width, math.log(best.life / near.life)
+        drop = math.log(best.life / near.life)
+        if next_one is not None and next_one.values["end_criterion"] in ends:
+            if 0.0 < next_one.life < near.life and next_one.is_allowed(self.limits):
+                return 0.5 * (EVEN * width - drop) > GAIN
+        rise = STEEPEST * width
         return (rise if drop > rise else 0.5 * (rise - drop)) > GAIN  # one so steep is a jump
 
     def _towards(self, best: PreloadPoint, near: PreloadPoint) -> float:

@@ -208,13 +208,13 @@ def none_because(search: PreloadSearch, line: PreloadLine) -> str:
 
 def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[str, Any]:
     """A recommended preload, what holds it, and where it may be set."""
-    similar = [one.preload for one in search.similar(line) if one.solved == EXACT]
     row = dict(best.values) | {
         "preload": best.preload,
         "active_limit": search.active_limit(line, best),
-        "least_preload": similar[0],
-        "most_preload": similar[-1],
     }
+    similar = search.similar(line)
+    if similar[0].solved == similar[-1].solved == EXACT:
+        row |= {"least_preload": similar[0].preload, "most_preload": similar[-1].preload}
     if one := line.beyond:
         row |= {"beyond_preload": one.preload, "beyond_life": one.life}
     return row

@@ -96,7 +96,7 @@ def peak(p):
     "life, stiffness, held_by_what",
     [
         (falling, lambda p: 20e6 * (p / 381.6) ** 1.4, "axial_stiffness_N_um"),
-        (peak, lambda p: 1e9, "none"),
+        (peak, lambda p: 1e9, "end_of_life"),
         (cliff, lambda p: 1e9, "none"),
         (nothing, lambda p: 1e9, "none"),
         (unsolved, lambda p: 1e9, "not_solved"),
