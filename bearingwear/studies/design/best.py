@@ -235,7 +235,7 @@ class PreloadSearch:
         for p in line.grid:
             k = bisect.bisect(order, p)
             beside = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
-            ends = {one.values["end_criterion"] for one in beside if one.life > 0.0}
+            ends = {one.values.get("end_criterion") for one in beside if one.life > 0.0}
             most = max((one.life for one in beside), default=math.inf) * BETWEEN
             if len(ends) != 1 or len(beside) < 2 or (most >= longest and not self._far(*beside)):
                 wanted.append(p)
@@ -294,11 +294,11 @@ class PreloadSearch:
         width = abs(_width(best, near))
         if near.solved == NEW or not near.is_allowed(self.limits):
             return width > EDGE
-        ends = {one.values["end_criterion"] for one in (best, near)}
+        ends = {one.values.get("end_criterion") for one in (best, near)}
         if len(ends) > 1:
             return width > EDGE  # towards where both are met, a life may rise by any power
         drop = math.log(best.life / near.life)
-        if next_one is not None and next_one.values["end_criterion"] in ends:
+        if next_one is not None and next_one.values.get("end_criterion") in ends:
             if 0.0 < next_one.life < near.life and next_one.is_allowed(self.limits):
                 return 0.5 * (EVEN * width - drop) > GAIN
         rise = STEEPEST * width
@@ -350,7 +350,7 @@ class PreloadSearch:
             k = next(k for k, one in enumerate(order) if one.preload == end.preload) + step
             if end.solved != EXACT:
                 wanted.append(end.preload)
-            elif 0 <= k < len(order) and abs(_width(end, order[k])) > END_WIDTH:
+            if 0 <= k < len(order) and abs(_width(end, order[k])) > END_WIDTH:
                 wanted.append(_between(end, order[k]))
         return sorted(set(wanted))
 
@@ -382,7 +382,7 @@ class PreloadSearch:
             return ACTIVE.index(names[int(np.argmin(margins))])
         if len(beside) < 2:
             return END_OF_RANGE
-        ends = {int(one.values["end_criterion"]) for one in (*beside, best) if one.solved != NEW}
+        ends = {one.values.get("end_criterion") for one in (*beside, best) if one.solved != NEW}
         return OTHER_END if len(ends) > 1 else UNLIMITED
 
 
