@@ -95,7 +95,7 @@ class File:
 
 WORSE_WHEN_LESS = {
     "preload_kept", "system_axial_stiffness_N_um", "axial_stiffness_N_um", "lowest_frequency_Hz",
-    "launch_g", "torque_margin",
+    "launch_g", "life_h", "torque_margin",
 }  # fmt: skip
 
 

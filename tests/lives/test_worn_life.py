@@ -118,7 +118,8 @@ class UniformWear(Grooves):
 @METHODS
 def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
     scene = scene_of(method)
-    shorter = UniformWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))  # what a step leaves out falls fourfold
+    # what a step leaves out falls fourfold
+    shorter = UniformWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
     even, hertz = follow_grooves(shorter), HertzianLives(scene)(scene)
     assert even.status == hertz.status == code.OK
     loss = np.array([s.loss for s in hertz.states])
