@@ -11,7 +11,7 @@ from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.follow import Life
-from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
+from bearingwear.lives.grooves import StiffGrooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.checking.errors import NotAvailable
@@ -99,7 +99,7 @@ def met_when_new(scene: Scene) -> Life | None:
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves, of one bearing or of two."""
-    life = follow_grooves(Grooves(scene))
+    life = follow_grooves(StiffGrooves(scene))
     if life.nodes[0].status != code.OK and (ended := met_when_new(scene)):
         return life_values(scene, ended), {"solves": life.solves + ended.solves, "contact": "hertz"}
     values = life_values(scene, life)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.verification import plain_law
 from bearingwear.kernels.worn.verification import friction_of_cells
-from bearingwear.lives.grooves import STEP, Grooves, follow_grooves, point_of
+from bearingwear.lives.grooves import EXACT_GROOVES, STEP, Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers.bearing.films import Films
@@ -83,7 +83,7 @@ def test_a_film_thinner_than_a_step_is_worn_through_in_several(scene):
     """The estimate of the error covers what four times shorter steps change."""
     thin = scene("mos2_gyro", {"friction.film.thickness_um": 0.05})
     found, values = follow_grooves(Grooves(thin)), life(thin).values
-    exact = follow_grooves(Grooves(thin, step=STEP / 4.0)).times[-1]
+    exact = follow_grooves(Grooves(thin, EXACT_GROOVES._replace(step=STEP / 4.0))).times[-1]
     error = abs(found.times[-1] / exact - 1.0)
     assert error < values["life_error_estimate"] < 0.05
 

@@ -143,7 +143,7 @@ def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
     return rank, SceneError(path, problem)
 
 
-GONE = {"wear.ball_track": "balls always wear evenly (spread); delete the key"}
+FORMER_KEYS = {"wear.ball_track": "balls always wear evenly (spread); delete the key"}
 """Keys of earlier versions, and what to do."""
 
 
@@ -151,8 +151,8 @@ def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) 
     unknown = [name for name in given if name not in block.below]
     for name in unknown:
         problem = f"got an unknown key; {_meant(name, given, block, file)}"
-        if (gone := key_path(path, name)) in GONE:
-            problem = f"got a key that no longer exists, expected none: {GONE[gone]}"
+        if (gone := key_path(path, name)) in FORMER_KEYS:
+            problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[gone]}"
         yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
     for name, below in block.below.items():
         if below.required and name not in given and not unknown:  # not a mistyped one
