@@ -102,10 +102,10 @@ class Workers:
         if len(points) > here:
             self.start()
             assert self._pool is not None
-            size = math.ceil(len(points) / (_CHUNKS_PER_WORKER * self.workers))
+            size = min(points_at_once(len(points), self.workers), at_once)
             answer = functools.partial(_answer_of_sent, pickle.dumps(what))
             others = itertools.islice(points, here, None)
-            yield from self._pool.map(answer, others, chunksize=min(size, at_once))
+            yield from self._pool.map(answer, others, chunksize=size)
 
     def __enter__(self) -> Workers:
         return self
@@ -123,6 +123,12 @@ class Workers:
                 "under `if __name__ == '__main__':` (processes are started by "
                 f"{multiprocessing.get_start_method()}), or set workers=1"
             ) from None
+
+
+def points_at_once(count: int, workers: int) -> int:
+    """How many of some points a process takes at once."""
+    share = math.ceil(count / (_CHUNKS_PER_WORKER * max(workers, 1)))
+    return min(max(share, 1), _MOST_AT_ONCE)
 
 
 def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:

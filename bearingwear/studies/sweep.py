@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers
+from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers, points_at_once
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
 from bearingwear.studies.sampling import usable_cores
 from bearingwear.studies.sweep_dataset import (
@@ -180,10 +180,10 @@ class Sweep:
         """The answers at all points, or at those of a part along `point`."""
         every = list(self.points)
         numbers = range(len(every)) if part is None else _numbers_of_part(part, len(every))
-        order = _even_order(len(numbers))
-        points = [every[numbers[k]] for k in order]
         what = self.asked.what
-        cores = min(len(points), usable_cores() if workers is None else workers)
+        cores = min(len(numbers), usable_cores() if workers is None else workers)
+        order = _even_order(len(numbers), points_at_once(len(numbers), cores))
+        points = [every[numbers[k]] for k in order]
         with Workers(cores, "sweep", progress) as pool:
             if cores > 1:
                 if not callable(what):
@@ -234,9 +234,14 @@ class Sweep:
             raise NotAvailable(answers[0][PROBLEM])
 
 
-def _even_order(count: int) -> list[int]:
-    """Numbers below a count, mixed: neighbours take alike long, and a time left is of others."""
-    return sorted(range(count), key=lambda k: k * _GOLDEN % 1.0)
+def _even_order(count: int, together: int = 1) -> list[int]:
+    """Numbers below a count, mixed: neighbours take alike long, and a time left is of others.
+
+    together: how many neighbours stay so; what they share is computed once.
+    """
+    blocks = [range(k, min(k + together, count)) for k in range(0, count, together)]
+    mixed = sorted(range(len(blocks)), key=lambda k: k * _GOLDEN % 1.0)
+    return [number for k in mixed for number in blocks[k]]
 
 
 def _numbers_of_part(part: tuple[int, int], count: int) -> range:

@@ -189,7 +189,7 @@ def test_values_of_another_shape_are_refused(coarse):
         made = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
     assert made.status.values.tolist() == ["ok", "none", "ok"]
     assert made["values"].isnull().all("values_0").values.tolist() == [False, True, False]
-    with pytest.raises(TypeError, match="what: got a function that returns int, expected a mapp"):
+    with pytest.raises(TypeError, match="what: got a function that returns int, expected a"):
         bearingwear.sweep(coarse, {PRELOAD: [3]}, lambda scene: 1, workers=1)
 
 
