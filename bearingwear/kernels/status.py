@@ -62,7 +62,8 @@ STATUS_SENTENCES = {
     "race to the other",
     "race_unseated": "load or tilt separates the inner race from some balls, and the preload does "
     "not press it against the others",
-    "too_stiff": "the motion requires far too many time steps per turn; no averages were obtained",
+    "too_stiff": "the motion requires far too many time steps per turn, and no averages were "
+    "obtained; race control finds loads and pressures (--fidelity race_control)",
     "cage_jammed": "no equilibrium of the cage was found: its clearance is too small, or pocket "
     "friction locks a ball that only inertia, which is neglected, could release",
     "warm_seizure": "friction heat and preload increase each other without limit: the bearing "
