@@ -351,10 +351,10 @@ def main() -> None:
     parser.add_argument("--coarse", action="store_true", help="a grid half as fine")
     parser.add_argument("--no-steep", dest="steep", action="store_false", help="none of 40 degrees")
     args = parser.parse_args()
-    global AT_SPEED_ONLY, FINE, WIDE, SPEEDS
+    global AT_SPEED_ONLY, FINE, WIDE
     AT_SPEED_ONLY = args.at_speed_only
     if args.coarse:
-        FINE, WIDE, SPEEDS = 1.04, 1.2, 9
+        FINE, WIDE = 1.04, 1.2
     known = {}
     if args.output.exists():
         for line in args.output.read_text().splitlines():

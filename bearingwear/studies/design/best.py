@@ -44,7 +44,7 @@ times longer the life has to become for the preload at its end to be taken."""
 
 BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
 FAR = 0.1  # of a requirement: so far beyond it on both sides, it is not met between them
-EDGE = 4e-3  # width in log preload to which it is found where new bearings meet the requirements
+EDGE = 5e-3  # width in log preload to which it is found where new bearings meet the requirements
 PEAK, NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
 GAIN = 5e-3  # of the life, for which no exact life is solved
 EVEN = 0.3  # power by which a life that falls evenly may still rise
