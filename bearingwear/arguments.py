@@ -27,7 +27,7 @@ STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustn
 """Studies of the workflow: rules that collect what belongs together."""
 
 MODELS = ("steady", "worn", "dynamic")
-"""Models whose kernels `warmup` compiles."""
+"""Models whose kernels `compile` compiles."""
 
 
 _EXPECTED = {
@@ -154,7 +154,7 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 def _add_for_the_workflow(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
     _add_gather(command("gather", "gather case files of one scene into one file over their grid"))
     _add_page(command("page", "write the report page of a study"))
-    _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
+    _add_compile(command("compile", "compile the solver, which the first solve does otherwise"))
 
 
 def _add_gather(gather: argparse.ArgumentParser) -> None:
@@ -178,9 +178,10 @@ def _add_page(page: argparse.ArgumentParser) -> None:
         help="the file to write; its links assume that it lies two folders below the study")
 
 
-def _add_warmup(warmup: argparse.ArgumentParser) -> None:
-    warmup.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
+def _add_compile(compiling: argparse.ArgumentParser) -> None:
+    compiling.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
         help=f"{', '.join(MODELS)} (default: all)")
+    compiling.set_defaults(run="compile_kernels")
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:

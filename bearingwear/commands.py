@@ -191,9 +191,9 @@ def page(args: argparse.Namespace) -> int:
     return OK
 
 
-def warmup(args: argparse.Namespace) -> int:
+def compile_kernels(args: argparse.Namespace) -> int:
     from bearingwear.arguments import MODELS
-    from bearingwear.studies.warmup import compile_model
+    from bearingwear.studies.compile_model import compile_model
 
     for model in args.models or MODELS:
         with ProgressLines(model):

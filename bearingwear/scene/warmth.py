@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = "[-273.15, 1000]"
 _CONDUCTANCE = "[1e-6, 1e6]"
+_CAPACITY = "[1e-9, 1e9]"
 _AS_REFERENCE = "(if omitted, the mounting temperature)"
 
 LARGEST_STRAIN = 0.01
@@ -57,6 +58,17 @@ class Conductance:
 
 
 @keyed
+class HeatCapacity:
+    """Heat that parts take up as they warm."""
+
+    # fmt: off
+    inner_ring: float = setting("Heat capacity of the inner ring", "J/K", _CAPACITY)
+    balls: float = setting("Heat capacity of all balls", "J/K", _CAPACITY)
+    outer_ring: float = setting("Heat capacity of the outer ring", "J/K", _CAPACITY)
+    # fmt: on
+
+
+@keyed
 class Thermal:
     """A network that finds the temperatures of the rings and balls from the friction heat."""
 
@@ -68,6 +80,15 @@ class Thermal:
         "Constant temperature of the housing", "degC", _DEGREES, default=20.0
     )
     reference_C: float = setting("Mounting temperature", "degC", _DEGREES, default=20.0)
+    # fmt: off
+    heat_capacity_J_K: HeatCapacity | None = setting(
+        "Heat capacities of the parts, which a warm-up requires", default=None)
+    shaft_time_constant_s: float = setting("Time constant with which the shaft approaches shaft_C "
+        "from the mounting temperature in a warm-up (0: at once)", "s", "[0, 1e9]", default=0.0)
+    housing_time_constant_s: float = setting("Time constant with which the housing approaches "
+        "housing_C from the mounting temperature in a warm-up (0: at once)", "s", "[0, 1e9]",
+        default=0.0)
+    # fmt: on
 
     def parts(self, inner_ring: float, balls: float, outer_ring: float) -> Temperature:
         """Temperatures of rings and balls between its shaft and housing [degC]."""

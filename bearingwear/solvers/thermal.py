@@ -58,29 +58,32 @@ class Warmed:
         )
 
 
-def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
-    """Temperatures at which the network carries this heat away.
+HEAT_TO_PARTS = np.array([[0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.5, 1.0]])
+"""Share of each heat of `HeatFlow` that goes to the inner ring, the balls and the outer ring: half
+of the friction heat of a contact to the ring and half to the ball, the heat of the drag to the
+outer ring (both assumed)."""
 
-    Half of the friction heat of a contact goes to the ring and half to the ball (assumed); the heat
-    of the drag goes to the outer ring (assumed).
-    """
+
+def conductances(thermal: Thermal) -> np.ndarray:
+    """Heat that leaves each part by the temperatures of the three above those beside (3, 3) [W/K]."""
     G = thermal.conductance_W_K
     shaft, housing, ball = G.inner_ring_shaft, G.outer_ring_housing, G.ball_race
-    flows = np.array(
+    return np.array(
         [
             [shaft + ball, -ball, 0.0],
             [-ball, 2.0 * ball, -ball],
             [0.0, -ball, ball + housing],
         ]
     )
+
+
+def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
+    """Temperatures at which the network carries this heat away."""
     # relative to the shaft, so that no heat and no difference give its temperature to the last bit
-    above = housing * (thermal.housing_C - thermal.shaft_C)
-    made = [
-        0.5 * heat.inner,
-        0.5 * (heat.inner + heat.outer),
-        0.5 * heat.outer + heat.drag + above,
-    ]
-    return thermal.parts(*(thermal.shaft_C + float(t) for t in np.linalg.solve(flows, made)))
+    above = thermal.conductance_W_K.outer_ring_housing * (thermal.housing_C - thermal.shaft_C)
+    made = HEAT_TO_PARTS @ np.array(heat) + [0.0, 0.0, above]
+    rises = np.linalg.solve(conductances(thermal), made)
+    return thermal.parts(*(thermal.shaft_C + float(t) for t in rises))
 
 
 def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:
