@@ -98,6 +98,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_margin(
         command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
     )
+    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
     _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
     _add_show(command("show", "print the main values in a result file or a scene"))
     _add_compare(
@@ -317,6 +318,37 @@ def _add_margin(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--data", choices=("analysis", "test", "extremes"),
         help="source of the torque data (sets drive.data; default: analysis)")
     _add_formats(sub)
+
+
+def _add_warmup(sub: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(sub)
+    sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
+    ramp = sub.add_mutually_exclusive_group()
+    ramp.add_argument("--seconds", type=_not_negative, default=None, metavar="S",
+        help="time from rest to full speed, at constant acceleration")
+    ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
+        help="times and shaft speeds, with linear changes between them")
+    sub.add_argument("--duration", type=_positive, metavar="S",
+        help="time at which to end (default: once the temperatures are steady)")
+    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
+        help="the file to write")
+    _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+
+
+def _course(text: str) -> list[tuple[float, float]]:
+    """Times [s] and shaft speeds [r/min]."""
+    try:
+        pairs = [tuple(map(float, pair.split(":"))) for pair in text.split(",")]
+        if not all(len(pair) == 2 for pair in pairs):
+            raise ValueError
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"got {text}, expected times and speeds such as 0:0,10:6000,60:12000"
+        ) from None
+    times = [time for time, _ in pairs]
+    if times[0] != 0.0 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
+        raise argparse.ArgumentTypeError(f"got {text}, expected times that rise from 0")
+    return pairs  # type: ignore[return-value]
 
 
 def _add_export(sub: argparse.ArgumentParser) -> None:

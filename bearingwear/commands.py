@@ -313,6 +313,23 @@ def margin(args: argparse.Namespace) -> int:
     return OK if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
 
 
+def warmup(args: argparse.Namespace) -> int:
+    scene = _scene(args)
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.warmup.result import warm_up_dataset
+    from bearingwear.studies.warmup.transient import course_of, ramp
+
+    check_output(args.output, args.scene)
+    course = course_of(scene, args.course) if args.course else ramp(args.seconds or 0.0)
+    with ProgressLines(args.scene):
+        found = warm_up_dataset(scene, course, args.duration)
+    _tell_of_new_folder(args.output)
+    write_dataset(found, args.output)
+    if not args.quiet:
+        _print_file(args.output, args)
+    return OK if found["status"] == 0 else NOT_SOLVED
+
+
 def export(args: argparse.Namespace) -> int:
     from bearingwear.atomic import write_text
     from bearingwear.studies.export import NotExported, StiffnessOverSpeed

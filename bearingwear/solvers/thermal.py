@@ -65,7 +65,7 @@ outer ring (both assumed)."""
 
 
 def conductances(thermal: Thermal) -> np.ndarray:
-    """Heat that leaves each part by the temperatures of the three above those beside (3, 3) [W/K]."""
+    """Heat that leaves each part by the temperatures of the three (3, 3) [W/K]."""
     G = thermal.conductance_W_K
     shaft, housing, ball = G.inner_ring_shaft, G.outer_ring_housing, G.ball_race
     return np.array(

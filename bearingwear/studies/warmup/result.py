@@ -25,15 +25,13 @@ COARSE = 10.0
 ENDINGS = ("steady", "runaway", "no state", "duration")
 
 _TIME = Variable("time", ("time",), "s", "time since the start")
-_PARTS = Variable(
-    "part", ("part",), "", "part", "i1", flags=("inner_ring", "balls", "outer_ring")
-)
+_PARTS = Variable("part", ("part",), "", "part", "i1", flags=("inner_ring", "balls", "outer_ring"))
 _OVER_TIME = table(
     Variable("shaft_speed", (), "rpm", "shaft speed", label="shaft speed"),
-    Variable("part_temperature", ("bearing", "part"), "degC", "temperature of the part"),
-    Variable("residual_preload", ("bearing",), "N", "preload on the bearing", label="preload"),
-    Variable("maximum_pressure", ("bearing",), "Pa", "peak contact pressure", label="pressure"),
-    Variable("friction_power", ("bearing",), "W", "heat of friction and drag", label="heat"),
+    Variable("part_temperature", ("side", "part"), "degC", "temperature of the part"),
+    Variable("residual_preload", ("side",), "N", "preload on the bearing", label="preload"),
+    Variable("maximum_pressure", ("side",), "Pa", "peak contact pressure", label="pressure"),
+    Variable("friction_power", ("side",), "W", "heat of friction and drag", label="heat"),
     Variable("system_axial_stiffness", (), "N m-1", "axial stiffness of the arrangement"),
 )
 PEAKS = {
@@ -49,7 +47,7 @@ _OF_ALL = table(
         "time from which on every part has made 95 % of its rise to the last instant"),
     Variable("thermal_margin", (), "1", "conductance over slope of the heat at the last instant",
         comment="above 1, the temperatures are stable"),
-    Variable("distance_left", (), "1", "distance to the steady temperatures, over the rise to them"),
+    Variable("distance_left", (), "1", "distance to the steady temperatures, over the rise"),
     *(
         Variable(f"peak_{name}{more}", (), unit if not more else "s", f"{words}{of}")
         for name, (units, words) in PEAKS.items()
@@ -64,9 +62,7 @@ _OF_ALL = table(
 )  # fmt: skip
 
 
-def warm_up_dataset(
-    scene: Scene, course: SpeedCourse, duration: float | None = None
-) -> xr.Dataset:
+def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = None) -> xr.Dataset:
     """The warm-up of a scene along time, with its peaks and how it ended."""
     found = warm_up(scene, course, duration)
     coarse = warm_up(scene, course, found.instants[-1].time or None, COARSE * TOLERANCE)
@@ -74,7 +70,7 @@ def warm_up_dataset(
     bearings = len(found.instants[0].states)
     made = filled(
         _OVER_TIME,
-        {_TIME: [one.time for one in found.instants], _PARTS: None, "bearing": bearings},
+        {_TIME: [one.time for one in found.instants], _PARTS: None, "side": bearings},
         rows,
         scene=scene,
         kind=KIND,
@@ -82,7 +78,9 @@ def warm_up_dataset(
         course=[*course.times, *course.shares],
     )
     values = _summary(found, rows, duration)
-    peaks = _summary(coarse, [_row(scene, coarse, k) for k in range(len(coarse.instants))], duration)
+    peaks = _summary(
+        coarse, [_row(scene, coarse, k) for k in range(len(coarse.instants))], duration
+    )
     values["error_estimate"] = max(
         abs(peaks[f"peak_{name}"] / values[f"peak_{name}"] - 1.0)
         for name in PEAKS

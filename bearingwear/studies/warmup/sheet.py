@@ -10,9 +10,9 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
-from bearingwear.kernels.status import OK, STATUS_NAMES, sentence_of
+from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.measures import plain
-from bearingwear.plotting.drawing import Figure, frame, new_figure
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
 
@@ -20,7 +20,7 @@ LOW_MARGIN = 1.5
 """Thermal margin below which a design is warned of."""
 
 PARTS = ("inner ring", "balls", "outer ring")
-_SHOWN = {"K": "K"}
+_COLOURS = ("C3", "C1", "C0")
 
 
 def warm_up_sheet(file: Any) -> Document:
@@ -69,21 +69,32 @@ def _ending_sentence(file: Any, ending: str, end: float) -> str:
             f"{plain(end)} s"
         )
     if status != OK:
-        return f"no state after {plain(end)} s ({STATUS_NAMES[status]}: {sentence_of(status)})"
+        return f"no state after {plain(end)} s ({STATUS_NAMES[status]}: {STATUS_SENTENCES[status]})"
     return f"{'steady' if ending == 'steady' else 'followed'} after {plain(end)} s"
 
 
 def warm_up_figure(found: xr.Dataset) -> Figure:
-    """Temperatures above, preload and pressure below, over time."""
-    figure, axes = new_figure(3, 1, sharex=True)
-    time = found["time"].values
-    for bearing in range(found.sizes["bearing"]):
-        style = "-" if bearing == 0 else "--"
-        one = found.isel(bearing=bearing)
-        name = f" {bearing + 1}" if found.sizes["bearing"] > 1 else ""
-        for k, part in enumerate(PARTS):
-            axes[0].plot(time, one["part_temperature"][:, k], style, color=f"C{k}", label=part + name)
-        axes[1].plot(time, one["residual_preload"], style, color="C0")
-        axes[2].plot(time, 1e-9 * one["maximum_pressure"], style, color="C0")
-    frame(axes[0], "", "temperature (°C)")
+    """Temperatures, preload and contact pressure over time."""
+    figure, panels = new_figure(1, 3, 10.0, 3.2)
+    temperature, preload, pressure = panels[0]
+    time, bearings = found["time"].values, found.sizes["side"]
+    for k in range(bearings):
+        one, style = found.isel(side=k), ("-", "--")[k]
+        for part, colour in enumerate(_COLOURS):
+            temperature.plot(time, one["part_temperature"][:, part], style, color=colour)
+        preload.plot(time, one["residual_preload"], style, color="C0")
+        pressure.plot(time, 1e-9 * one["maximum_pressure"], style, color="C0")
+    for panel, words in zip(
+        panels[0], ("temperature (°C)", "preload (N)", "contact pressure (GPa)"), strict=True
+    ):
+        panel.set_xlabel("time (s)")
+        panel.set_ylabel(words)
+    handles = [key(part, color=colour) for part, colour in zip(PARTS, _COLOURS, strict=True)]
+    if bearings > 1:
+        handles += [key(f"bearing {k + 1}", color="k", linestyle=("-", "--")[k]) for k in (0, 1)]
+    scene = json.loads(found.attrs["scene"])
+    ending = ENDINGS[int(found["ending"])]
+    peak, at = float(found["peak_residual_preload"]), float(found["peak_residual_preload_time"])
+    title = f"{scene['name']}: warm-up, {ending} after {plain(float(found['end_time']))} s; "
+    frame(figure, f"{title}largest preload {plain(peak)} N at {plain(at)} s", handles, len(handles))
     return figure

@@ -67,6 +67,12 @@ def ramp(seconds: float) -> SpeedCourse:
     return SpeedCourse((0.0, seconds), (0.0, 1.0)) if seconds else SpeedCourse((0.0,), (1.0,))
 
 
+def course_of(scene: Scene, pairs: Sequence[tuple[float, float]]) -> SpeedCourse:
+    """Speeds [r/min] at times [s] as shares of the speed of a scene."""
+    times, speeds = zip(*pairs, strict=True)
+    return SpeedCourse(times, tuple(n / scene.operation.shaft_speed_rpm for n in speeds))
+
+
 class Instant(NamedTuple):
     """Bearings at one instant of a warm-up."""
 
@@ -94,12 +100,27 @@ class WarmUp:
         return self.status != code.OK and self.margin < 1.0
 
 
+def check_thermal(sides: Sequence[Scene], name: str) -> None:
+    """Refuse bearings without a thermal network or without heat capacities."""
+    for side in sides:
+        if side.thermal is None:
+            problem = "got nothing, expected a thermal network with heat_capacity_J_K"
+            raise SceneError("thermal", problem, source=name)
+        if side.thermal.heat_capacity_J_K is None:
+            problem = "got nothing, expected heat capacities of inner_ring, balls and outer_ring"
+            raise SceneError("thermal.heat_capacity_J_K", problem, source=name)
+        if not side.operation.shaft_speed_rpm:
+            problem = "got 0, expected a speed that a warm-up leads to"
+            raise SceneError("operation.shaft_speed_rpm", problem, source=name)
+
+
 class ThermalBearings:
     """Bearings of a scene with a thermal network, at temperatures and speeds that are given."""
 
     def __init__(self, scene: Scene):
         self.scene = scene
         self.sides = scene.one_of_alike.sides
+        check_thermal(self.sides, scene.name)
         self.near: list[SolvedBearing | None] = [None] * len(self.sides)
         self.solves = 0
         self._at: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
