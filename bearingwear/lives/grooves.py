@@ -86,7 +86,7 @@ class Grooves:
         if on_the_way:
             return tuple(State(found.status, {}, one) for one in found.sides)
         self._found = found
-        self._last = states_of(self.bearings.sides, conditions, found)
+        self._last = states_of(self.bearings, conditions, found)
         if self.by_stiffness:
             self._last = self.with_stiffness()
         return self._last

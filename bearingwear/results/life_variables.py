@@ -34,6 +34,8 @@ GROWN = table(
     Variable("thermal_solves", (), "1",
         "number of solves required to compute the temperatures", "i4",
         comment="in a life file, the sum over its states"),
+    Variable("thermal_margin", (), "1", "conductance over slope of the friction heat",
+        comment="above 1 the temperatures are stable", label="thermal margin"),
     Variable("history_part_temperature", ("step", "part"), "degC",
         "temperature of the part at each step", label="temperature"),
 )

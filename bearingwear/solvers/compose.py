@@ -55,7 +55,7 @@ class Remembered:
                 loss, bare, *_ = conditions[0]
                 known = self._solved.setdefault(bare, [])
                 bisect.insort(known, (loss, found.sides[0]), key=_LOSS)
-            self._known[conditions] = states_of(self.bearings.sides, conditions, found)
+            self._known[conditions] = states_of(self.bearings, conditions, found)
         return self._known[conditions]
 
     def _nearest(self, condition: Condition) -> SolvedBearing | None:

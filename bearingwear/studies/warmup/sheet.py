@@ -69,7 +69,7 @@ def _ending_sentence(file: Any, ending: str, end: float) -> str:
             f"{plain(end)} s"
         )
     if status != OK:
-        return f"no state after {plain(end)} s ({STATUS_NAMES[status]}: {STATUS_SENTENCES[status]})"
+        return f"no state after {plain(end)} s ({STATUS_NAMES[status]}: {STATUS_SENTENCES[STATUS_NAMES[status]]})"
     return f"{'steady' if ending == 'steady' else 'followed'} after {plain(end)} s"
 
 

@@ -7,7 +7,7 @@ temperatures and the speed of that instant. Theory: docs/theory.md, section 27.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -19,12 +19,17 @@ from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Thermal
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
-from bearingwear.solvers.rotor import Alone, OnRotor, states_of
-from bearingwear.solvers.thermal import HEAT_TO_PARTS, HeatFlow, Warmed, conductances
-from bearingwear.solvers.warm import Warm
+from bearingwear.solvers.rotor import Alone, OnRotor, heats_of, kept_at, states_of
+from bearingwear.solvers.thermal import HeatFlow
+from bearingwear.solvers.thermal_margin import (
+    PARTS,
+    all_conductances,
+    heat_of_parts,
+    heat_slopes,
+    thermal_margin,
+)
 from bearingwear.studies.design.conditions import at_share
 
-PARTS = 3
 SLOW = 0.01
 """Share of the full speed below which the heat goes in proportion to the speed, as it does with
 Coulomb friction and without centrifugal loads."""
@@ -41,7 +46,6 @@ SETTLED = 1e-3
 _MOST_SHORTER, _SHORTER = 12, 0.2  # of the longest step, where the bearings have no state after it
 _BETWEEN_CHECKS = 5  # steps
 _LONGEST = 300.0  # slowest time constants of the network without heat that a warm-up may last
-_DIFFERENCE = 1e-3  # temperature step of a derivative of the heat [K]
 
 
 class Unsolved(Exception):
@@ -137,29 +141,20 @@ class ThermalBearings:
         Unsolved: where they have no state.
         """
         whole = max(share, SLOW)
-        bearings = self._bearings(whole)
-        kept = []
-        for side, network, t in zip(bearings.sides, self.networks(), temperatures, strict=True):
-            try:
-                scene = replace(side.scene, temperature=network.parts(*map(float, t)), thermal=None)
-            except SceneError:
-                raise Unsolved(code.WARM_SEIZURE) from None
-            warmed = Warmed(code.OK, scene, HeatFlow(0.0, 0.0, 0.0), 0, np.zeros((3, 3)))
-            kept.append(Warm(side.solver, warmed))  # type: ignore[attr-defined]
-        self.solves += 1
-        if isinstance(bearings, Alone):
-            at_once: Alone | OnRotor = Alone(bearings.scene, tuple(kept), self.near[0])
+        kept = kept_at(self._bearings(whole), temperatures)
+        if kept is None:
+            raise Unsolved(code.WARM_SEIZURE)
+        if isinstance(kept, Alone):
+            kept.near = self.near[0]
         else:
-            at_once = replace(bearings, sides=tuple(kept), near=self.near)
-        found = at_once.solve(at_once.start)
+            kept.near = list(self.near)
+        self.solves += 1
+        found = kept.solve(kept.start)
         if found.status != code.OK:
             raise Unsolved(found.status)
         self.near = list(found.sides)
-        heats = tuple(
-            HeatFlow(*(share / whole * np.array(side.heat(one))))
-            for side, one in zip(kept, found.sides, strict=True)
-        )
-        states = states_of(at_once.sides, at_once.start, found)
+        heats = tuple(HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, found))
+        states = states_of(kept, kept.start, found)
         return Instant(time, share, temperatures, states, heats, found.stiffness)
 
     def _bearings(self, share: float) -> Alone | OnRotor:
@@ -167,40 +162,16 @@ class ThermalBearings:
             self._at = share, solver_of(at_share(self.scene, share)).bearings
         return self._at[1]
 
-    def heat_slopes(self, instant: Instant) -> np.ndarray:
+    def heat_slopes(self, instant: Instant) -> np.ndarray | None:
         """Change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
-        base, parts = parts_heat(instant), instant.temperatures.size
-        slopes = np.empty((parts, parts))
-        for k in range(parts):
-            moved = instant.temperatures.copy()
-            moved.flat[k] += _DIFFERENCE
-            there = self.instant(instant.time, instant.share, moved)
-            slopes[:, k] = (parts_heat(there) - base) / _DIFFERENCE
-        return slopes
 
+        def heats(temperatures: np.ndarray) -> np.ndarray | None:
+            try:
+                return heat_of_parts(self.instant(instant.time, instant.share, temperatures).heats)
+            except Unsolved:
+                return None
 
-def parts_heat(instant: Instant) -> np.ndarray:
-    """Heat that goes to all parts (parts,) [W]."""
-    return np.concatenate([HEAT_TO_PARTS @ np.array(heat) for heat in instant.heats])
-
-
-def thermal_margin(networks: Sequence[Thermal], slopes: np.ndarray) -> float:
-    """Conductance over slope of the heat: above 1 a steady state is stable, at its fold 1.
-
-    The largest real eigenvalue of G^-1 dQ/dT, inverted; infinite where no heat grows with warmth.
-    """
-    G = _conductances(networks)
-    fastest = float(np.linalg.eigvals(np.linalg.solve(G, slopes)).real.max())
-    return 1.0 / fastest if fastest > 0.0 else np.inf
-
-
-def _conductances(networks: Sequence[Thermal]) -> np.ndarray:
-    size = PARTS * len(networks)
-    G = np.zeros((size, size))
-    for k, network in enumerate(networks):
-        own = slice(PARTS * k, PARTS * (k + 1))
-        G[own, own] = conductances(network)
-    return G
+        return heat_slopes(heats, instant.temperatures)
 
 
 class HeatEquation:
@@ -209,7 +180,7 @@ class HeatEquation:
     def __init__(self, bearings: ThermalBearings, course: SpeedCourse):
         self.bearings, self.course = bearings, course
         self.networks = bearings.networks()
-        self.G = _conductances(self.networks)
+        self.G = all_conductances(self.networks)
         capacities = [network.heat_capacity_J_K for network in self.networks]
         assert all(capacities)
         self.C = np.array(
@@ -248,7 +219,7 @@ class HeatEquation:
 
     def __call__(self, time: float, y: np.ndarray) -> np.ndarray:
         """dT/dt (parts,) [K/s]."""
-        made = parts_heat(self.instant(time, y))
+        made = heat_of_parts(self.instant(time, y).heats)
         return (made + self.beside(time) - self.G @ y) / self.C
 
 
@@ -285,7 +256,13 @@ def warm_up(
                     break
         if status != code.OK or left < SETTLED:
             break
-    return WarmUp(scene, tuple(instants), status, _margin(equation, instants[-1]), left)
+    return WarmUp(
+        scene,
+        tuple(instants),
+        status,
+        thermal_margin(equation.networks, equation.bearings.heat_slopes(instants[-1])),
+        left,
+    )
 
 
 def _steps(
@@ -321,16 +298,12 @@ def _steps(
 
 def _distance_left(equation: HeatEquation, instant: Instant) -> float:
     """Distance to the steady temperatures by one Newton step, over the rise so far [1]."""
-    y = instant.temperatures.ravel()
-    try:
-        slopes = equation.bearings.heat_slopes(instant)
-    except Unsolved:
+    y, slopes = instant.temperatures.ravel(), equation.bearings.heat_slopes(instant)
+    if slopes is None:
         return np.inf
-    rest = equation.C * equation(instant.time, y)
-    step = np.linalg.solve(equation.G - slopes, rest)
+    step = np.linalg.solve(equation.G - slopes, equation.C * equation(instant.time, y))
     rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
-    slow = max(abs(step).max(), _shaft_and_housing_left(equation, instant.time))
-    return float(slow / rise)
+    return float(max(abs(step).max(), _shaft_and_housing_left(equation, instant.time)) / rise)
 
 
 def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
@@ -343,10 +316,3 @@ def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
             (n.housing_C, n.housing_time_constant_s),
         )
     )
-
-
-def _margin(equation: HeatEquation, instant: Instant) -> float:
-    try:
-        return thermal_margin(equation.networks, equation.bearings.heat_slopes(instant))
-    except Unsolved:
-        return 0.0
