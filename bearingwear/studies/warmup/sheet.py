@@ -69,7 +69,8 @@ def _ending_sentence(file: Any, ending: str, end: float) -> str:
             f"{plain(end)} s"
         )
     if status != OK:
-        return f"no state after {plain(end)} s ({STATUS_NAMES[status]}: {STATUS_SENTENCES[STATUS_NAMES[status]]})"
+        name = STATUS_NAMES[status]
+        return f"no state after {plain(end)} s ({name}: {STATUS_SENTENCES[name]})"
     return f"{'steady' if ending == 'steady' else 'followed'} after {plain(end)} s"
 
 
