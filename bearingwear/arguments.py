@@ -328,11 +328,22 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
         help="time from rest to full speed, at constant acceleration")
     ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
         help="times and shaft speeds, with linear changes between them")
+    ramp.add_argument("--limit", nargs="+", type=_limit_of_ramp, metavar="NAME=VALUE",
+        help="find the shortest ramp that keeps pressure=GPA or preload=N from rest to the steady "
+        "temperatures")
     sub.add_argument("--duration", type=_positive, metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
     _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+
+
+def _limit_of_ramp(text: str) -> tuple[str, float]:
+    """The name and the value of a limit on the way to speed."""
+    name, _, value = text.partition("=")
+    if name not in ("pressure", "preload"):
+        raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
+    return name, _positive(value)
 
 
 def _course(text: str) -> list[tuple[float, float]]:

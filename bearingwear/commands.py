@@ -320,8 +320,16 @@ def warmup(args: argparse.Namespace) -> int:
     from bearingwear.studies.warmup.transient import course_of, ramp
 
     check_output(args.output, args.scene)
-    course = course_of(scene, args.course) if args.course else ramp(args.seconds or 0.0)
     with ProgressLines(args.scene):
+        seconds = args.seconds or 0.0
+        if args.limit:
+            from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
+
+            if (shortest := shortest_ramp(scene, dict(args.limit))) is None:
+                sys.stderr.write(one_line(f"{args.scene}: no ramp to speed keeps these limits"))
+                return NOT_SOLVED
+            seconds = shortest
+        course = course_of(scene, args.course) if args.course else ramp(seconds)
         found = warm_up_dataset(scene, course, args.duration)
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)

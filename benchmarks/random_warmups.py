@@ -1,6 +1,6 @@
 """Warm-ups of random pairs: each must end in the steady network or in a named ending.
 
-    python benchmarks/random_warmups.py --count 200 --seed 1
+python benchmarks/random_warmups.py --count 200 --seed 1
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -65,28 +66,37 @@ _OF_ALL = table(
 def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = None) -> xr.Dataset:
     """The warm-up of a scene along time, with its peaks and how it ended."""
     found = warm_up(scene, course, duration)
-    coarse = warm_up(scene, course, found.instants[-1].time or None, COARSE * TOLERANCE)
-    rows = [_row(scene, found, k) for k in range(len(found.instants))]
-    bearings = len(found.instants[0].states)
-    made = filled(
+    times = [one.time for one in found.instants]
+    rows = [_row(scene, found, k) for k in range(len(times))]
+    peaks = _peaks(found, rows)
+    coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSE * TOLERANCE))
+    errors = [abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) for name in PEAKS]
+    sizes = [abs(peaks[f"peak_{name}"]) for name in PEAKS]
+    T = np.array([one.temperatures.ravel() for one in found.instants])
+    summary = peaks | {
+        "status": found.status,
+        "ending": ENDINGS.index(_ending(found, duration)),
+        "end_time": times[-1],
+        "time_to_95_percent": _time_to_share(np.array(times), T, 0.95),
+        "thermal_margin": found.margin,
+        "distance_left": found.left,
+        "error_estimate": max(e / size for e, size in zip(errors, sizes, strict=True) if size),
+    }
+    over_time = filled(
         _OVER_TIME,
-        {_TIME: [one.time for one in found.instants], _PARTS: None, "side": bearings},
+        {_TIME: times, _PARTS: None, "side": len(found.instants[0].states)},
         rows,
         scene=scene,
         kind=KIND,
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )
-    values = _summary(found, rows, duration)
-    peaks = _summary(
-        coarse, [_row(scene, coarse, k) for k in range(len(coarse.instants))], duration
-    )
-    values["error_estimate"] = max(
-        abs(peaks[f"peak_{name}"] / values[f"peak_{name}"] - 1.0)
-        for name in PEAKS
-        if values[f"peak_{name}"]
-    )
-    return made.merge(filled(_OF_ALL, {}, [values]), combine_attrs="override")
+    return over_time.merge(filled(_OF_ALL, {}, [summary]), combine_attrs="override")
+
+
+def peaks_of(scene: Scene, found: WarmUp) -> dict[str, float]:
+    """Peaks of a warm-up with their times, by the names of result variables [SI]."""
+    return _peaks(found, [_row(scene, found, k) for k in range(len(found.instants))])
 
 
 def _row(scene: Scene, found: WarmUp, k: int) -> dict[str, Any]:
@@ -102,31 +112,26 @@ def _row(scene: Scene, found: WarmUp, k: int) -> dict[str, Any]:
     }
 
 
-def _summary(found: WarmUp, rows: list[dict[str, Any]], duration: float | None) -> dict[str, Any]:
-    """Peaks with their times, and how the warm-up ended."""
-    times = np.array([one.time for one in found.instants])
+def _peaks(found: WarmUp, rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    times = [one.time for one in found.instants]
     T = np.array([row["part_temperature"] for row in rows])
     courses = {
         "residual_preload": np.max([row["residual_preload"] for row in rows], axis=1),
         "maximum_pressure": np.max([row["maximum_pressure"] for row in rows], axis=1),
         "temperature_difference": (T[:, :, 0] - T[:, :, 2]).max(axis=1),
     }
-    values: dict[str, Any] = {}
+    peaks: dict[str, float] = {}
     for name, course in courses.items():
         k = int(np.argmax(course))
-        values |= {f"peak_{name}": course[k], f"peak_{name}_time": times[k]}
-        values[f"end_{name}"] = course[-1]
-    ending = "duration" if duration is not None else "steady"
+        peaks |= {f"peak_{name}": float(course[k]), f"peak_{name}_time": times[k]}
+        peaks[f"end_{name}"] = float(course[-1])
+    return peaks
+
+
+def _ending(found: WarmUp, duration: float | None) -> str:
     if found.status != code.OK:
-        ending = "runaway" if found.runs_away else "no state"
-    return values | {
-        "status": found.status,
-        "ending": ENDINGS.index(ending),
-        "end_time": times[-1],
-        "time_to_95_percent": _time_to_share(times, T.reshape(len(times), -1), 0.95),
-        "thermal_margin": found.margin,
-        "distance_left": found.left,
-    }
+        return "runaway" if found.runs_away else "no state"
+    return "steady" if duration is None else "duration"
 
 
 def _time_to_share(times: np.ndarray, T: np.ndarray, share: float) -> float:

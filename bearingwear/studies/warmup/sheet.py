@@ -28,7 +28,10 @@ def warm_up_sheet(file: Any) -> Document:
     scene = json.loads(file.scene)
     ending = ENDINGS[int(values(file, "ending"))]
     end, margin = (float(values(file, name)) for name in ("end_time", "thermal_margin"))
-    heading = [f"{scene['name']}: {_ending_sentence(file, ending, end)}"]
+    times, shares = np.reshape(np.atleast_1d(file.course), (2, -1))
+    speed = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
+    way = f"at {speed} from the start" if len(times) == 1 else f"{speed} after {plain(times[-1])} s"
+    heading = [f"{scene['name']}: {_ending_sentence(file, ending, end)}", f"{way}"]
     rows = []
     for name, (units, words) in PEAKS.items():
         peak, time, last = (

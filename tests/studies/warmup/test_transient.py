@@ -78,9 +78,7 @@ def test_the_plain_program_finds_the_same(spindle):
     found = warm_up(scene, ramp(10.0), duration=30.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        coarse, fine = (
-            benchmark("warmup").euler(scene, 10.0, 30.0, steps) for steps in (150, 300)
-        )
+        coarse, fine = (benchmark("warmup").euler(scene, 10.0, 30.0, steps) for steps in (150, 300))
     last = found.instants[-1]
     for k, name in enumerate(("inner", "balls", "outer")):
         # Euler's error is proportional to the step
