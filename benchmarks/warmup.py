@@ -39,8 +39,7 @@ def euler(scene, seconds: float, duration: float, steps: int) -> dict[str, list[
         # below a hundredth of the speed the heat goes in proportion to it
         whole = max(share, 0.01)
         parts = {"inner_ring_C": inner, "balls_C": balls, "outer_ring_C": outer}
-        # axial positions go with the shaft and housing temperatures of the steady network
-        parts |= {f"{part}_C": network[f"{part}_C"] for part in ("shaft", "housing")}
+        parts |= {f"{part}_C": beside(part, time) for part in ("shaft", "housing")}
         case = bearingwear.solve(
             scene.with_(
                 {"operation.shaft_speed_rpm": whole * speed, "thermal": None}

@@ -19,6 +19,7 @@ from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Arrangement, Scene
+from bearingwear.scene.warmth import Thermal
 from bearingwear.solvers.bearing.arrangement import (
     N_UM,
     joined_attributes,
@@ -88,16 +89,20 @@ def ends_by_thermal_margin(scene: Scene) -> bool:
     return end is not None and end.thermal_margin is not None
 
 
-def kept_at(bearings: Alone | OnRotor, temperatures: np.ndarray) -> Alone | OnRotor | None:
+def kept_at(
+    bearings: Alone | OnRotor, temperatures: np.ndarray, networks: Sequence[Thermal] = ()
+) -> Alone | OnRotor | None:
     """Bearings at given temperatures (bearing, part) [degC] in place of those of their heat.
 
+    networks: with the temperatures of shafts and housings, if not those of the scene.
     None where one of them cannot be so warm.
     """
     kept = []
-    for side, each in zip(bearings.sides, temperatures, strict=True):
-        assert isinstance(side, Warm) and side.scene.thermal is not None
+    for k, (side, each) in enumerate(zip(bearings.sides, temperatures, strict=True)):
+        network = networks[k] if networks else side.scene.thermal
+        assert isinstance(side, Warm) and network is not None
         try:
-            t = side.scene.thermal.parts(*map(float, each))
+            t = network.parts(*map(float, each))
             scene = replace(side.scene, temperature=t, thermal=None)
         except SceneError:
             return None

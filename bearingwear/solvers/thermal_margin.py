@@ -1,4 +1,4 @@
-"""How far a bearing at the temperatures of its own heat is from running away (theory 27)."""
+"""How far a bearing at the temperatures of its own heat is from running away (theory.md section 28)."""
 
 from __future__ import annotations
 

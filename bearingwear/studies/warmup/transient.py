@@ -1,13 +1,13 @@
 """Temperatures of rings and balls on the way to speed, with the preload and pressure they make.
 
 The balls settle a million times faster than metal warms, so each instant is a steady state at the
-temperatures and the speed of that instant. Theory: docs/theory.md, section 27.
+temperatures and the speed of that instant. Theory: docs/theory.md, section 28.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -141,7 +141,8 @@ class ThermalBearings:
         Unsolved: where they have no state.
         """
         whole = max(share, SLOW)
-        kept = kept_at(self._bearings(whole), temperatures)
+        networks = [network_at(network, time) for network in self.networks()]
+        kept = kept_at(self._bearings(whole), temperatures, networks)
         if kept is None:
             raise Unsolved(code.WARM_SEIZURE)
         if isinstance(kept, Alone):
@@ -207,10 +208,8 @@ class HeatEquation:
         """Heat that flows from shaft and housing at 0 degC (parts,) [W]."""
         flows = []
         for n in self.networks:
-            G = n.conductance_W_K
-            shaft = _approached(time, n.reference_C, n.shaft_C, n.shaft_time_constant_s)
-            housing = _approached(time, n.reference_C, n.housing_C, n.housing_time_constant_s)
-            flows += [G.inner_ring_shaft * shaft, 0.0, G.outer_ring_housing * housing]
+            G, now = n.conductance_W_K, network_at(n, time)
+            flows += [G.inner_ring_shaft * now.shaft_C, 0.0, G.outer_ring_housing * now.housing_C]
         return np.array(flows)
 
     def instant(self, time: float, y: np.ndarray) -> Instant:
@@ -221,6 +220,16 @@ class HeatEquation:
         """dT/dt (parts,) [K/s]."""
         made = heat_of_parts(self.instant(time, y).heats)
         return (made + self.beside(time) - self.G @ y) / self.C
+
+
+def network_at(network: Thermal, time: float) -> Thermal:
+    """The network with the temperatures of shaft and housing at a time."""
+    n = network
+    return replace(
+        n,
+        shaft_C=_approached(time, n.reference_C, n.shaft_C, n.shaft_time_constant_s),
+        housing_C=_approached(time, n.reference_C, n.housing_C, n.housing_time_constant_s),
+    )
 
 
 def _approached(time: float, start: float, end: float, constant: float) -> float:
