@@ -95,11 +95,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_limits(recommend)
     _add_formats(recommend)
     _add_launch(launch)
-    _add_margin(
-        command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
-    )
-    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
-    _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
+    _add_of_machines(command)
     _add_show(command("show", "print the main values in a result file or a scene"))
     _add_compare(
         command("compare", "list the differences between two files; exit status 1 if they differ")
@@ -150,6 +146,14 @@ def _add_step(step: argparse.ArgumentParser) -> None:
     step.add_argument("words", nargs="*", metavar="NAME=VALUE")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     step.set_defaults(run="step")
+
+
+def _add_of_machines(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    _add_margin(
+        command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
+    )
+    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
+    _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
 
 
 def _add_for_the_workflow(command: Callable[[str, str], argparse.ArgumentParser]) -> None:

@@ -198,11 +198,14 @@ class Measure:
 
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
-        return f"{plain(self.shown(value))} {self.unit}"
+        return self._with_unit(self.shown(value))
 
     def limit_text(self, limit: float) -> str:
         """A limit [as in its key] with its unit."""
-        return f"{plain(self.shown_limit(limit))} {self.unit}"
+        return self._with_unit(self.shown_limit(limit))
+
+    def _with_unit(self, number: float) -> str:
+        return plain(number) if self.unit == "1" else f"{plain(number)} {self.unit}"
 
 
 _STIFFNESSES = "dynamic", "quasi-static"
@@ -334,8 +337,8 @@ MEASURES = (
         variables=("thermal_margin",), falls=True,
         advice="cool better, reduce the preload or the speed, or use a spring",
         end=("Thermal margin (conductance over slope of the friction heat) at or below which the "
-            "life ends (requires a thermal network)", "[1, 1000]"),
-        limit=("Minimum thermal margin", "[1, inf)"),
+            "life ends (requires a thermal network)", "(0, 1000]"),
+        limit=("Minimum thermal margin", "(0, inf)"),
         note="the scene must specify a thermal network", block="thermal",
         means="how much more strongly the cooling than the friction heat grows with temperature",
         option="--thermal-margin", mark="H", letter="W"),

@@ -14,9 +14,9 @@ from bearingwear.lives.methods import Adams
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
+from bearingwear.solvers.bearing_states import states_of
 from bearingwear.solvers.compose import worn_bearings, worn_elsewhere
 from bearingwear.solvers.condition import innermost
-from bearingwear.solvers.rotor import states_of
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 from bearingwear.solvers.worn.solver import Worn

@@ -8,6 +8,7 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED
+from bearingwear.solvers.bearing_states import states_of
 from bearingwear.solvers.condition import (
     Accuracy,
     Condition,
@@ -18,7 +19,7 @@ from bearingwear.solvers.condition import (
     innermost,
 )
 from bearingwear.solvers.race_control import RaceControl
-from bearingwear.solvers.rotor import Alone, OnRotor, states_of
+from bearingwear.solvers.rotor import Alone, OnRotor
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.warm import Warm

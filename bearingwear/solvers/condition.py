@@ -94,6 +94,7 @@ class Solver(Protocol):
     mounted: float  # axial displacement at rest, unworn, under the preload [m]
     start: Condition  # as the scene has it
     unsteady: int  # status where a rotor finds no place in which it stays
+    heat_error: float  # relative, of the heat, where the balance of the solver is rough
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         """Solve, from a usable solution nearby where there is one."""
@@ -116,6 +117,7 @@ class Wrapper:
     def __init__(self, solver: Solver):
         self.solver, self.scene = solver, solver.scene
         self.mounted, self.start, self.unsteady = solver.mounted, solver.start, solver.unsteady
+        self.heat_error = solver.heat_error
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         return self.solver.mechanics(loss, Omega)

@@ -4,12 +4,10 @@ A rigid pair keeps the distance of its bearings, a spring pair the spring's forc
 solved as a single one at its own place or under its own force, by any model.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,9 +15,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.scene.arrangement import bearings_holding
-from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.scene.warmth import Thermal
 from bearingwear.solvers.bearing.arrangement import (
     N_UM,
     joined_attributes,
@@ -38,15 +34,12 @@ from bearingwear.solvers.condition import (
     Place,
     SolvedBearing,
     Solver,
-    States,
     innermost,
 )
 from bearingwear.solvers.roots import brent_root
-from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
-from bearingwear.solvers.thermal import HEAT_BALANCED, HeatFlow, Warmed
-from bearingwear.solvers.thermal_margin import heat_of_parts, heat_slopes, thermal_margin
-from bearingwear.solvers.warm import NOTHING, Warm, preload_spread
+from bearingwear.solvers.thermal import HEAT_BALANCED
+from bearingwear.solvers.warm import Warm, preload_spread
 
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
 NEAR_START = 1e-4  # of the range: how well the start is found
@@ -72,71 +65,6 @@ class RotorState(NamedTuple):
             "system_quasistatic_axial_stiffness": self.quasistatic,
         }
         return {name: value for name, value in found.items() if not math.isnan(value)}
-
-
-def states_of(bearings: Alone | OnRotor, conditions: Conditions, found: RotorState) -> States:
-    if found.status != code.OK:
-        return tuple(State.unsolved(found.status, one.loss) for one in conditions)
-    values = found.values
-    if ends_by_thermal_margin(bearings.scene):
-        values |= margin_values(bearings, conditions, found)
-    each = zip(bearings.sides, found.sides, strict=True)
-    return tuple(side.state(one).with_values(values) for side, one in each)
-
-
-def ends_by_thermal_margin(scene: Scene) -> bool:
-    end = scene.wear.end_of_life
-    return end is not None and end.thermal_margin is not None
-
-
-def kept_at(
-    bearings: Alone | OnRotor, temperatures: np.ndarray, networks: Sequence[Thermal] = ()
-) -> Alone | OnRotor | None:
-    """Bearings at given temperatures (bearing, part) [degC] in place of those of their heat.
-
-    networks: with the temperatures of shafts and housings, if not those of the scene.
-    None where one of them cannot be so warm.
-    """
-    kept = []
-    for k, (side, each) in enumerate(zip(bearings.sides, temperatures, strict=True)):
-        network = networks[k] if networks else side.scene.thermal
-        assert isinstance(side, Warm) and network is not None
-        try:
-            t = network.parts(*map(float, each))
-            scene = replace(side.scene, temperature=t, thermal=None)
-        except SceneError:
-            return None
-        kept.append(Warm(side.solver, Warmed(code.OK, scene, NOTHING, 0, np.zeros((3, 3)))))
-    if isinstance(bearings, Alone):
-        return Alone(bearings.scene, tuple(kept), bearings.near)
-    return replace(bearings, sides=tuple(kept), nearby=Nearby(), near=list(bearings.near))
-
-
-def heats_of(bearings: Alone | OnRotor, found: RotorState) -> tuple[HeatFlow, ...]:
-    """Heat of each bearing in a state that was found."""
-    each = zip(bearings.sides, found.sides, strict=True)
-    return tuple(side.heat(one) for side, one in each)
-
-
-def margin_values(
-    bearings: Alone | OnRotor, conditions: Conditions, found: RotorState
-) -> dict[str, float]:
-    """The thermal margin of bearings with thermal networks in a state that was found."""
-    networks = [side.scene.thermal for side in bearings.sides]
-    if found.status not in USABLE or not all(networks):
-        return {}
-
-    def heats(temperatures: np.ndarray) -> np.ndarray | None:
-        kept = kept_at(bearings, temperatures)
-        there = None if kept is None else kept.solve(conditions)
-        if kept is None or there is None or there.status not in USABLE:
-            return None
-        return heat_of_parts(heats_of(kept, there))
-
-    warm = [one.warmed.scene.temperature for one in found.sides if one.warmed]
-    parts = np.array([(t.inner_ring_C, t.balls_C, t.outer_ring_C) for t in warm if t], dtype=float)
-    given = [network for network in networks if network]
-    return {"thermal_margin": thermal_margin(given, heat_slopes(heats, parts))}
 
 
 def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> RotorState:
@@ -192,15 +120,13 @@ class Alone:
 
     def case(self) -> CaseValues:
         (side,) = self.sides
-        found = self.solve(self.start)
-        (solution,) = found.sides
+        (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
-        margin = margin_values(self, self.start, found)
         if isinstance(side, Warm) and isinstance(innermost(side), Steady) and is_held(side.scene):
             if solution.status == code.OK:
                 attrs["preload_spread"] = preload_spread(side)
         if self.scene.pair is None:
-            return values | margin, attrs
+            return values, attrs
         if "axial_stiffness" not in values:
             return {"status": values["status"]}, {"residual": "not solved"}
         taken = solution._replace(
@@ -209,13 +135,12 @@ class Alone:
             quasistatic=float(values["quasistatic_axial_stiffness"]),
             place=float(values["axial_displacement"]),
         )
-        values, attrs = pair_case(
+        return pair_case(
             self.scene,
             (side, side),
             half_of_pair(self.scene, side.mounted, taken),
             [(values, attrs)] * 2,
         )
-        return values | margin, attrs
 
 
 @dataclass
@@ -417,8 +342,7 @@ class OnRotor:
                     self.near[k], has_moved = moved, True
             if not has_moved:
                 break
-        values, attrs = pair_case(self.scene, self.sides, state, cases)
-        return values | margin_values(self, self.start, state), attrs
+        return pair_case(self.scene, self.sides, state, cases)
 
 
 def in_tandem(one: Mechanics, n: int) -> Mechanics:

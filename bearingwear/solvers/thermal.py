@@ -120,8 +120,12 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
         return None
 
 
-def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
+def warmed(
+    scene: Scene, heats: Heats, start: Warmed | None = None, heat_error: float = 0.0
+) -> Warmed:
     """Find the temperatures of a scene with a thermal network, from a solve nearby or from cold.
+
+    heat_error: relative, of the heats; no balance is better than that.
 
     The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
     finds it, and takes the heat as found for its first step. While one more watt of heat makes a
@@ -129,13 +133,15 @@ def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
     the bearing has none (`warm_seizure`).
     """
     if start is not None:
-        found = _search(scene, heats, np.array(start.heat), start.slope.copy())
+        found = _search(scene, heats, np.array(start.heat), start.slope.copy(), heat_error)
         if found.status == code.OK:
             return found
-    return _search(scene, heats, np.zeros(3), -np.eye(3))
+    return _search(scene, heats, np.zeros(3), -np.eye(3), heat_error)
 
 
-def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> Warmed:
+def _search(
+    scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray, heat_error: float
+) -> Warmed:
     before, step, left_before = h, np.zeros(3), None
     runs_away, halved, here = False, 0, scene
     for solves in range(1, MOST_SOLVES + 1):
@@ -151,10 +157,11 @@ def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> War
             h = before + step
             continue
         left = np.array(made) - h
-        if np.abs(left).max() <= HEAT_BALANCED * made.total:
+        if np.abs(left).max() <= max(HEAT_BALANCED, heat_error) * made.total:
             assert scene.thermal is not None and here.temperature is not None
             residual = heat_flow_residual(scene.thermal, here.temperature, made)
-            status = code.OK if residual <= LARGEST_HEAT_RESIDUAL else code.UNVERIFIED
+            allowed = max(LARGEST_HEAT_RESIDUAL, heat_error)
+            status = code.OK if residual <= allowed else code.UNVERIFIED
             return Warmed(status, here, made, solves, slope)
         if left_before is not None:
             slope += np.outer(left - left_before - slope @ step, step) / (step @ step)

@@ -1,4 +1,4 @@
-"""How far a bearing at the temperatures of its own heat is from running away (theory.md section 28)."""
+"""How far a bearing at the temperatures of its own heat is from running away: theory 28."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.scene.warmth import Thermal
 from bearingwear.solvers.thermal import HEAT_TO_PARTS, HeatFlow, conductances
 
-PARTS = 3
+PARTS_OF_BEARING = 3
 DIFFERENCE = 1e-3
 """Temperature step of a derivative of the heat [K]: truncation and rounding both below 1e-4."""
 
@@ -41,10 +41,10 @@ def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None
 
 def all_conductances(networks: Sequence[Thermal]) -> np.ndarray:
     """Conductances of the parts of all bearings (parts, parts) [W/K]."""
-    size = PARTS * len(networks)
+    size = PARTS_OF_BEARING * len(networks)
     G = np.zeros((size, size))
     for k, network in enumerate(networks):
-        own = slice(PARTS * k, PARTS * (k + 1))
+        own = slice(PARTS_OF_BEARING * k, PARTS_OF_BEARING * (k + 1))
         G[own, own] = conductances(network)
     return G
 

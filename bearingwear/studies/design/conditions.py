@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import regularisation_is_given, regularised
+from bearingwear.scene.slip import at_share
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
 """Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
@@ -65,19 +65,6 @@ def lowest_share(scene: Scene) -> float:
     operation = scene.operation
     full = operation.shaft_speed_rpm
     return operation.lowest_speed_rpm / full if full else 0.0
-
-
-def at_share(scene: Scene, share: float) -> Scene:
-    """A scene at a share of its speed; an outer race that turns goes with the shaft."""
-    o = scene.operation
-    shaft = share * o.shaft_speed_rpm
-    changed = replace(
-        o,
-        shaft_speed_rpm=shaft,
-        lowest_speed_rpm=min(o.lowest_speed_rpm, shaft),
-        outer_speed_rpm=share * o.outer_speed_rpm,
-    )
-    return regularised(replace(scene, operation=changed), regularisation_is_given(scene))
 
 
 def as_mounted(scene: Scene) -> Scene:

@@ -13,14 +13,14 @@ from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.warmup.transient import (
-    TOLERANCE,
+    STEP_TOLERANCE,
     SpeedCourse,
     WarmUp,
     warm_up,
 )
 
-KIND = "warm-up"
-COARSE = 10.0
+WARM_UP = "warm-up"
+COARSER = 10.0
 """How much coarser the steps are of the warm-up that the error is estimated by."""
 
 ENDINGS = ("steady", "runaway", "no state", "duration")
@@ -38,7 +38,7 @@ _OVER_TIME = table(
 PEAKS = {
     "residual_preload": ("N", "largest preload"),
     "maximum_pressure": ("Pa", "largest contact pressure"),
-    "temperature_difference": ("K", "largest difference of temperature, inner less outer ring"),
+    "temperature_difference": ("K", "largest excess of inner over outer ring"),
 }
 _OF_ALL = table(
     STATUS,
@@ -69,7 +69,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
     times = [one.time for one in found.instants]
     rows = [_row(scene, found, k) for k in range(len(times))]
     peaks = _peaks(found, rows)
-    coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSE * TOLERANCE))
+    coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE))
     errors = [abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) for name in PEAKS]
     sizes = [abs(peaks[f"peak_{name}"]) for name in PEAKS]
     T = np.array([one.temperatures.ravel() for one in found.instants])
@@ -87,7 +87,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         {_TIME: times, _PARTS: None, "side": len(found.instants[0].states)},
         rows,
         scene=scene,
-        kind=KIND,
+        kind=WARM_UP,
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )

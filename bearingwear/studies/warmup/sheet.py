@@ -19,7 +19,7 @@ from bearingwear.studies.warmup.result import ENDINGS, PEAKS
 LOW_MARGIN = 1.5
 """Thermal margin below which a design is warned of."""
 
-PARTS = ("inner ring", "balls", "outer ring")
+PART_WORDS = ("inner ring", "balls", "outer ring")
 _COLOURS = ("C3", "C1", "C0")
 
 
@@ -44,7 +44,7 @@ def warm_up_sheet(file: Any) -> Document:
     blocks = [Block("peaks", ("largest", "at time, s", "at the end"), tuple(rows))]
     T = values(file, "part_temperature")[-1]
     columns = tuple(f"bearing {k + 1}" for k in range(len(T))) if len(T) > 1 else ("",)
-    temperature = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PARTS)]
+    temperature = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PART_WORDS)]
     blocks.append(Block("temperatures at the end", columns, tuple(temperature)))
     lines = []
     if ending in ("steady", "duration"):
@@ -93,7 +93,7 @@ def warm_up_figure(found: xr.Dataset) -> Figure:
     ):
         panel.set_xlabel("time (s)")
         panel.set_ylabel(words)
-    handles = [key(part, color=colour) for part, colour in zip(PARTS, _COLOURS, strict=True)]
+    handles = [key(part, color=colour) for part, colour in zip(PART_WORDS, _COLOURS, strict=True)]
     if bearings > 1:
         handles += [key(f"bearing {k + 1}", color="k", linestyle=("-", "--")[k]) for k in (0, 1)]
     scene = json.loads(found.attrs["scene"])

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.warmup.result import COARSE, peaks_of
-from bearingwear.studies.warmup.transient import TOLERANCE, ramp, warm_up
+from bearingwear.studies.warmup.result import COARSER, peaks_of
+from bearingwear.studies.warmup.transient import STEP_TOLERANCE, ramp, warm_up
 
 LIMITS = {"pressure": ("maximum_pressure", 1e9, "GPa"), "preload": ("residual_preload", 1.0, "N")}
 """Of what a ramp may keep below a limit: the peak, the size of its unit [SI], and the unit."""
@@ -16,13 +16,13 @@ LIMITS = {"pressure": ("maximum_pressure", 1e9, "GPa"), "preload": ("residual_pr
 FIRST_RAMP, LONGEST_RAMP = 1.0, 1e5
 """Ramps [s] between which the shortest one is looked for."""
 
-FOUND_TO = 0.02
+RAMP_FOUND_TO = 0.02
 """Relative: how well the ramp is found; it is rounded up."""
 
 
 def keeps(scene: Scene, seconds: float, limits: Mapping[str, float]) -> bool:
     """Whether all limits hold from rest to the steady temperatures at speed."""
-    found = warm_up(scene, ramp(seconds), tolerance=COARSE * TOLERANCE)
+    found = warm_up(scene, ramp(seconds), tolerance=COARSER * STEP_TOLERANCE)
     if found.status != code.OK:
         return False
     peaks = peaks_of(scene, found)
@@ -45,7 +45,7 @@ def shortest_ramp(scene: Scene, limits: Mapping[str, float]) -> float | None:
     low, high = FIRST_RAMP, LONGEST_RAMP
     if keeps(scene, low, limits):
         return low
-    while high > (1.0 + FOUND_TO) * low:
+    while high > (1.0 + RAMP_FOUND_TO) * low:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if keeps(scene, middle, limits) else (middle, high)
     return float(f"{1.005 * high:.3g}")

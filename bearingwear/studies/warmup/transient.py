@@ -16,31 +16,32 @@ from scipy.integrate import BDF
 from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
+from bearingwear.scene.slip import at_share
 from bearingwear.scene.warmth import Thermal
+from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
-from bearingwear.solvers.rotor import Alone, OnRotor, heats_of, kept_at, states_of
+from bearingwear.solvers.rotor import Alone, OnRotor
 from bearingwear.solvers.thermal import HeatFlow
 from bearingwear.solvers.thermal_margin import (
-    PARTS,
+    PARTS_OF_BEARING,
     all_conductances,
     heat_of_parts,
     heat_slopes,
     thermal_margin,
 )
-from bearingwear.studies.design.conditions import at_share
 
-SLOW = 0.01
+LINEAR_SHARE = 0.01
 """Share of the full speed below which the heat goes in proportion to the speed, as it does with
 Coulomb friction and without centrifugal loads."""
 
-TOLERANCE = 1e-5
+STEP_TOLERANCE = 1e-5
 """Relative error of a step, of the largest temperature rise."""
 
 LEAST_RISE = 0.01
 """Temperature rise that the absolute tolerance is taken of at least [K]."""
 
-SETTLED = 1e-3
+SETTLED_TO = 1e-3
 """Distance to the steady temperatures at which a warm-up ends, over the rise to them."""
 
 _MOST_SHORTER, _SHORTER = 12, 0.2  # of the longest step, where the bearings have no state after it
@@ -48,7 +49,7 @@ _BETWEEN_CHECKS = 5  # steps
 _LONGEST = 300.0  # slowest time constants of the network without heat that a warm-up may last
 
 
-class Unsolved(Exception):
+class NoState(Exception):
     """The bearings have no state at the temperatures and the speed of an instant."""
 
     def __init__(self, status: int):
@@ -138,13 +139,13 @@ class ThermalBearings:
     def instant(self, time: float, share: float, temperatures: np.ndarray) -> Instant:
         """The bearings at a share of their speed and temperatures (bearing, part) [degC].
 
-        Unsolved: where they have no state.
+        NoState: where they have no state.
         """
-        whole = max(share, SLOW)
+        whole = max(share, LINEAR_SHARE)
         networks = [network_at(network, time) for network in self.networks()]
         kept = kept_at(self._bearings(whole), temperatures, networks)
         if kept is None:
-            raise Unsolved(code.WARM_SEIZURE)
+            raise NoState(code.WARM_SEIZURE)
         if isinstance(kept, Alone):
             kept.near = self.near[0]
         else:
@@ -152,7 +153,7 @@ class ThermalBearings:
         self.solves += 1
         found = kept.solve(kept.start)
         if found.status != code.OK:
-            raise Unsolved(found.status)
+            raise NoState(found.status)
         self.near = list(found.sides)
         heats = tuple(HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, found))
         states = states_of(kept, kept.start, found)
@@ -169,7 +170,7 @@ class ThermalBearings:
         def heats(temperatures: np.ndarray) -> np.ndarray | None:
             try:
                 return heat_of_parts(self.instant(instant.time, instant.share, temperatures).heats)
-            except Unsolved:
+            except NoState:
                 return None
 
         return heat_slopes(heats, instant.temperatures)
@@ -191,7 +192,9 @@ class HeatEquation:
     @property
     def start(self) -> np.ndarray:
         """All parts at mounting temperature (parts,) [degC]."""
-        return np.repeat([network.reference_C for network in self.networks], PARTS).astype(float)
+        return np.repeat(
+            [network.reference_C for network in self.networks], PARTS_OF_BEARING
+        ).astype(float)
 
     @property
     def slowest(self) -> float:
@@ -213,7 +216,7 @@ class HeatEquation:
         return np.array(flows)
 
     def instant(self, time: float, y: np.ndarray) -> Instant:
-        temperatures = np.reshape(y, (-1, PARTS))
+        temperatures = np.reshape(y, (-1, PARTS_OF_BEARING))
         return self.bearings.instant(time, self.course.at(time), temperatures)
 
     def __call__(self, time: float, y: np.ndarray) -> np.ndarray:
@@ -240,7 +243,7 @@ def warm_up(
     scene: Scene,
     course: SpeedCourse,
     duration: float | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = STEP_TOLERANCE,
 ) -> WarmUp:
     """Follow the temperatures of a scene with heat capacities until they are steady.
 
@@ -261,9 +264,9 @@ def warm_up(
             is_late = duration is None and answer.time >= last
             if is_late and len(instants) >= checked + _BETWEEN_CHECKS:
                 checked, left = len(instants), _distance_left(equation, answer)
-                if left < SETTLED:
+                if left < SETTLED_TO:
                     break
-        if status != code.OK or left < SETTLED:
+        if status != code.OK or left < SETTLED_TO:
             break
     return WarmUp(
         scene,
@@ -296,7 +299,7 @@ def _steps(
                 instant = equation.instant(method.t, method.y.copy())
                 time, y, near = method.t, instant.temperatures.ravel(), list(bearings.near)
                 yield instant
-        except Unsolved as unsolved:
+        except NoState as unsolved:
             lost += 1
             if lost == _MOST_SHORTER:
                 yield unsolved.status

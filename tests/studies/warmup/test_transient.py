@@ -55,10 +55,10 @@ def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
     found = warm_up(scene, ramp(20.0))
     states = solver_of(scene)
     (steady,) = states(states.bearings.start)
-    assert found.status == code.OK and found.left < transient.SETTLED
+    assert found.status == code.OK and found.left < transient.SETTLED_TO
     rise = np.abs(steady["part_temperature"][:3] - 20.0).max()
     last = found.instants[-1].temperatures[0]
-    assert np.abs(last - steady["part_temperature"][:3]).max() < transient.SETTLED * rise
+    assert np.abs(last - steady["part_temperature"][:3]).max() < transient.SETTLED_TO * rise
     assert_allclose(found.instants[-1].states[0]["residual_preload"], steady["residual_preload"],
         rtol=1e-2)  # fmt: skip
 
