@@ -15,8 +15,13 @@ from bearingwear.solvers.bearing.rotor_balance import Nearby
 from bearingwear.solvers.condition import USABLE, Conditions, States
 from bearingwear.solvers.rotor import Alone, OnRotor, RotorState
 from bearingwear.solvers.state import State
-from bearingwear.solvers.thermal import HeatFlow, Warmed
-from bearingwear.solvers.thermal_margin import heat_of_parts, heat_slopes, thermal_margin
+from bearingwear.solvers.thermal import (
+    HeatFlow,
+    Warmed,
+    heat_of_parts,
+    heat_slopes,
+    thermal_margin,
+)
 from bearingwear.solvers.warm import NOTHING, Warm
 
 

@@ -94,7 +94,10 @@ class Solver(Protocol):
     mounted: float  # axial displacement at rest, unworn, under the preload [m]
     start: Condition  # as the scene has it
     unsteady: int  # status where a rotor finds no place in which it stays
-    heat_error: float  # relative, of the heat, where the balance of the solver is rough
+
+    @property
+    def heat_error(self) -> float:
+        """Relative error of the heat, where the balance of the solver is rough."""
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         """Solve, from a usable solution nearby where there is one."""
@@ -117,7 +120,10 @@ class Wrapper:
     def __init__(self, solver: Solver):
         self.solver, self.scene = solver, solver.scene
         self.mounted, self.start, self.unsteady = solver.mounted, solver.start, solver.unsteady
-        self.heat_error = solver.heat_error
+
+    @property
+    def heat_error(self) -> float:
+        return self.solver.heat_error
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         return self.solver.mechanics(loss, Omega)

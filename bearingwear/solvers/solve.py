@@ -52,8 +52,8 @@ def solved(
         values, attrs = bearings.case()
         if values["status"] == code.OK and bearings.sides[0].scene.thermal is not None:
             # from the case's own state, which the solve begins with
-            found = bearings.solve(bearings.start)
-            values |= margin_values(bearings, bearings.start, found)
+            state = bearings.solve(bearings.start)
+            values |= margin_values(bearings, bearings.start, state)
         return values, attrs
     # its kernels take long to load, and the other models need none of them
     from bearingwear.solvers.dynamic.run import solve_dynamic

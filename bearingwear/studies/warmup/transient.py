@@ -22,9 +22,9 @@ from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
 from bearingwear.solvers.rotor import Alone, OnRotor
-from bearingwear.solvers.thermal import HeatFlow
-from bearingwear.solvers.thermal_margin import (
+from bearingwear.solvers.thermal import (
     PARTS_OF_BEARING,
+    HeatFlow,
     all_conductances,
     heat_of_parts,
     heat_slopes,
