@@ -91,7 +91,7 @@ def errors(cases: Iterator[tuple[str, Scene, int]], beginning: str, rows_of: Row
         solve = grooves.followed_lives if found.followed else grooves.hertzian_lives
         true = np.array([one[0][-1] for one in solve((scene, names, places[some]))])
         with np.errstate(divide="ignore"):
-            each = relative_error(np.log(found.life[some, 1:]), np.log(true)[:, None])
+            each = relative_error(np.log(found.life[some, None]), np.log(true)[:, None])
         stated = found.worn if found.followed else found.known
         beyond = np.mean(each > stated.error)
         spread = (*np.quantile(each, [0.5, 0.95, 0.99]), each.max())
@@ -140,7 +140,7 @@ def seeds(beginning: str, count: int = 20) -> None:
         ):
             at = {"probability": [0.05, 0.5, 0.95]}
             one = own_quantiles(scene, method, plan).squeeze().sel(at)
-            one = one.isel(uncertain_inputs=0, loss_basis=1)
+            one = one.isel(uncertain_inputs=0)
             found.append([one[f"life_quantile{end}"].values for end in ends])
         true, (middle, low, high) = found[0][0], np.swapaxes(found[1:], 0, 1)
         error = np.sqrt(np.mean(np.log(middle / true) ** 2, axis=0))

@@ -18,7 +18,7 @@ from bearingwear.document.document import Block, Document, Row, quantity_row, ro
 from bearingwear.document.life import life_blocks
 from bearingwear.document.pair import of_bearings, system_blocks
 from bearingwear.document.rows import (
-    COUNTED,
+    counted_words,
     limits_of_rows,
     marked,
     mean,
@@ -70,6 +70,7 @@ BEARING = (
     "shaft_torque",
 )
 LOSSES = ("drag_power", "ball_wear_rate", "cage_frequency", "ball_spin_frequency")
+LOSS_PER_TIME = "ball_diameter_loss_rate"
 TURN_COUNTS = ("simulated_turns", "evaluated_turns")
 RUN = (
     *TURN_COUNTS,
@@ -95,7 +96,17 @@ CAGE_MEANS = (
 
 def _further(*dims: tuple[str, ...]) -> tuple[str, ...]:
     """Variables with a label that have no row of their own above."""
-    placed = {*CONTACT, *BEARING, *LOSSES, *RUN, *CAGE_MEANS, *WARMTH, *RINGS, *SYSTEM}
+    placed = {
+        *CONTACT,
+        *BEARING,
+        *LOSSES,
+        *RUN,
+        *CAGE_MEANS,
+        *WARMTH,
+        *RINGS,
+        *SYSTEM,
+        LOSS_PER_TIME,
+    }
     return tuple(
         name
         for name, one in CASE.items()
@@ -214,9 +225,10 @@ def _case_of(file: Any) -> list[Block]:
         Block(f"contact{mean_of}", RACES, marked(contact, file)),
         Block(f"bearing{mean_of}", (), marked(bearing, file)),
     ]
-    if "ball_diameter_loss_rate" in file.variables:
-        rate = row_of("ball_diameter_loss_rate", values(file, "ball_diameter_loss_rate"))
-        blocks.append(Block("wear included", COUNTED, (rate,)))
+    if LOSS_PER_TIME in file.variables:
+        rate = row_of(LOSS_PER_TIME, [values(file, LOSS_PER_TIME)])
+        words = counted_words(json.loads(getattr(file, "scene", "{}")))
+        blocks.append(Block(f"wear of {words}", (), (rate,)))
     blocks += _grown(file)
     return blocks + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
 
@@ -273,7 +285,7 @@ def _grown(file: Any) -> list[Block]:
 def _diagnostics(file: Any) -> list[Block]:
     """How well a result was solved, and what made it."""
     found = ((name, values(file, name)) for name in file.variables if name in DIAGNOSTICS)
-    rows = (row_of(name, v[np.isfinite(v)].ravel()) for name, v in found if v.size <= len(COUNTED))
+    rows = (row_of(name, v[np.isfinite(v)].ravel()) for name, v in found if v.size <= len(RACES))
     elsewhere = ("scene", "warnings", "modelled", "title", "comment", "references", "Conventions")
     names = [name for name in file.ncattrs() if name not in elsewhere]
     attributes = tuple(f"{name}: {_short(file.getncattr(name))}" for name in names)

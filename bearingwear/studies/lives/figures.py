@@ -26,7 +26,6 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.units import Rough, digits
 from bearingwear.results.words import scene_of
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.tables import dynamic_life, ended_by
 
 _BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
@@ -45,7 +44,7 @@ def wear_history(life: Path) -> Figure:
 
 def history_figure(life: xr.Dataset) -> Figure:
     """What has worn of each ball, races, pockets and land, and the preload left, over the time."""
-    time = life["history_time"].isel(counts=counted(life))
+    time = life["history_time"]
     figure, panels = new_figure(2, 2, 7.6, 5.6, sharex=True)
     for panel, (part, lines) in zip(panels.flat, _worn(life).items(), strict=False):
         unit = power_of_ten([volume for volume, _ in lines])
@@ -115,7 +114,7 @@ def _cubed(exponent: int) -> str:
 
 
 def _message(life: xr.Dataset) -> str:
-    hours, name = float(life["life"][counted(life)]), scene_of(life)["name"]
+    hours, name = float(life["life"]), scene_of(life)["name"]
     if int(life["status"]) != OK:
         return f"{name}: no end of life within {Rough(hours).text} h ({ended_by(life)})"
     text = f"{name}: life ended by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
@@ -125,12 +124,11 @@ def _message(life: xr.Dataset) -> str:
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Pressure and profile of both grooves at five states of a life; of banded balls, too."""
-    banded = "band_depth" in life
-    figure, panels = new_figure(3 if banded else 2, 2, 7.6, 7.4 if banded else 5.4)
+    """Pressure and profile of both grooves at five states of a life."""
+    figure, panels = new_figure(2, 2, 7.6, 5.4)
     steps = life["groove_step"].values
     colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
-    hours = life["history_time"].isel(counts=1).values
+    hours = life["history_time"].values
     for race, title in enumerate(_GROOVES):
         arc = 1e3 * life["groove_arc"].isel(race=race).values
         pressure = 1e-9 * life["groove_pressure"].isel(race=race).values
@@ -139,7 +137,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         for k, colour in enumerate(colours):
             panels[0, race].plot(arc, pressure[k], color=colour)
             panels[1, race].plot(arc, -depth[k], color=colour)
-        for panel in panels[:2, race]:
+        for panel in panels[:, race]:
             panel.set_xlim(seen.min(), seen.max())
             panel.set_xlabel("position across the groove, towards +X (mm)")
             panel.xaxis.set_major_locator(MaxNLocator(6))
@@ -151,22 +149,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         key(f"after {digits(hours[step])} h" if step else "new", color=colour)
         for step, colour in zip(steps, colours, strict=True)
     ]
-    if banded:
-        _draw_bands(panels[2, 0], life, colours)
-        panels[2, 1].axis("off")
-        panels[2, 1].legend(handles=keys, loc="center", fontsize="large")
     lost = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
     title = f"{scene_of(life)['name']}: groove profiles up to a total wear depth of {lost:.2g} µm"
-    frame(figure, title, [] if banded else keys, columns=5)
+    frame(figure, title, keys, columns=5)
     return figure
-
-
-def _draw_bands(panel: Any, life: xr.Dataset, colours: list[np.ndarray]) -> None:
-    """Depth worn off the balls over their latitude."""
-    latitude, depth = life["band_latitude"].values, 1e6 * life["band_depth"].values
-    worn = latitude[(depth > 1e-3 * depth.max()).any(axis=0)]
-    for k, colour in enumerate(colours):
-        panel.plot(latitude, -depth[k], color=colour)
-    panel.set_xlim(worn.min(), worn.max())
-    panel.set_xlabel("latitude on the ball (°)")
-    panel.set_ylabel("worn ball profile (µm)")
