@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
 
-OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
+OK, DIFFERENT, NOT_SOLVED, INFEASIBLE = 0, 1, 3, 4
 
 NEXT = (
     ("check", ""),
@@ -274,16 +274,19 @@ def recommend(args: argparse.Namespace) -> int:
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene
 
-        scene = life_scene(args.scene, args.set)
-        from bearingwear.studies.design.document.sheets import recommended_sheet
+        scene = life_scene(args.scene, args.set, films=True)
+        from bearingwear.studies.design.document.sheets import preload_document
+        from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
-        more = args.scene, usable_cores(), tell
-        sheet, solved = recommended_sheet(scene, _limits(args), *more)
+        limits = _limits(args)
+        found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
+        sheet = preload_document(found, lives)
     _print_sheet(sheet, args)
-    if not solved:
-        sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
-    return OK if solved else NOT_SOLVED
+    if not limits.given or best_method(found) is not None:
+        return OK
+    sys.stderr.write(one_line(f"{args.scene}: no preload satisfies all requirements"))
+    return INFEASIBLE
 
 
 def launch(args: argparse.Namespace) -> int:

@@ -24,6 +24,7 @@ _UNITS = {
     "W": ("W", 1.0),
     "Hz": ("Hz", 1.0),
     "g": ("m s-2", 9.80665),
+    "h": ("s", 3600.0),
 }
 """Of a unit for people: the SI unit in files, and its size in that."""
 
@@ -70,6 +71,12 @@ class Measure:
     letter: str = ""
     brief: bool = False  # whether it stands in short tables too
     resting: bool = False  # whether it is found at rest by itself, whatever the speed
+    of_life: bool = False  # whether a whole life has it, not a state
+
+    @property
+    def of_speed(self) -> bool:
+        """Whether each state at each speed has it."""
+        return not (self.resting or self.of_life)
 
     @property
     def short(self) -> str:
@@ -149,14 +156,14 @@ class Measure:
         """The least `margin` of all extremes in a map, or at a point of it."""
         import numpy as np
 
-        known = [values[name] for name in self.extremes if name in values]
+        known = [_in_si(values[name]) for name in self.extremes if name in values]
         return functools.reduce(np.fmin, [self.margin(value, limit) for value in known])
 
     def worst(self, values: Any) -> Any:
         """The worst of all extremes in a map, or at a point of it [SI]."""
         import numpy as np
 
-        known = [values[name] for name in self.extremes if name in values]
+        known = [_in_si(values[name]) for name in self.extremes if name in values]
         return functools.reduce(np.fmin if self.falls else np.fmax, known)
 
     def words_of(self, name: str, short: bool = False) -> str:
@@ -206,6 +213,12 @@ class Measure:
 
     def _with_unit(self, number: float) -> str:
         return plain(number) if self.unit == "1" else f"{plain(number)} {self.unit}"
+
+
+def _in_si(values: Any) -> Any:
+    """Values of a point, or of a file, where lives stand in hours."""
+    in_hours = getattr(values, "attrs", {}).get("units") == "h"
+    return values * _UNITS["h"][1] if in_hours else values
 
 
 _STIFFNESSES = "dynamic", "quasi-static"
@@ -348,6 +361,9 @@ MEASURES = (
             "[0, inf)"),
         note="when new and when worn, over the entire friction interval", block="drive",
         option="--torque-margin", letter="T", resting=True),
+    Measure(key="life_h", words="wear life", unit="h", variables=("life",), falls=True,
+        advice="relax another requirement, or reduce the wear",
+        limit=("Minimum wear life", "(0, inf)"), option="--life", letter="W", of_life=True),
 )
 # fmt: on
 

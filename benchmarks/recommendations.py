@@ -39,12 +39,13 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.design.best import SWEEP
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
 from bearingwear.studies.design.everywhere import new_states, state_extremes, worn_states
 from bearingwear.studies.design.map import followed_point
-from bearingwear.studies.design.plan import COARSE, DesignLimits, MapAxes, axes_around
-from bearingwear.studies.design.recommend import mapped
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.recommend import recommendation
 
 SEED, SCENES = 7, 60
 FINE, WIDE = 1.02, 1.10
@@ -114,6 +115,42 @@ def drawn(number: int, seed: int) -> dict[str, Any]:
     }
 
 
+def varied(number: int, seed: int) -> dict[str, Any]:
+    """A film, an unlike pair under a force, or several cases, and limits by chance."""
+    dice = random.Random(7000 + 1000 * seed + number)
+    case = drawn(number, seed + 100)
+    case["settings"] = [one for one in case["settings"] if not one.startswith("arrangement")]
+    case["settings"] = [one for one in case["settings"] if "preload_method" not in one]
+    case["settings"][0] = "model.contact=hertz"
+    kind = ("film", "film_pair", "unlike", "cases")[number % 4]
+    if kind.startswith("film"):
+        film = {
+            "shear_strength_MPa": dice.choice((15, 30)),
+            "pressure_coefficient": 0.02,
+            "thickness_um": dice.choice((0.5, 1.0)),
+            "wear_coefficient": 1e-7,
+            "bare_ball_race": 0.2,
+        }
+        case["settings"] += ["friction.ball_race=null", "uncertainty=null"]
+        case["settings"] += [f"friction.film.{key}={value}" for key, value in film.items()]
+        if dice.random() < 0.5:
+            case["settings"].append("wear.end_of_life.film_worn_share=0.5")
+    if kind == "film_pair":
+        case["settings"].append("arrangement.kind=spring_pair")
+    if kind == "unlike":
+        force = round(dice.uniform(5.0, 40.0))
+        case["settings"] += ["arrangement.kind=rigid_pair", f"arrangement.external_axial_N={force}"]
+        case["settings"].append("operation.preload_method=fixed_position")
+    if kind == "cases":
+        slow = round(dice.uniform(0.1, 0.5) * case["speed"], -1)
+        warm = {"inner_ring_C": 32, "balls_C": 31, "outer_ring_C": 26}
+        case["settings"] += [f"cases.slow.operation.shaft_speed_rpm={slow}"]
+        case["settings"] += [f"cases.warm.temperature.{key}={value}" for key, value in warm.items()]
+    if dice.random() < 0.3:
+        case["limits"]["life_h"] = 0.3
+    return case
+
+
 def cases(seed: int, scenes: int) -> dict[str, dict[str, Any]]:
     """All that is solved, by name."""
     known = {
@@ -165,27 +202,23 @@ def solved_again(one: dict[str, Any]) -> dict[str, Any]:
 
 def grid_of(scene: Scene, row: dict[str, Any], limits: DesignLimits, whole: bool) -> dict[str, Any]:
     """What the grid has beside a recommendation."""
-    preloads = axes_of(scene).preload_N
+    own = scene.operation.preload_N
     life = 0.0 if math.isnan(row["life"]) else row["life"]
-    best, lives = brute(scene, row["method"], limits, (preloads[0], preloads[-1]), life, whole)
+    ends = SWEEP[0] * own, SWEEP[-1] * own
+    best, lives = brute(scene, row["method"], limits, ends, life, whole)
     return {"best_preload": best[1], "best_life": best[0], "lives": lives, "whole": whole}
-
-
-def axes_of(scene: Scene) -> MapAxes:
-    return axes_around(scene, [scene.friction.coefficient], factors=COARSE)
 
 
 def recommended(case: dict[str, Any]) -> dict[str, Any]:
     """What `recommend` finds by each method, in which CPU time [s]."""
     scene = scene_of(case)
     started = time.process_time()
-    _, found = mapped(scene, axes_of(scene), DesignLimits(**case["limits"]), quick=True)
+    found = recommendation(scene, DesignLimits(**case["limits"]))
     rows = [
         {
             "method": method,
             "preload": float(one["preload"]),
             "life": float(one["life"]),
-            "cliff": float(one["cliff_preload"]),
         }
         for k, method in enumerate(PRELOAD_METHODS)
         for one in [found.isel(preload_method=k)]
@@ -239,7 +272,7 @@ def allowed_life(
     practical = -1.0 if values["impractical"] else 1.0
     margins = [*limit_margins(values, alone), practical]
     if not limits.at_speed_only:
-        margins.append(least_elsewhere(held, limits))
+        margins.append(min(least_elsewhere(one, limits) for one in held.in_cases.values()))
     return float(values["life"]) / 3600.0, np.array(margins)
 
 
@@ -265,7 +298,8 @@ def least_elsewhere(scene: Scene, limits: DesignLimits) -> float:
                 return -math.inf
             found = state_extremes(one, states, {}, own=False)
             values = {name: each["value"] for name, each in found.items()}
-            least = min(least, *limit_margins(values, limits))
+            asked = replace(limits, life_h=None)
+            least = min(least, *limit_margins(values, asked))
     return float(least)
 
 
@@ -313,10 +347,14 @@ def main() -> None:
     parser.add_argument("--whole", type=int, default=0, metavar="N", help="2 %% everywhere in N")
     parser.add_argument("--again", action="store_true", help="the recommendations of a file anew")
     parser.add_argument("--at-speed-only", action="store_true")
+    parser.add_argument("--varied", action="store_true", help="films, unlike pairs, cases")
+    parser.add_argument("--coarse", action="store_true", help="a grid half as fine")
     parser.add_argument("--no-steep", dest="steep", action="store_false", help="none of 40 degrees")
     args = parser.parse_args()
-    global AT_SPEED_ONLY
+    global AT_SPEED_ONLY, FINE, WIDE, SPEEDS
     AT_SPEED_ONLY = args.at_speed_only
+    if args.coarse:
+        FINE, WIDE, SPEEDS = 1.04, 1.2, 9
     known = {}
     if args.output.exists():
         for line in args.output.read_text().splitlines():
@@ -327,6 +365,8 @@ def main() -> None:
         if args.steep
         else {name: one for name, one in cases(args.seed, args.scenes).items() if name[0].isdigit()}
     )
+    if args.varied:
+        wanted = {f"v{k:02}": varied(k, args.seed) for k in range(args.scenes)}
     whole = [name for name in wanted if name[0].isdigit()][: args.whole]
     jobs = [(name, case, name in whole) for name, case in wanted.items() if name not in known]
     jobs.sort(key=lambda job: "model.contact=hertz" not in job[1]["settings"])  # cheap ones first

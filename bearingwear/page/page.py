@@ -98,10 +98,15 @@ class Answered:
         return [block for block in self.answer.placed("lead", *more) if not block.rows]
 
     def tables(self, folded: bool) -> list[Block]:
-        """Those that stand open, or are folded, as that of the headline is below charts."""
-        places = {"open": False, "lead": bool(self.charts)}
+        """Those that stand open below the charts, or are folded."""
         blocks = (block for block in self.answer.blocks if block.rows or not block.place)
-        return [block for block in blocks if places.get(block.place, True) is folded]
+        below = [block for block in blocks if block.place != "lead"]
+        return [block for block in below if (block.place != "open") is folded]
+
+    @property
+    def leading_tables(self) -> list[Block]:
+        """Those beside the first chart."""
+        return [block for block in self.answer.placed("lead") if block.rows]
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.answer, name)

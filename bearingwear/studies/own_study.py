@@ -10,6 +10,7 @@ import hashlib
 import math
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,10 +21,10 @@ from bearingwear.console import UsageError
 from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
-from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.cage.plan import FEWEST
-from bearingwear.studies.design.plan import DesignLimits, axes_around
+from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
 from bearingwear.studies.solve import life_scene
 
@@ -43,20 +44,36 @@ LANDS = (0.5, 1.0)
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
     """Configuration files of a study of a scene, as plain data by their paths.
 
-    A single bearing with a film of its cage or a `cage_uncertainty` has a map of cages, too.
+    A scene whose friction or wear goes by films or running in has no grid of cases. A single
+    bearing with a film of its cage or a `cage_uncertainty` has a map of cages, too.
 
     SceneError: a friction or a preload that no study can be made around.
     """
     limits.check(scene, source)
-    frictions = _frictions(scene, source)
+    filmed = scene.friction.film is not None or changes_as_it_wears(scene)
+    frictions = [NO_FRICTION] if scene.friction.film else _frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
+    config = {"studies": [], "unsolved": "warning"} if filmed else _grid(scene, name, frictions)
+    if scene.uncertainty and not filmed:
+        config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
+    small_map = {axis: list(values) for axis, values in vars(axes).items()}
+    design = {"scenes": {name: {"small_map": small_map, "limits": limits.stored}}}
+    plans = {"config/config.yaml": config, "config/design.yaml": design}
+    asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
+    if asked and scene.pair is None:
+        plans["config/cage.yaml"] = _cages(scene, name)
+    return plans
+
+
+def _grid(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]:
+    """Configuration of cases over friction and wear, as plain data."""
     losses = _losses(scene)
-    config: dict[str, Any] = {
+    return {
         "studies": [
             {
                 "scenes": [name],
                 "preload_method": list(PRELOAD_METHODS),
-                "friction": frictions,
+                "friction": list(frictions),
                 "ball_diameter_loss_um": losses,
             }
         ],
@@ -68,16 +85,6 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
             "friction": [scene.friction.coefficient],
         },
     }
-    if scene.uncertainty:
-        config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
-    small_map = {axis: list(values) for axis, values in vars(axes).items()}
-    of_scene = {"small_map": small_map, "limits": limits.stored, "beside": _beside(scene)}
-    design = {"scenes": {name: of_scene}}
-    plans = {"config/config.yaml": config, "config/design.yaml": design}
-    asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
-    if asked and scene.pair is None:
-        plans["config/cage.yaml"] = _cages(scene, name)
-    return plans
 
 
 def _cages(scene: Scene, name: str) -> dict[str, Any]:
@@ -97,18 +104,6 @@ def _cages(scene: Scene, name: str) -> dict[str, Any]:
         "ensemble": {"runs": FEWEST},
         "in_main_study": True,
     }
-
-
-def _beside(scene: Scene) -> dict[str, Any]:
-    """What a reader asks next: the bearing cold if it is warm, and warm if it is cold."""
-    from bearingwear.solvers.effects.growth import WARMER
-
-    if scene.temperature or scene.thermal:
-        words = "all parts at mounting temperature"
-        return {"cold": {"words": words, "set": {"temperature": None, "thermal": None}}}
-    inner = Temperature().reference_C + WARMER
-    words = f"an inner ring {WARMER:g} K warmer than the rest of the bearing"
-    return {"warm": {"words": words, "set": {"temperature.inner_ring_C": inner}}}
 
 
 def _frictions(scene: Scene, source: str) -> list[float]:
@@ -159,7 +154,7 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     name = file.stem
     if not re.match(NAME, name):
         raise UsageError(f"{file}: got the name {name}, expected {NAME_RULE}")
-    plans = plan_of(life_scene(file), name, limits, os.fspath(file))
+    plans = plan_of(life_scene(file, films=True), name, limits, os.fspath(file))
     bodies = {
         path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
         for path, plan in plans.items()

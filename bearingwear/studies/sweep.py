@@ -16,6 +16,7 @@ from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lin
 from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.answers import CHUNKS_PER_WORKER
 from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.pool import in_processes, told_in_lines
 from bearingwear.studies.sampling import usable_cores
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 
 Job = tuple[Scene, str, str | None]
 """A scene, what is asked of it, and the fidelity."""
-
-CHUNKS_PER_WORKER = 8
-"""How finely points are shared out; a process takes more when it has solved its share."""
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Multiples of it, modulo 1, spread evenly."""

@@ -24,8 +24,8 @@ from bearingwear.solvers.bearing.launch import (
     launched,
     miles,
 )
-from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
-from bearingwear.studies.design.recommend import mapped
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.recommend import recommendation
 
 CASES = json.loads(Path(__file__).with_name("launch_cases.json").read_text())["cases"]
 SPRING = {"arrangement.kind": "spring_pair", "operation.preload_method": "constant_force"}
@@ -234,10 +234,8 @@ def test_a_required_acceleration_at_launch_holds_worn():
          "arrangement.span_mm": 25.0, "launch.axial_g": 30.0, "model.contact": "hertz"}
     )  # fmt: skip
     limits = DesignLimits(launch_g=30.0)
-    axes = axes_around(scene, [scene.friction.coefficient], "scene", COARSE)
-    found = mapped(scene, axes, limits, quick=True)[1].sel(
-        preload_method=PRELOAD_METHODS.index("fixed_position")
-    )
+    method = PRELOAD_METHODS.index("fixed_position")
+    found = recommendation(scene, limits).sel(preload_method=method)
     worn = scene.with_(
         {"operation.preload_N": float(found["preload"]),
          "wear.ball_diameter_loss_um": 1e6 * float(found["loss_at_end"])}

@@ -104,9 +104,7 @@ def test_the_configurations_of_the_project_are_right():
     configuration.check_lives(
         {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
     )
-    design = {
-        name: {"limits": {}, "beside": {}, **one} for name, one in read["design"]["scenes"].items()
-    }
+    design = {name: {"limits": {}, **one} for name, one in read["design"]["scenes"].items()}
     configuration.check_design({"scenes": design})
     configuration.check_sampled(configuration.read("config/uncertainty.yaml"))
     assert configuration.read("config/none.yaml") == {}
@@ -129,13 +127,12 @@ def test_a_faulty_life_is_named_in_one_line(life, said):
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"beside": {"bad": {"words": "x", "set": {"operation.preload_N": -1}}}}, "beside.bad"),
         ({"limits": {"lowest_frequency_Hz": 100}}, "arrangement"),
     ],
 )
 def test_a_faulty_design_is_named_in_one_line(changed, said):
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
-        configuration.check_design({"scenes": {"gyro_s1": {"limits": {}, "beside": {}, **changed}}})
+        configuration.check_design({"scenes": {"gyro_s1": {"limits": {}, **changed}}})
     assert said in str(error.value)
 
 

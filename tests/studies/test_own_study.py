@@ -50,7 +50,6 @@ def test_plan_is_around_the_scene(scene):
     assert 7.0 in axes["preload_N"]
     assert axes["preload_N"][0] < 1.0 and axes["preload_N"][-1] > 200.0
     assert design["limits"] == {"axial_stiffness_N_um": 3.0}
-    assert design["beside"]["warm"]["set"] == {"temperature.inner_ring_C": 25.0}
     assert yaml.safe_load(yaml.safe_dump(design)) == design
 
 
@@ -69,18 +68,13 @@ def test_plan_of_a_pair(scene):
         )
 
 
-CARRIED_AWAY = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
-
-
-@pytest.mark.parametrize(
-    "given", [{"temperature.inner_ring_C": 30.0}, {"thermal.conductance_W_K": CARRIED_AWAY}]
-)
-def test_a_warm_bearing_is_also_tried_cold(scene, given):
-    warm = scene.with_(given)
-    _, design = plans(warm)
-    (case,) = design["beside"].values()
-    cold = warm.with_(case["set"])
-    assert cold.temperature is None and cold.thermal is None
+def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
+    """Its map stands at no one friction coefficient."""
+    film = {"shear_strength_MPa": 30.0, "thickness_um": 1.0, "wear_coefficient": 1e-7}
+    given = {f"friction.film.{key}": value for key, value in film.items()}
+    config, design = plans(scene.with_({"friction.ball_race": None, "uncertainty": None} | given))
+    assert config["studies"] == [] and "uncertain_lives" not in config
+    assert design["small_map"]["friction"] == [0.0]
 
 
 @pytest.mark.parametrize(

@@ -63,12 +63,6 @@ def map_of(scene, kind="map"):
     return configuration.map_axes(DESIGN["scenes"][scene][kind])
 
 
-def beside(wildcards):
-    """Lives under other assumptions, of a scene that asks for them."""
-    asked = DESIGN["scenes"][wildcards.scene]["beside"]
-    return expand("results/{scene}/preload/beside.nc", **wildcards) if asked else []
-
-
 def spread_at_preload(wildcards):
     """Spread in life at the recommended preload, of a scene that asks for it."""
     asked = wildcards.scene in config["uncertain_lives"]["scenes"]

@@ -33,25 +33,6 @@ rule small_map:
         " axes={params.axes:q} limits={params.limits:q} workers={threads} -o {output} &> {log}"
 
 
-rule lives_beside:
-    """Lives at the recommended preloads under other assumptions."""
-    input:
-        scene=ancient("config/scenes/{scene}.yaml"),
-        recommendation="results/{scene}/preload/recommendation.nc",
-    output:
-        "results/{scene}/preload/beside.nc",
-    log:
-        "logs/lives_beside/{scene}.log",
-    localrule: True
-    params:
-        code=sources("bearingwear.studies.design.beside"),
-        scene=scene_values(uncertainty=True),
-        cases=lambda wildcards: DESIGN["scenes"][wildcards.scene]["beside"],
-    shell:
-        "bearingwear step bearingwear.studies.design.beside.lives_beside scene={input.scene}"
-        " recommendation={input.recommendation} cases={params.cases:q} -o {output} &> {log}"
-
-
 rule spread_at_recommended_preload:
     """Spread in life at the recommended preload of each method."""
     input:
@@ -83,7 +64,6 @@ rule preload_report:
     input:
         design="results/{scene}/preload/design.nc",
         recommendation="results/{scene}/preload/recommendation.nc",
-        beside=beside,
         spread=spread_at_preload,
     output:
         report(
@@ -109,8 +89,7 @@ rule preload_report:
         code=sources("bearingwear.studies.design.report"),
     shell:
         "bearingwear step bearingwear.studies.design.report.preload_report design={input.design}"
-        " recommendation={input.recommendation} beside={input.beside} spread={input.spread}"
-        " -o {output} &> {log}"
+        " recommendation={input.recommendation} spread={input.spread} -o {output} &> {log}"
 
 
 rule small_map_figure:

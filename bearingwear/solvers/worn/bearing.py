@@ -451,7 +451,8 @@ class WornBearing:
                 covered = self.at_cells(covered, k, x, force.alpha, g)
                 there, _ = self.films.factors(covered, covered, on_ball, pressure)
                 qv = qv * (there / ball)
-                off_ball[k] *= qv.sum() / point.qv_along[k].sum()
+                if (total := point.qv_along[k].sum()) > 0.0:  # else nothing turns
+                    off_ball[k] *= qv.sum() / total
             grooves[k] = g.n_balls * factor * wear / (2.0 * np.pi * point.track[k])
         return WornDepths(float(2.0 * ball * off_ball.sum() / (np.pi * D * D)), grooves)
 

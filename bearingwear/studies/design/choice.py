@@ -16,14 +16,11 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import CaseFileError, load_kind
-from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
-from bearingwear.results.words import in_words, scene_of
+from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import pareto
-from bearingwear.studies.design.conditions import DECIDING, condition_words
-from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
-from bearingwear.studies.design.map import NOT_SOLVED_AT, SLIP_SHARE
-from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.map import SLIP_SHARE
+from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 
 ACTIVE = (
     *LIMITED,
@@ -33,7 +30,6 @@ ACTIVE = (
     "no_preload_within_limits",
     "end_of_life",
     "impractical",
-    "cliff",
 )
 """What keeps the recommended preload from one with a longer life."""
 (
@@ -43,7 +39,6 @@ ACTIVE = (
     NO_PRELOAD,
     OTHER_END,
     NOT_PRACTICAL,
-    AT_CLIFF,
 ) = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(
@@ -97,9 +92,6 @@ def limits_of(design: xr.Dataset) -> DesignLimits:
     return DesignLimits(**json.loads(design.attrs["limits"]))
 
 
-NO_LIFE_SOLVED = "no life could be computed"
-
-
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
     """Relative margin of each limit; negative where it is violated.
 
@@ -139,95 +131,6 @@ def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray,
         xr.DataArray(index, coords, others),
         xr.DataArray(active, coords, others, attrs=ACTIVE_LIMIT.attributes),
     )
-
-
-def why_none(
-    line: xr.Dataset,
-    limits: DesignLimits,
-    points: Sequence[Mapping[str, Any]] = (),
-    cases: bool = False,
-) -> str:
-    """Which limits no preload of a line keeps to, how near one comes, and where.
-
-    points: what the line is made of, by its preloads; none where that is not known.
-    cases: whether the scene has several, which are then named.
-    """
-    solved = (line["status"] == OK).values
-    alive = solved & (line["life"].values > 0.0)
-    if not alive.any():
-        at_once = "an end-of-life criterion is met when the bearing is new"
-        if not solved.any():
-            return f"{NO_LIFE_SOLVED}{_unsolved_words(points, cases)}"
-        first = _point(points, int(np.argmax(solved))).get(DECIDING, {}).get("life")
-        return f"{at_once} (case {first['case']})" if first and cases else at_once
-    usable = np.flatnonzero(alive & (line["impractical"].values == 0))
-    if not usable.size:
-        return "the design is impractical at every preload"
-    if not limits.given:
-        return NO_LIMIT
-    failed, is_together = least_violations(line, limits)
-    before, but = "", "at best "
-    if is_together:
-        before = "each requirement can be satisfied individually, but not all of them together: "
-        but = "but "
-    return before + "; ".join(
-        f"{_held_text(name, limits)}, {but}"
-        f"{digits(float(LIMITED[name].shown(LIMITED[name].worst(line)[k])))} "
-        f"at {digits(float(line['preload'][k]))} N{_where_words(_point(points, k), name, cases)}"
-        for name, k in failed.items()
-    )
-
-
-def _point(points: Sequence[Mapping[str, Any]], k: int) -> Mapping[str, Any]:
-    return points[k] if points else {}
-
-
-def least_violations(line: xr.Dataset, limits: DesignLimits) -> tuple[dict[str, int], bool]:
-    """Limits that no preload of a line keeps to, each with the preload that comes nearest.
-
-    Where each is kept somewhere, those that are violated where all together are violated the least.
-    Returns the limits, each with the index of its preload, and whether they are such.
-    """
-    alive = (line["status"] == OK).values & (line["life"].values > 0.0)
-    usable = np.flatnonzero(alive & (line["impractical"].values == 0))
-    if not usable.size or not limits.held:
-        return {}, False
-    margin = np.array([one.values for one in limit_margins(line, limits)])
-    nearest = usable[margin[:, usable].argmax(axis=1)]
-    failed = {
-        name: int(nearest[k]) for k, name in enumerate(limits.held) if margin[k, nearest[k]] < 0.0
-    }
-    if failed:
-        return failed, False
-    best = int(usable[margin[:, usable].min(axis=0).argmax()])
-    return {name: best for k, name in enumerate(limits.held) if margin[k, best] < 0.0}, True
-
-
-def _held_text(name: str, limits: DesignLimits) -> str:
-    """A limit in words, and what for if nobody asked for it."""
-    text = limit_text(name, limits.held[name])
-    return text if name in limits.given else f"no bearing lifts off ({text})"
-
-
-def _where_words(point: Mapping[str, Any], name: str, cases: bool) -> str:
-    """Where a limited measure is the worst, after its value."""
-    deciding = point.get(DECIDING, {})
-    known = [deciding[one] for one in LIMITED[name].extremes if one in deciding]
-    if not known or LIMITED[name].resting:
-        return ""
-    measure = LIMITED[name]
-    worst = (min if measure.falls else max)(known, key=lambda one: abs(one["value"]))
-    return f" ({condition_words(worst, cases)})"
-
-
-def _unsolved_words(points: Sequence[Mapping[str, Any]], cases: bool) -> str:
-    """Where most of some points were not solved, and why; nothing where no point says so."""
-    told = [
-        f"{condition_words(one, cases)}: {in_words(one['status'])}"
-        for point in points
-        if (one := point.get(NOT_SOLVED_AT))
-    ]
-    return f" ({max(told, key=told.count)})" if told else ""
 
 
 def _held_by(
@@ -287,6 +190,8 @@ def design_files(
 def at_scene(design: xr.Dataset) -> xr.Dataset:
     """The line of a map at the scene's own friction and speed."""
     scene = scene_of(design)
+    mu = scene["friction"].get("ball_race")
     return design.sel(
-        friction=scene["friction"]["ball_race"], shaft_speed=scene["operation"]["shaft_speed_rpm"]
+        friction=NO_FRICTION if mu is None else mu,
+        shaft_speed=scene["operation"]["shaft_speed_rpm"],
     )

@@ -47,11 +47,12 @@ _MOVES, _AS_SLOW = (-0.07, 0.07, -0.15, 0.15), 0.01
 """By how much a speed is moved where there is no state at it, over it, and how slow is as good as
 at rest, over the full speed."""
 
-_ON_THE_WAY = 4  # speeds from the last one that was solved, where a worn bearing is far from that
-
 _NARROW = 1e-3  # of the full speed: speeds so close are one
 _WIDE, _CLOSE = 0.2, 0.02
-"""Of the full speed: a span of three speeds round the worst that is halved, and what is no half."""
+"""Of the full speed: a span of three speeds round the worst that is halved, and what is no half;
+a quarter of both where a limit is just met or broken."""
+
+_AT_LIMIT = 0.02  # margin of a limit, up to which it is just met
 
 MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
 """Limited measures by the names of their extremes."""
@@ -92,7 +93,7 @@ def state_extremes(
     sides = whole_sides(states, scene) if len(states) == 2 else states
     found = {}
     for one in LIMITED.values():
-        if one.resting:
+        if not one.of_speed:
             continue
         for name, variable, kind in zip(one.extremes, one.variables, one.kinds, strict=True):
             if kind == QUASISTATIC and not own:
@@ -184,7 +185,11 @@ class Everywhere(NamedTuple):
                     break
                 found.add(share)
             for _ in range(_MOST_BETWEEN):
-                between = self._between(found.known)
+                between = [
+                    share
+                    for share in self._between(found.known)
+                    if all(abs(share - missed) > _NARROW for missed in found.missed)
+                ]
                 if found.is_lost or not between:
                     break
                 for share in between:
@@ -202,7 +207,7 @@ class Everywhere(NamedTuple):
         found = set()
         for key, limit in self.limits.items():
             one = LIMITED[key]
-            if one.resting:
+            if not one.of_speed:
                 continue
             for name in one.extremes:
                 known = [
@@ -227,32 +232,41 @@ class _Speeds:
     others: list[Extremes] = field(default_factory=list)
     last: float = 1.0  # the share of the full speed that was solved last
     solves: int = 0
+    missed: list[float] = field(default_factory=list)  # shares without a state
     is_lost: bool = False  # whether some bearing carries nothing somewhere, which is enough to know
 
     def add(self, share: float) -> None:
         """Solve at a share of the full speed, or next to it where there is no state at that.
 
         The speeds are as good as those beside them; at some the motion goes over to another one.
-        Worn bearings that seem unloaded may only be too far from the state that was solved last:
-        speeds on the way from that lead to them.
+        A worn bearing starts from the state solved last, which may be too far away; it is then
+        solved again at the speeds that are known below and above, and starts from there.
         """
-        ways = [[share]]
-        if self.wear != NEW:
-            ways.append(np.linspace(self.last, share, _ON_THE_WAY + 1)[1:].tolist())
-        beside = [[max(share * (1.0 + move), _AS_SLOW)] for move in _MOVES]
-        first = OtherSpeeds({})
-        for way in ways + beside:
-            if way in beside and first.status in UNLOADED:
+        first = self._at_share(share)
+        if first.status != code.OK and self.wear != NEW:
+            below = [known for known in self.known if known < share]
+            above = [known for known in self.known if known > share]
+            for near in (*sorted(below)[-1:], *sorted(above)[:1]):
+                if near != self.last and self._at_share(near).status == code.OK:
+                    if self._at_share(share).status == code.OK:
+                        return
+        if first.status != code.OK:
+            self.missed.append(share)
+        for move in _MOVES:
+            if first.status in (code.OK, *UNLOADED):
                 break
-            for near in way:
-                found = self.at(OperatingCondition(at_share(self.of.scene, near)))
-                if found.status != code.OK:
-                    break
-                self.known[near], self.last = found.extremes, near
-            else:
+            near = max(share * (1.0 + move), _AS_SLOW)
+            if self._at_share(near).status == code.OK:
                 return
-            first = first if first.unsolved else found
-        self.known[share] = self._without(first)
+        if first.status != code.OK:
+            self.known[share] = self._without(first)
+
+    def _at_share(self, share: float) -> OtherSpeeds:
+        """Extremes at a share of the full speed, which are kept if it was solved."""
+        found = self.at(OperatingCondition(at_share(self.of.scene, share)))
+        if found.status == code.OK:
+            self.known[share], self.last = found.extremes, share
+        return found
 
     def add_place(self, place: OperatingCondition) -> None:
         """Solve at a speed and a temperature."""
@@ -291,20 +305,22 @@ def _turn(
     x = np.array([share for share, _ in known])
     y = sign * np.array([value if one.falls else abs(value) for _, value in known])
     least = y.min()
-    if abs(one.margin(sign * least, limit)) > near:
+    margin = abs(one.margin(sign * least, limit))
+    if margin > near:
         return None
+    wide, close = (_WIDE, _CLOSE) if margin > _AT_LIMIT else (_WIDE / 4.0, _CLOSE / 4.0)
     turns = [_vertex(x[k - 1 : k + 2], y[k - 1 : k + 2]) for k in range(1, len(x) - 1)]
     new = [turn for turn in turns if turn and np.abs(turn[0] - x).min() > _NARROW]
     place, value = min(new, key=lambda turn: turn[1], default=(math.nan, math.inf))
     if value < least - SPEED_FOUND_TO * abs(least):
         return place
     k = int(np.argmin(y))
-    if k == len(x) - 1 and x[k] - x[k - 1] > _WIDE:
+    if k == len(x) - 1 and x[k] - x[k - 1] > wide:
         return float(0.5 * (x[k - 1] + x[k]))  # it may turn just below the full speed
-    if 0 < k < len(x) - 1 and x[k + 1] - x[k - 1] > _WIDE:
+    if 0 < k < len(x) - 1 and x[k + 1] - x[k - 1] > wide:
         # neighbours so far away say little of what is between them
         turn = turns[k - 1]
-        if turn and abs(turn[0] - x[k]) > _CLOSE:
+        if turn and abs(turn[0] - x[k]) > close:
             return turn[0]
         left, right = x[k] - x[k - 1], x[k + 1] - x[k]
         return float(x[k] - 0.5 * left if left > right else x[k] + 0.5 * right)

@@ -85,6 +85,7 @@ def _extremes() -> list[Variable]:
             comment=one.note or None,
         )
         for one in LIMITED.values()
+        if not one.of_life
         for name, kind in zip(one.extremes, one.kinds, strict=True)
     ]
 
@@ -376,7 +377,7 @@ def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
         for state in states
     ]
     for one in LIMITED.values():
-        for name, variable in zip(one.extremes, one.variables, strict=True):
+        for name, variable in () if one.of_life else zip(one.extremes, one.variables, strict=True):
             ends = histories[0][variable], histories[-1][variable]
             between = [state[variable] for state in histories[1:-1]]
             # what is not known between is between what is known
@@ -409,6 +410,8 @@ def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: 
     """The scene at a point of the map."""
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
     made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
+    if scene.friction.film is not None:
+        return made
     return replace(made, friction=replace(scene.friction, ball_race=mu))
 
 
@@ -427,7 +430,7 @@ def map_part(
     slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
     axes = [method], [friction], shaft_speed_rpm, preload_N
-    base = life_scene(scene)
+    base = life_scene(scene, films=True)
     limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
     points = [followed_point(one, limits) for one in scenes_of_map(base, axes)]
     return map_of(base, axes, limits, points)

@@ -5,6 +5,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -32,6 +33,9 @@ def _limit(one: Measure) -> Key:
     meaning, bounds = one.limit
     return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, bounds)
 
+
+NO_FRICTION = 0.0
+"""Place of a scene with friction.film along the friction of a map: it has no one coefficient."""
 
 LEAST_KEPT = 0.01
 """Share of its initial preload that each bearing must keep, so that its balls roll: below it, it
@@ -107,6 +111,23 @@ def most_preload() -> float:
     preload = key_of_scene("operation.preload_N")
     assert preload is not None
     return preload.key.ends[1]
+
+
+DIGITS = 3
+"""Significant digits of a recommended preload, at least."""
+
+_SAME = 1e-9
+
+
+def round_number(target: float, low: float, high: float) -> float:
+    """The number nearest to a target with the fewest digits, between two others."""
+    for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), 12):
+        unit = 10.0**-decimals
+        near = [round(target + k * unit, decimals) for k in (0, -1, 1)]
+        inside = [p for p in near if low * (1.0 + _SAME) < p < high * (1.0 - _SAME)]
+        if inside:
+            return min(inside, key=lambda p: abs(p - target))
+    return target
 
 
 def round_factor(factor: float, own: float) -> float:

@@ -14,16 +14,15 @@ def preload_report(
     design: Path,
     recommendation: Path,
     uncertainty: Path | None = None,
-    beside: Path | None = None,
     spread: Path | None = None,
 ) -> tuple[Figure, str, str, str, str]:
     """The figure, the map as CSV, the table as Markdown, the page's answer and charts as JSON.
 
-    uncertainty, beside, spread: as of `design_answer`.
+    uncertainty, spread: as of `design_answer`.
     """
     return (
         draw_design(design, recommendation, uncertainty),
         *tables(design, recommendation, uncertainty),
-        design_answer(design, recommendation, uncertainty, beside, spread),
+        design_answer(design, recommendation, uncertainty, spread),
         design_charts(design, recommendation, uncertainty, spread),
     )

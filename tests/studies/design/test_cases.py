@@ -14,8 +14,8 @@ from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.machine import MACHINE
 from bearingwear.studies.design.map import followed_point, new_point
-from bearingwear.studies.design.plan import DesignLimits, MapAxes
-from bearingwear.studies.design.recommend import WORST_CASES, mapped
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.recommend import WORST_CASES, recommendation
 
 LIMITS = DesignLimits(launch_g=30.0, torque_margin=0.5)
 
@@ -49,11 +49,7 @@ def scene():
 
 @pytest.fixture(scope="module")
 def found(scene):
-    axes = MapAxes(
-        preload_method=PRELOAD_METHODS, friction=[0.1], shaft_speed_rpm=[3000.0],
-        preload_N=[20.0, 45.0, 100.0],
-    )  # fmt: skip
-    return mapped(scene, axes, LIMITS, quick=True)[1]
+    return recommendation(scene, LIMITS)
 
 
 def worst_of(points):

@@ -19,7 +19,7 @@ from bearingwear.studies.design.map import (
     life_point,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
-from bearingwear.studies.design.recommend import mapped
+from bearingwear.studies.design.recommend import preload_map, recommendation
 
 METHODS = ("constant_force", "fixed_position")
 SETTINGS = ["model.contact=auto", "model.normal_balance=frictionless"]
@@ -45,7 +45,7 @@ def found(scene):
         shaft_speed_rpm=RisingAxis([30000.0]),
         preload_N=RisingAxis([4.0, 7.0, 12.0]),
     )
-    return mapped(scene, axes, STIFF)
+    return preload_map(scene, axes, STIFF), recommendation(scene, STIFF)
 
 
 def test_recommended_life_is_what_life_finds(scene, found):

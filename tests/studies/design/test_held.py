@@ -10,7 +10,7 @@ import bearingwear
 from bearingwear.document.bearing_line import bearing_line, scenes_by_case
 from bearingwear.studies.design.choice import ACTIVE, NO_PRELOAD, UNLIMITED
 from bearingwear.studies.design.document import held
-from bearingwear.studies.design.document.sentences import why_title
+from bearingwear.studies.design.document.sentences import none_title
 from bearingwear.studies.design.document.words import NONE_BECAUSE
 
 STIFFNESS = "system_axial_stiffness_N_um"
@@ -112,6 +112,6 @@ def test_a_method_without_a_preload_is_named_in_its_heading(scene):
     found = found_for(scene, active=ACTIVE[NO_PRELOAD])
     found = found.assign(life=("preload_method", [np.nan]))
     found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})
-    assert why_title(found) == "Why no preload is recommended"
+    assert none_title(found) == "Why no preload is recommended"
     found["life"][...] = 1.0
-    assert why_title(found) == "Why no preload is recommended with fixed position"
+    assert none_title(found) == "Why no preload is recommended with fixed position"

@@ -9,7 +9,8 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import load_kind
-from workflow.studies.robustness.plan import REFUSED, WITHOUT_REASON
+from bearingwear.studies.answers import REFUSED
+from workflow.studies.robustness.plan import WITHOUT_REASON
 
 _KINDS = ("scene_classes", "maps")
 

@@ -25,9 +25,6 @@ ROBUSTNESS_FILE = Path("config/robustness.yaml")
 WITHOUT_REASON = (NOT_CONVERGED, UNVERIFIED)
 """Statuses that give no physical reason."""
 
-REFUSED = -1
-"""Status of a draw that makes no bearing and is refused before any solve."""
-
 STAND_INS = (
     "ball_diameter_mm",
     "pitch_ratio",

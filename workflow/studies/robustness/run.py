@@ -16,11 +16,11 @@ from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import solved
+from bearingwear.studies.answers import REFUSED
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.lives import WORN_LIFE, life_violations
 from workflow.studies.robustness.plan import (
-    REFUSED,
     WITHOUT_REASON,
     base_scene,
     draw_blocks,

@@ -16,10 +16,9 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spread_of
 from bearingwear.results.units import in_print, scale_of
 from bearingwear.results.words import methods, scene_of
-from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
 from bearingwear.studies.design.document.held import decides_words, worst_words
-from bearingwear.studies.design.document.sheets import brief_rows
+from bearingwear.studies.design.document.sheets import NONE_VIOLATED, SAME, brief_rows
 from bearingwear.studies.design.document.words import ending_measure, limit_text
 from bearingwear.studies.design.recommend import best_method
 
@@ -112,7 +111,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
                     method=name,
                     points=found,
                     ends=[_ended_by(one) for _, one in line] if row is rows[0] else (),
-                    notes=[next(texts).replace(NONE_PASSED, "") for _ in line],
+                    notes=[next(texts).replace(NONE_VIOLATED, "") for _ in line],
                     beyond=beyond[name],
                     star=stars[0] if stars else None,
                     band=bands.get(name) if row is rows[0] else None,

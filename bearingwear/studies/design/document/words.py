@@ -1,7 +1,7 @@
 """Requirements of the design study and what determines a preload, in words."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from bearingwear.kernels.status import OK
@@ -15,7 +15,6 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "no_preload_within_limits": "no preload satisfies all requirements",
     "end_of_life": "a switch to another end-of-life criterion",
     "impractical": "a warning: impractical design",
-    "cliff": "a sudden drop in life",
 }
 """What keeps a preload from one with a longer life."""
 
@@ -41,12 +40,6 @@ def limit_text(name: str, value: float) -> str:
     one = LIMITED[name]
     side = "at least" if one.falls else "at most"
     return f"{one.words} {side} {one.shown_limit(value):g} {in_print(one.unit)}"
-
-
-def required_words(given: Mapping[str, float]) -> list[str]:
-    """Requirements in words, each with what its name does not say."""
-    means = {name: f" ({LIMITED[name].means})" if LIMITED[name].means else "" for name in given}
-    return [f"{limit_text(name, value)}{means[name]}" for name, value in given.items()]
 
 
 _AT_END = {"residual_preload_at_end": ("residual preload at end of life", "")}
@@ -84,17 +77,7 @@ def without_limits(attribute: str) -> tuple[str, str]:
     return f"{NO_LIMIT}; {'; '.join(dict.fromkeys(none.values()))}", ""
 
 
-LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
-"""Before the name of an assumption that is a requirement, or an end of the life."""
-
-FRICTION_KEY, WEAR_KEY = "friction.ball_race", "materials.wear_coefficient"
-"""Other assumptions."""
-
-ASSUMED_WORDS = {FRICTION_KEY: "ball-race friction coefficient", WEAR_KEY: "wear coefficient"}
-
 GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "worn"}
 """Groove models of lives."""
 
 HERTZIAN_LIFE_WORDS = "with a Hertzian groove"
-
-"""How balls wear."""

@@ -41,7 +41,7 @@ from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import WORN_GROOVE
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
-LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
+LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NB", strict=True))
 """What holds a preload, on a map."""
 
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}

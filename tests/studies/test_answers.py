@@ -1,0 +1,103 @@
+"""Functions asked at many points by several processes."""
+
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.studies import answers as module
+from bearingwear.studies.answers import PROBLEM, REFUSED, Workers, answers_at
+
+
+def square(x):
+    return {"square": x * x, "process": os.getpid()}
+
+
+def fails_at_two(x):
+    if x == 2:
+        raise SceneError("operation.preload_N", "got -1, expected more")
+    return {"status": 0, "ratio": 1 / x}
+
+
+def misspelt(x):
+    return {"status": x.stat}
+
+
+def killed(x):
+    if x == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {}
+
+
+def slept(seconds):
+    time.sleep(seconds)
+    return {"seconds": seconds}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_answers_stand_in_the_order_of_their_points(workers):
+    with Workers(workers, progress=False) as pool:
+        for points in ([], [3], list(range(50)), np.arange(5.0)):
+            found = [answer["square"] for answer in pool.answers_at(square, points)]
+            assert found == [x * x for x in points]
+
+
+def test_rounds_share_their_processes():
+    with Workers(2, progress=False) as pool:
+        rounds = [list(pool.answers_at(square, range(20))) for _ in range(4)]
+    used = {answer["process"] for answers in rounds for answer in answers}
+    assert rounds[0][0]["process"] == os.getpid()
+    assert len(used) <= 3 and os.getpid() not in {answer["process"] for answer in rounds[1]}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_point_that_fails_leaves_the_others(workers):
+    found = list(answers_at(fails_at_two, [4, 2, 0, 1], workers, progress=False))
+    problem = "scene: operation.preload_N: got -1, expected more"
+    assert found[0] == {"status": 0, "ratio": 0.25} and found[3] == {"status": 0, "ratio": 1.0}
+    assert found[1] == {"status": REFUSED, PROBLEM: problem}
+    assert found[2] == {"status": REFUSED, PROBLEM: "division by zero"}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_fault_of_the_function_is_raised(workers):
+    with pytest.raises(AttributeError, match="stat"):
+        list(answers_at(misspelt, [1, 2, 3], workers, progress=False))
+
+
+def test_a_process_that_is_killed_is_named():
+    with pytest.raises(RuntimeError, match="sweep: a process ended unexpectedly"):
+        list(answers_at(killed, [0, 1, 2], 2, progress=False))
+
+
+def test_who_needs_no_more_waits_for_no_process():
+    answers = answers_at(slept, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
+    assert [next(answers), next(answers)] == [{"seconds": 0.0}] * 2
+    started = time.monotonic()
+    answers.close()
+    assert time.monotonic() - started < 20.0
+
+
+def test_workers_are_at_least_one():
+    with pytest.raises(ValueError, match="life: workers: got 0, expected 1 or more"):
+        Workers(0, "life")
+
+
+def test_progress_has_a_line_every_few_seconds(monkeypatch):
+    clock, lines = [0.0], []
+    monkeypatch.setattr(module.time, "monotonic", lambda: clock[0])
+
+    def every_2_seconds():
+        for point in range(5):
+            clock[0] += 2.0
+            yield {"point": point}
+
+    found = list(module.with_progress(every_2_seconds(), 5, "sweep", lines.append))
+    assert [answer["point"] for answer in found] == [0, 1, 2, 3, 4]
+    assert lines == [
+        "sweep: 2 of 5 points, about 6 s left",
+        "sweep: 4 of 5 points, about 2 s left",
+    ]
