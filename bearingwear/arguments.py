@@ -186,7 +186,6 @@ def _add_page(page: argparse.ArgumentParser) -> None:
 def _add_compile(compiling: argparse.ArgumentParser) -> None:
     compiling.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
         help=f"{', '.join(MODELS)} (default: all)")
-    compiling.set_defaults(run="compile_kernels")
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:
@@ -243,10 +242,15 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
         unit, metavar = f", {one.unit}", one.unit.upper().replace("/", "_")
         if one.unit == "%":
             unit, metavar = "", "SHARE"
+        if one.unit == "1":
+            unit, metavar = "", "RATIO"
         sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
             metavar=metavar, help=f"{text}{unit}")
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
+    sub.add_argument("--warmup", dest="warmup_s", type=_not_negative, nargs="?", const=0.0,
+        metavar="S", help="apply the requirements to the new bearings during the warm-up, too; S is "
+        "the time from rest to full speed (default: at once)")
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:

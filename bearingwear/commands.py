@@ -191,7 +191,7 @@ def page(args: argparse.Namespace) -> int:
     return OK
 
 
-def compile_kernels(args: argparse.Namespace) -> int:
+def compile(args: argparse.Namespace) -> int:
     from bearingwear.arguments import MODELS
     from bearingwear.studies.compile_model import compile_model
 
@@ -469,7 +469,7 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}
-    given |= {"at_speed_only": args.at_speed_only}
+    given |= {"at_speed_only": args.at_speed_only, "warmup_s": args.warmup_s}
     return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 

@@ -354,7 +354,7 @@ MEASURES = (
         limit=("Minimum thermal margin", "(0, inf)"),
         note="the scene must specify a thermal network", block="thermal",
         means="how much more strongly the cooling than the friction heat grows with temperature",
-        option="--thermal-margin", mark="H", letter="W"),
+        option="--thermal-margin", mark="H", letter="C"),
     Measure(key="torque_margin", words="torque margin", variables=("torque_margin",), falls=True,
         base=1.0, advice="reduce the preload or the friction, or use a stronger drive",
         limit=("Minimum torque margin of the drive, as defined by the standard in the scene",

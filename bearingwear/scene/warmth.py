@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -251,3 +251,17 @@ def _warmed(scene: Scene) -> Iterator[tuple[str, float, str]]:
             if field.name.endswith("_C") and isinstance(value, int | float):
                 material = materials.get(field.name, b.race_material)
                 yield f"{block}.{field.name}", value - given.reference_C, material  # type: ignore[union-attr]
+
+
+def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
+    """Refuse bearings without a thermal network or without heat capacities."""
+    for side in sides:
+        if side.thermal is None:
+            problem = "got nothing, expected a thermal network with heat_capacity_J_K"
+            raise SceneError("thermal", problem, source=name)
+        if side.thermal.heat_capacity_J_K is None:
+            problem = "got nothing, expected heat capacities of inner_ring, balls and outer_ring"
+            raise SceneError("thermal.heat_capacity_J_K", problem, source=name)
+        if not side.operation.shaft_speed_rpm:
+            problem = "got 0, expected a speed that a warm-up leads to"
+            raise SceneError("operation.shaft_speed_rpm", problem, source=name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -74,6 +75,8 @@ def margin_values(
 ) -> dict[str, float]:
     """The thermal margin of bearings with thermal networks in a state that was found."""
     networks = [side.scene.thermal for side in bearings.sides]
+    if not any(networks):
+        return {"thermal_margin": math.inf}  # temperatures that are given do not run away
     if found.status not in USABLE or not all(networks):
         return {}
 

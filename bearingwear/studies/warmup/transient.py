@@ -14,10 +14,9 @@ import numpy as np
 from scipy.integrate import BDF
 
 from bearingwear.kernels import status as code
-from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
-from bearingwear.scene.warmth import Thermal
+from bearingwear.scene.warmth import Thermal, check_heat_capacities
 from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
@@ -105,27 +104,13 @@ class WarmUp:
         return self.status != code.OK and self.margin < 1.0
 
 
-def check_thermal(sides: Sequence[Scene], name: str) -> None:
-    """Refuse bearings without a thermal network or without heat capacities."""
-    for side in sides:
-        if side.thermal is None:
-            problem = "got nothing, expected a thermal network with heat_capacity_J_K"
-            raise SceneError("thermal", problem, source=name)
-        if side.thermal.heat_capacity_J_K is None:
-            problem = "got nothing, expected heat capacities of inner_ring, balls and outer_ring"
-            raise SceneError("thermal.heat_capacity_J_K", problem, source=name)
-        if not side.operation.shaft_speed_rpm:
-            problem = "got 0, expected a speed that a warm-up leads to"
-            raise SceneError("operation.shaft_speed_rpm", problem, source=name)
-
-
 class ThermalBearings:
     """Bearings of a scene with a thermal network, at temperatures and speeds that are given."""
 
     def __init__(self, scene: Scene):
         self.scene = scene
         self.sides = scene.one_of_alike.sides
-        check_thermal(self.sides, scene.name)
+        check_heat_capacities(self.sides, scene.name)
         self.near: list[SolvedBearing | None] = [None] * len(self.sides)
         self.solves = 0
         self._at: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
