@@ -249,8 +249,8 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
     sub.add_argument("--warmup", dest="warmup_s", type=_not_negative, nargs="?", const=0.0,
-        metavar="S", help="apply the requirements to the new bearings during the warm-up, too; S is "
-        "the time from rest to full speed (default: at once)")
+        metavar="S", help="apply the requirements to the new bearings during the warm-up, too; S "
+        "is the time from rest to full speed (default: at once)")
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:

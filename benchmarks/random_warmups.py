@@ -95,7 +95,8 @@ def main() -> None:
         counts[f"{ending} (network: {steady_status})"] += 1
         print(
             f"{trial:4d} {ending} network {steady_status} margin {found.margin:.3g} "
-            f"{len(found.instants)} instants {found.instants[-1].time:.4g} s, took {took:.2f} CPU s",
+            f"{len(found.instants)} instants {found.instants[-1].time:.4g} s, "
+            f"took {took:.2f} CPU s",
             flush=True,
         )
     print(f"slowest: {slowest:.2f} CPU s")
