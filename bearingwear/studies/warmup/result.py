@@ -23,7 +23,7 @@ WARM_UP = "warm-up"
 COARSER = 10.0
 """How much coarser the steps are of the warm-up that the error is estimated by."""
 
-ENDINGS = ("steady", "runaway", "no state", "duration")
+ENDINGS = ("steady", "runaway", "no_state", "duration")
 
 _TIME = Variable("time", ("time",), "s", "time since the start")
 _PARTS = Variable("part", ("part",), "", "part", "i1", flags=("inner_ring", "balls", "outer_ring"))
@@ -130,7 +130,7 @@ def _peaks(found: WarmUp, rows: Sequence[Mapping[str, Any]]) -> dict[str, float]
 
 def _ending(found: WarmUp, duration: float | None) -> str:
     if found.status != code.OK:
-        return "runaway" if found.runs_away else "no state"
+        return "runaway" if found.runs_away else "no_state"
     return "steady" if duration is None else "duration"
 
 
