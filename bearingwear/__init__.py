@@ -28,6 +28,7 @@ __all__ = [
     "solve",
     "sweep",
     "to_ross",
+    "warmup",
 ]
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
         solve,
         sweep,
         to_ross,
+        warmup,
     )
     from bearingwear.scene.scene import Scene, SceneError
 

@@ -6,7 +6,7 @@ import inspect
 import os
 import tempfile
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +43,7 @@ __all__ = [
     "solve",
     "sweep",
     "to_ross",
+    "warmup",
 ]
 
 if TYPE_CHECKING:
@@ -229,6 +230,55 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     found = calibrated(for_life(as_scene(scene)), tests, workers)
     found.data = labelled(found.data)
     return found
+
+
+def warmup(
+    scene: Source,
+    seconds: float = 0.0,
+    course: Sequence[tuple[float, float]] | None = None,
+    duration: float | None = None,
+) -> xr.Dataset:
+    """Temperatures, preload and contact pressure on the way to speed, like `bearingwear warmup`.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+        A scene with `thermal.heat_capacity_J_K`.
+    seconds : float
+        Time from rest to full speed, at constant acceleration.
+    course : sequence of (float, float), optional
+        Times [s], which rise from 0, and shaft speeds [r/min], in place of `seconds`.
+    duration : float, optional
+        Time at which to end [s]; if omitted, once the temperatures are steady.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `time`: the temperature of each `part`, the preload and the contact pressure of each
+        bearing; the peaks with their times (`peak_*`), `thermal_margin`, and how the warm-up ended
+        (`ending`).
+
+    Raises
+    ------
+    SceneError
+        A ValueError with a one-line message.
+
+    Warns
+    -----
+    UserWarning
+        The temperatures run away, or the bearings have no state at some instant.
+    """
+    checked = as_scene(scene)
+    from bearingwear.studies.warmup.result import warm_up_dataset
+    from bearingwear.studies.warmup.transient import course_of, ramp
+
+    way = ramp(seconds) if course is None else course_of(checked, course)
+    warmed = labelled(warm_up_dataset(checked, way, duration))
+    if (status := str(warmed["status"].item())) != "ok":
+        end = float(warmed["end_time"])
+        text = f"{checked.name}: {warmed['ending'].item()} after {end:.4g} s ({status})"
+        warnings.warn(text, stacklevel=2)
+    return warmed
 
 
 def _made(result: Result, scene: Scene) -> xr.Dataset:

@@ -27,7 +27,7 @@ STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustn
 """Studies of the workflow: rules that collect what belongs together."""
 
 MODELS = ("steady", "worn", "dynamic")
-"""Models whose kernels `warmup` compiles."""
+"""Models whose kernels `compile` compiles."""
 
 
 _EXPECTED = {
@@ -95,10 +95,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_limits(recommend)
     _add_formats(recommend)
     _add_launch(launch)
-    _add_margin(
-        command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
-    )
-    _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
+    _add_of_machines(command)
     _add_show(command("show", "print the main values in a result file or a scene"))
     _add_compare(
         command("compare", "list the differences between two files; exit status 1 if they differ")
@@ -181,12 +178,20 @@ def _add_step(step: argparse.ArgumentParser) -> None:
     step.set_defaults(run="step")
 
 
+def _add_of_machines(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    _add_margin(
+        command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
+    )
+    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
+    _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
+
+
 def _add_many(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
     _add_sweep(command("sweep", "solve scenes or their lives at many values of their keys"))
     _add_gather(command("gather", "gather case files of one scene over their grid, or parts of a "
         "sweep, into one file"))
     _add_page(command("page", "write the report page of a study"))
-    _add_warmup(command("warmup", "compile the solver, which the first solve does otherwise"))
+    _add_compile(command("compile", "compile the solver, which the first solve does otherwise"))
 
 
 def _add_gather(gather: argparse.ArgumentParser) -> None:
@@ -210,8 +215,8 @@ def _add_page(page: argparse.ArgumentParser) -> None:
         help="the file to write; its links assume that it lies two folders below the study")
 
 
-def _add_warmup(warmup: argparse.ArgumentParser) -> None:
-    warmup.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
+def _add_compile(compiling: argparse.ArgumentParser) -> None:
+    compiling.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
         help=f"{', '.join(MODELS)} (default: all)")
 
 
@@ -269,10 +274,15 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
         unit, metavar = f", {one.unit}", one.unit.upper().replace("/", "_")
         if one.unit == "%":
             unit, metavar = "", "SHARE"
+        if one.unit == "1":
+            unit, metavar = "", "RATIO"
         sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
             metavar=metavar, help=f"{text}{unit}")
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
+    sub.add_argument("--warmup", dest="warmup_s", type=_not_negative, nargs="?", const=0.0,
+        metavar="S", help="apply the requirements to the new bearings during the warm-up, too; S "
+        "is the time from rest to full speed (default: at once)")
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
@@ -349,6 +359,48 @@ def _add_margin(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--data", choices=("analysis", "test", "extremes"),
         help="source of the torque data (sets drive.data; default: analysis)")
     _add_formats(sub)
+
+
+def _add_warmup(sub: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(sub)
+    sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
+    ramp = sub.add_mutually_exclusive_group()
+    ramp.add_argument("--seconds", type=_not_negative, default=None, metavar="S",
+        help="time from rest to full speed, at constant acceleration")
+    ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
+        help="times and shaft speeds, with linear changes between them")
+    ramp.add_argument("--limit", nargs="+", type=_limit_of_ramp, metavar="NAME=VALUE",
+        help="find the shortest ramp that keeps pressure=GPA or preload=N from rest to the steady "
+        "temperatures")
+    sub.add_argument("--duration", type=_positive, metavar="S",
+        help="time at which to end (default: once the temperatures are steady)")
+    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
+        help="the file to write")
+    _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+
+
+def _limit_of_ramp(text: str) -> tuple[str, float]:
+    """The name and the value of a limit on the way to speed."""
+    name, _, value = text.partition("=")
+    if name not in ("pressure", "preload"):
+        raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
+    return name, _positive(value)
+
+
+def _course(text: str) -> list[tuple[float, float]]:
+    """Times [s] and shaft speeds [r/min]."""
+    try:
+        pairs = [tuple(map(float, pair.split(":"))) for pair in text.split(",")]
+        if not all(len(pair) == 2 for pair in pairs):
+            raise ValueError
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"got {text}, expected times and speeds such as 0:0,10:6000,60:12000"
+        ) from None
+    times = [time for time, _ in pairs]
+    if times[0] != 0.0 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
+        raise argparse.ArgumentTypeError(f"got {text}, expected times that rise from 0")
+    return pairs  # type: ignore[return-value]
 
 
 def _add_export(sub: argparse.ArgumentParser) -> None:

@@ -236,9 +236,9 @@ def page(args: argparse.Namespace) -> int:
     return OK
 
 
-def warmup(args: argparse.Namespace) -> int:
+def compile(args: argparse.Namespace) -> int:
     from bearingwear.arguments import MODELS
-    from bearingwear.studies.warmup import compile_model
+    from bearingwear.studies.compile_model import compile_model
 
     for model in args.models or MODELS:
         with ProgressLines(model):
@@ -365,6 +365,31 @@ def margin(args: argparse.Namespace) -> int:
     corners = torque_corners(scene)
     _print_sheet(margin_document(scene, corners), args)
     return OK if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
+
+
+def warmup(args: argparse.Namespace) -> int:
+    scene = _scene(args)
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.warmup.result import warm_up_dataset
+    from bearingwear.studies.warmup.transient import course_of, ramp
+
+    check_output(args.output, args.scene)
+    with ProgressLines(args.scene):
+        seconds = args.seconds or 0.0
+        if args.limit:
+            from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
+
+            if (shortest := shortest_ramp(scene, dict(args.limit))) is None:
+                sys.stderr.write(one_line(f"{args.scene}: no ramp to speed keeps these limits"))
+                return NOT_SOLVED
+            seconds = shortest
+        course = course_of(scene, args.course) if args.course else ramp(seconds)
+        found = warm_up_dataset(scene, course, args.duration)
+    _tell_of_new_folder(args.output)
+    write_dataset(found, args.output)
+    if not args.quiet:
+        _print_file(args.output, args)
+    return OK if found["status"] == 0 else NOT_SOLVED
 
 
 def export(args: argparse.Namespace) -> int:
@@ -495,7 +520,7 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}
-    given |= {"at_speed_only": args.at_speed_only}
+    given |= {"at_speed_only": args.at_speed_only, "warmup_s": args.warmup_s}
     return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 _UNITS = {
+    "1": ("1", 1.0),
     "%": ("1", 1.0),
     "um": ("m", 1e-6),
     "mm": ("m", 1e-3),
@@ -204,11 +205,14 @@ class Measure:
 
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
-        return f"{plain(self.shown(value))} {self.unit}"
+        return self._with_unit(self.shown(value))
 
     def limit_text(self, limit: float) -> str:
         """A limit [as in its key] with its unit."""
-        return f"{plain(self.shown_limit(limit))} {self.unit}"
+        return self._with_unit(self.shown_limit(limit))
+
+    def _with_unit(self, number: float) -> str:
+        return plain(number) if self.unit == "1" else f"{plain(number)} {self.unit}"
 
 
 def _in_si(values: Any) -> Any:
@@ -342,6 +346,15 @@ MEASURES = (
         limit=("Maximum ratio of peak launch pressure to denting pressure", "(0, inf)"),
         note="under the launch loads in the scene", needs=("rotor_mass_kg", "span_mm"),
         block="launch", option="--launch-pressure", letter="D", resting=True),
+    Measure(key="thermal_margin", words="thermal margin", unit="1",
+        variables=("thermal_margin",), falls=True,
+        advice="cool better, reduce the preload or the speed, or use a spring",
+        end=("Thermal margin (conductance over slope of the friction heat) at or below which the "
+            "life ends (requires a thermal network)", "(0, 1000]"),
+        limit=("Minimum thermal margin", "(0, inf)"),
+        note="the scene must specify a thermal network", block="thermal",
+        means="how much more strongly the cooling than the friction heat grows with temperature",
+        option="--thermal-margin", mark="H", letter="C"),
     Measure(key="torque_margin", words="torque margin", variables=("torque_margin",), falls=True,
         base=1.0, advice="reduce the preload or the friction, or use a stronger drive",
         limit=("Minimum torque margin of the drive, as defined by the standard in the scene",

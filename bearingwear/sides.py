@@ -20,6 +20,8 @@ SHARED = frozenset(
         "history_time",
         "groove_step",
         "history_system_axial_stiffness",
+        "thermal_margin",
+        "history_thermal_margin",
         "history_system_quasistatic_axial_stiffness",
         "history_rotor_axial_shift",
     }

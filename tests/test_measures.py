@@ -95,7 +95,7 @@ class File:
 
 WORSE_WHEN_LESS = {
     "preload_kept", "system_axial_stiffness_N_um", "axial_stiffness_N_um", "lowest_frequency_Hz",
-    "launch_g", "life_h", "torque_margin",
+    "launch_g", "life_h", "torque_margin", "thermal_margin",
 }  # fmt: skip
 
 
@@ -133,7 +133,7 @@ def test_words(measure):
     assert measure.words and measure.advice and measure.short and measure.variables
     assert len(measure.kinds) == len(measure.variables)
     assert measure.end or measure.limit
-    assert measure.limit_text(LIMIT).endswith(measure.unit)
+    assert measure.limit_text(LIMIT).endswith("" if measure.unit == "1" else measure.unit)
 
 
 # what ends a life

@@ -15,9 +15,10 @@ from bearingwear.lives.methods import Adams
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
+from bearingwear.solvers.bearing_states import states_of
 from bearingwear.solvers.compose import worn_bearings, worn_elsewhere
 from bearingwear.solvers.condition import innermost
-from bearingwear.solvers.rotor import RotorState, states_of
+from bearingwear.solvers.rotor import RotorState
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 from bearingwear.solvers.worn.solver import Worn
@@ -79,7 +80,7 @@ class Grooves:
             return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
         self._found = found
         conditions = tuple(map(Worn.condition, worn))
-        self._last = states_of(self.bearings.sides, conditions, found)
+        self._last = states_of(self.bearings, conditions, found)
         if self.by_stiffness:
             self._last = self.with_stiffness()
         return self._last

@@ -34,6 +34,9 @@ GROWN = table(
     Variable("thermal_solves", (), "1",
         "number of solves required to compute the temperatures", "i4",
         comment="in a life file, the sum over its states"),
+    Variable("thermal_margin", (), "1", "conductance over slope of the friction heat",
+        comment="above 1 the temperatures are stable", label="thermal margin"),
+    Variable("history_thermal_margin", _STEP, "1", "thermal margin at each step"),
     Variable("history_part_temperature", ("step", "part"), "degC",
         "temperature of the part at each step", label="temperature"),
 )

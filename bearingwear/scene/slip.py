@@ -62,6 +62,19 @@ def regularisation_is_given(scene: Scene) -> bool:
     return friction.slip_regularisation_m_s != default_regularisation(scene)
 
 
+def at_share(scene: Scene, share: float) -> Scene:
+    """A scene at a share of its speed; an outer race that turns goes with the shaft."""
+    o = scene.operation
+    shaft = share * o.shaft_speed_rpm
+    changed = replace(
+        o,
+        shaft_speed_rpm=shaft,
+        lowest_speed_rpm=min(o.lowest_speed_rpm, shaft),
+        outer_speed_rpm=share * o.outer_speed_rpm,
+    )
+    return regularised(replace(scene, operation=changed), regularisation_is_given(scene))
+
+
 def mean_slip(scene: Scene) -> float:
     """Mean slip speed of balls on races by rolling at the free contact angle, estimated [m/s].
 

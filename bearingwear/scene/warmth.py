@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = "[-273.15, 1000]"
 _CONDUCTANCE = "[1e-6, 1e6]"
+_CAPACITY = "[1e-9, 1e9]"
 _AS_REFERENCE = "(if omitted, the mounting temperature)"
 
 LARGEST_STRAIN = 0.01
@@ -57,6 +58,17 @@ class Conductance:
 
 
 @keyed
+class HeatCapacity:
+    """Heat that parts take up as they warm."""
+
+    # fmt: off
+    inner_ring: float = setting("Heat capacity of the inner ring", "J/K", _CAPACITY)
+    balls: float = setting("Heat capacity of all balls", "J/K", _CAPACITY)
+    outer_ring: float = setting("Heat capacity of the outer ring", "J/K", _CAPACITY)
+    # fmt: on
+
+
+@keyed
 class Thermal:
     """A network that finds the temperatures of the rings and balls from the friction heat."""
 
@@ -68,6 +80,15 @@ class Thermal:
         "Constant temperature of the housing", "degC", _DEGREES, default=20.0
     )
     reference_C: float = setting("Mounting temperature", "degC", _DEGREES, default=20.0)
+    # fmt: off
+    heat_capacity_J_K: HeatCapacity | None = setting(
+        "Heat capacities of the parts, which a warm-up requires", default=None)
+    shaft_time_constant_s: float = setting("Time constant with which the shaft approaches shaft_C "
+        "from the mounting temperature in a warm-up (0: at once)", "s", "[0, 1e9]", default=0.0)
+    housing_time_constant_s: float = setting("Time constant with which the housing approaches "
+        "housing_C from the mounting temperature in a warm-up (0: at once)", "s", "[0, 1e9]",
+        default=0.0)
+    # fmt: on
 
     def parts(self, inner_ring: float, balls: float, outer_ring: float) -> Temperature:
         """Temperatures of rings and balls between its shaft and housing [degC]."""
@@ -230,3 +251,17 @@ def _warmed(scene: Scene) -> Iterator[tuple[str, float, str]]:
             if field.name.endswith("_C") and isinstance(value, int | float):
                 material = materials.get(field.name, b.race_material)
                 yield f"{block}.{field.name}", value - given.reference_C, material  # type: ignore[union-attr]
+
+
+def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
+    """Refuse bearings without a thermal network or without heat capacities."""
+    for side in sides:
+        if side.thermal is None:
+            problem = "got nothing, expected a thermal network with heat_capacity_J_K"
+            raise SceneError("thermal", problem, source=name)
+        if side.thermal.heat_capacity_J_K is None:
+            problem = "got nothing, expected heat capacities of inner_ring, balls and outer_ring"
+            raise SceneError("thermal.heat_capacity_J_K", problem, source=name)
+        if not side.operation.shaft_speed_rpm:
+            problem = "got 0, expected a speed that a warm-up leads to"
+            raise SceneError("operation.shaft_speed_rpm", problem, source=name)

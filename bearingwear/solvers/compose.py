@@ -8,6 +8,7 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED
+from bearingwear.solvers.bearing_states import states_of
 from bearingwear.solvers.condition import (
     Accuracy,
     Condition,
@@ -18,7 +19,7 @@ from bearingwear.solvers.condition import (
     innermost,
 )
 from bearingwear.solvers.race_control import RaceControl
-from bearingwear.solvers.rotor import Alone, OnRotor, states_of
+from bearingwear.solvers.rotor import Alone, OnRotor
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.warm import Warm
@@ -55,7 +56,7 @@ class Remembered:
                 loss, bare, *_ = conditions[0]
                 known = self._solved.setdefault(bare, [])
                 bisect.insort(known, (loss, found.sides[0]), key=_LOSS)
-            self._known[conditions] = states_of(self.bearings.sides, conditions, found)
+            self._known[conditions] = states_of(self.bearings, conditions, found)
         return self._known[conditions]
 
     def _nearest(self, condition: Condition) -> SolvedBearing | None:

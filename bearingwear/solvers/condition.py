@@ -95,6 +95,10 @@ class Solver(Protocol):
     start: Condition  # as the scene has it
     unsteady: int  # status where a rotor finds no place in which it stays
 
+    @property
+    def heat_error(self) -> float:
+        """Relative error of the heat, where the balance of the solver is rough."""
+
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         """Solve, from a usable solution nearby where there is one."""
 
@@ -116,6 +120,10 @@ class Wrapper:
     def __init__(self, solver: Solver):
         self.solver, self.scene = solver, solver.scene
         self.mounted, self.start, self.unsteady = solver.mounted, solver.start, solver.unsteady
+
+    @property
+    def heat_error(self) -> float:
+        return self.solver.heat_error
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         return self.solver.mechanics(loss, Omega)

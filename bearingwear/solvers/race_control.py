@@ -53,6 +53,7 @@ LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbal
 
 class RaceControl:
     unsteady = code.NO_RACE_CONTROL
+    heat_error = 0.0
 
     def __init__(self, scene: Scene):
         self.scene, self.problem = scene, RaceControlProblem.of(scene)

@@ -34,11 +34,9 @@ from bearingwear.solvers.condition import (
     Place,
     SolvedBearing,
     Solver,
-    States,
     innermost,
 )
 from bearingwear.solvers.roots import brent_root
-from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.thermal import HEAT_BALANCED
 from bearingwear.solvers.warm import Warm, preload_spread
@@ -67,13 +65,6 @@ class RotorState(NamedTuple):
             "system_quasistatic_axial_stiffness": self.quasistatic,
         }
         return {name: value for name, value in found.items() if not math.isnan(value)}
-
-
-def states_of(sides: Sequence[Solver], conditions: Conditions, found: RotorState) -> States:
-    if found.status != code.OK:
-        return tuple(State.unsolved(found.status, one.loss) for one in conditions)
-    each = zip(sides, found.sides, strict=True)
-    return tuple(side.state(one).with_values(found.values) for side, one in each)
 
 
 def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> RotorState:

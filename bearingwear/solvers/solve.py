@@ -10,6 +10,7 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import growth_values
+from bearingwear.solvers.bearing_states import margin_values
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy, CaseValues
 from bearingwear.solvers.effects.choice import Choice, choice
@@ -47,7 +48,13 @@ def solved(
 ) -> CaseValues:
     """Values and attributes of a scene solved with the model of that fidelity."""
     if fidelity != "dynamic":
-        return solver_of(scene, fidelity, Accuracy.CHECKED).bearings.case()
+        bearings = solver_of(scene, fidelity, Accuracy.CHECKED).bearings
+        values, attrs = bearings.case()
+        if values["status"] == code.OK and bearings.sides[0].scene.thermal is not None:
+            # from the case's own state, which the solve begins with
+            state = bearings.solve(bearings.start)
+            values |= margin_values(bearings, bearings.start, state)
+        return values, attrs
     # its kernels take long to load, and the other models need none of them
     from bearingwear.solvers.dynamic.run import solve_dynamic
 

@@ -29,6 +29,7 @@ HISTORY = (
     "system_quasistatic_axial_stiffness",
     "rotor_axial_shift",
     "part_temperature",
+    "thermal_margin",
     "greatest_depth",
 )
 """Result variables of every state along a life that the states have."""

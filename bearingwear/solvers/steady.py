@@ -55,6 +55,7 @@ class Steady:
     """A bearing under thrust in the steady state that friction decides."""
 
     unsteady = code.NO_STEADY_STATE
+    heat_error: float = 0.0
 
     def __init__(self, scene: Scene, accuracy: Accuracy = Accuracy.BRIEF):
         self.scene, self.problem = scene, ThrustProblem.of(scene)

@@ -1,9 +1,11 @@
 """Temperatures of rings and balls from the friction heat: a network of three parts.
 
 Heat makes the parts grow, growth changes the loads, and loads make heat (theory.md section 18).
+The thermal margin says how far a balance is from running away (section 28).
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -58,29 +60,32 @@ class Warmed:
         )
 
 
-def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
-    """Temperatures at which the network carries this heat away.
+HEAT_TO_PARTS = np.array([[0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.5, 1.0]])
+"""Share of each heat of `HeatFlow` that goes to the inner ring, the balls and the outer ring: half
+of the friction heat of a contact to the ring and half to the ball, the heat of the drag to the
+outer ring (both assumed)."""
 
-    Half of the friction heat of a contact goes to the ring and half to the ball (assumed); the heat
-    of the drag goes to the outer ring (assumed).
-    """
+
+def conductances(thermal: Thermal) -> np.ndarray:
+    """Heat that leaves each part by the temperatures of the three (3, 3) [W/K]."""
     G = thermal.conductance_W_K
     shaft, housing, ball = G.inner_ring_shaft, G.outer_ring_housing, G.ball_race
-    flows = np.array(
+    return np.array(
         [
             [shaft + ball, -ball, 0.0],
             [-ball, 2.0 * ball, -ball],
             [0.0, -ball, ball + housing],
         ]
     )
+
+
+def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
+    """Temperatures at which the network carries this heat away."""
     # relative to the shaft, so that no heat and no difference give its temperature to the last bit
-    above = housing * (thermal.housing_C - thermal.shaft_C)
-    made = [
-        0.5 * heat.inner,
-        0.5 * (heat.inner + heat.outer),
-        0.5 * heat.outer + heat.drag + above,
-    ]
-    return thermal.parts(*(thermal.shaft_C + float(t) for t in np.linalg.solve(flows, made)))
+    above = thermal.conductance_W_K.outer_ring_housing * (thermal.housing_C - thermal.shaft_C)
+    made = HEAT_TO_PARTS @ np.array(heat) + [0.0, 0.0, above]
+    rises = np.linalg.solve(conductances(thermal), made)
+    return thermal.parts(*(thermal.shaft_C + float(t) for t in rises))
 
 
 def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:
@@ -117,8 +122,12 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
         return None
 
 
-def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
+def warmed(
+    scene: Scene, heats: Heats, start: Warmed | None = None, heat_error: float = 0.0
+) -> Warmed:
     """Find the temperatures of a scene with a thermal network, from a solve nearby or from cold.
+
+    heat_error: relative, of the heats; no balance is better than that.
 
     The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
     finds it, and takes the heat as found for its first step. While one more watt of heat makes a
@@ -126,13 +135,15 @@ def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
     the bearing has none (`warm_seizure`).
     """
     if start is not None:
-        found = _search(scene, heats, np.array(start.heat), start.slope.copy())
+        found = _search(scene, heats, np.array(start.heat), start.slope.copy(), heat_error)
         if found.status == code.OK:
             return found
-    return _search(scene, heats, np.zeros(3), -np.eye(3))
+    return _search(scene, heats, np.zeros(3), -np.eye(3), heat_error)
 
 
-def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> Warmed:
+def _search(
+    scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray, heat_error: float
+) -> Warmed:
     before, step, left_before = h, np.zeros(3), None
     runs_away, halved, here = False, 0, scene
     for solves in range(1, MOST_SOLVES + 1):
@@ -148,10 +159,11 @@ def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> War
             h = before + step
             continue
         left = np.array(made) - h
-        if np.abs(left).max() <= HEAT_BALANCED * made.total:
+        if np.abs(left).max() <= max(HEAT_BALANCED, heat_error) * made.total:
             assert scene.thermal is not None and here.temperature is not None
             residual = heat_flow_residual(scene.thermal, here.temperature, made)
-            status = code.OK if residual <= LARGEST_HEAT_RESIDUAL else code.UNVERIFIED
+            allowed = max(LARGEST_HEAT_RESIDUAL, heat_error)
+            status = code.OK if residual <= allowed else code.UNVERIFIED
             return Warmed(status, here, made, solves, slope)
         if left_before is not None:
             slope += np.outer(left - left_before - slope @ step, step) / (step @ step)
@@ -161,3 +173,55 @@ def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> War
         step = h - before
     lost = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
     return Warmed(lost, here, HeatFlow(*h), MOST_SOLVES, slope)
+
+
+PARTS_OF_BEARING = 3
+DIFFERENCE = 1e-3
+"""Temperature step of a derivative of the heat [K]: truncation and rounding both below 1e-4."""
+
+PartHeats = Callable[[np.ndarray], np.ndarray | None]
+"""Heat of all parts (parts,) [W] at temperatures (bearing, part) [degC]; None without a state."""
+
+
+def heat_of_parts(heats: Sequence[HeatFlow]) -> np.ndarray:
+    """Heat that goes to the parts of all bearings (parts,) [W]."""
+    return np.concatenate([HEAT_TO_PARTS @ np.array(heat) for heat in heats])
+
+
+def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None:
+    """Change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
+    base = heats(temperatures)
+    if base is None:
+        return None
+    slopes = np.empty((temperatures.size, temperatures.size))
+    for k in range(temperatures.size):
+        moved = temperatures.copy()
+        moved.flat[k] += DIFFERENCE
+        there = heats(moved)
+        if there is None:
+            return None
+        slopes[:, k] = (there - base) / DIFFERENCE
+    return slopes
+
+
+def all_conductances(networks: Sequence[Thermal]) -> np.ndarray:
+    """Conductances of the parts of all bearings (parts, parts) [W/K]."""
+    size = PARTS_OF_BEARING * len(networks)
+    G = np.zeros((size, size))
+    for k, network in enumerate(networks):
+        own = slice(PARTS_OF_BEARING * k, PARTS_OF_BEARING * (k + 1))
+        G[own, own] = conductances(network)
+    return G
+
+
+def thermal_margin(networks: Sequence[Thermal], slopes: np.ndarray | None) -> float:
+    """Conductance over slope of the heat: above 1 a steady state is stable, at its fold 1.
+
+    The largest real eigenvalue of G^-1 dQ/dT, inverted. Infinite where no heat grows with warmth,
+    zero where the slope of the heat is not known because a state is missing beside this one.
+    """
+    if slopes is None:
+        return 0.0
+    gains = np.linalg.eigvals(np.linalg.solve(all_conductances(networks), slopes))
+    fastest = float(gains.real.max())
+    return 1.0 / fastest if fastest > 0.0 else math.inf

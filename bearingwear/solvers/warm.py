@@ -53,7 +53,8 @@ class Warm(Wrapper):
             last = found
             return found.status, self.solver.heat(found)
 
-        found = warmed(self.scene, heats, None if near is None else near.warmed)
+        start = None if near is None else near.warmed
+        found = warmed(self.scene, heats, start, self.solver.heat_error)
         if found.status != code.OK or last is None:
             return SolvedBearing(found.status, condition, found.scene, warmed=found)
         return last._replace(warmed=found)

@@ -17,6 +17,7 @@ STUDY_SHEETS = {
     "recommendation": f"{_HERE}.design.document.sheets:recommendation_sheet",
     "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_sheet",
     "cage ensemble": f"{_HERE}.cage.show:ensemble_sheet",
+    "warm-up": f"{_HERE}.warmup.sheet:warm_up_sheet",
 }
 """What `bearingwear show` says of a file, by its kind: a function of the open file."""
 
@@ -30,6 +31,7 @@ STUDY_PLOTS = {
     "recommendation": f"{_HERE}.design.figures.plots:recommendation_plot",
     "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_figure",
     "cage ensemble": f"{_HERE}.cage.show:ensemble_figure",
+    "warm-up": f"{_HERE}.warmup.sheet:warm_up_figure",
     "cage map": f"{_HERE}.cage.figures:shares_and_work",
 }
 """What `bearingwear plot` draws of a file, by its kind: a function of the dataset."""

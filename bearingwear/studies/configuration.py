@@ -159,6 +159,11 @@ def headlines(answers: Iterable[str]) -> list[str]:
     return [answer.title for answer in found if answer.rank == least]
 
 
+def has_heat_capacities(scene: str) -> bool:
+    """Whether a scene gives what a warm-up requires."""
+    return "heat_capacity_J_K" in (as_data(scene_file(scene))[0].get("thermal") or {})
+
+
 def bearings_drawn(scene: str) -> Sequence[str]:
     """Ends of the names of a scene's figures: one for each bearing where two of them differ."""
     given = as_data(scene_file(scene))[0].get("arrangement")

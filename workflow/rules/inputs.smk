@@ -57,6 +57,12 @@ def limits_of(wildcards):
     return DESIGN["scenes"][wildcards.scene]["limits"]
 
 
+def ramp_to_speed(wildcards):
+    """Time from rest to speed of a warm-up [s], as required of a scene; otherwise 0."""
+    design = DESIGN["scenes"].get(wildcards.scene, {})
+    return design.get("limits", {}).get("warmup_s", 0.0)
+
+
 def map_of(scene, kind="map"):
     """Axes of a map of a scene, as lists."""
     return configuration.map_axes(DESIGN["scenes"][scene][kind])

@@ -154,10 +154,12 @@ rule map_part:
         scene=scene_values(),
         axes=lambda wildcards: map_of(wildcards.scene),
         slip_limit=lambda wildcards: limits_of(wildcards).get("gyroscopic_slip_share"),
+        thermal_margin=lambda wildcards: limits_of(wildcards).get("thermal_margin"),
     shell:
         "bearingwear step bearingwear.studies.design.map.map_part scene={input.scene}"
         " method={wildcards.method} friction={wildcards.mu} shaft_speed_rpm={params.axes[shaft_speed_rpm]}"
-        " preload_N={params.axes[preload_N]} slip_limit={params.slip_limit} -o {output} &> {log}"
+        " preload_N={params.axes[preload_N]} slip_limit={params.slip_limit}"
+        " thermal_margin={params.thermal_margin} -o {output} &> {log}"
 
 
 rule design_map:

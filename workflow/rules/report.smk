@@ -143,6 +143,34 @@ rule dynamic_report:
         " study={input.study} dynamic={input.dynamic} -o {output} &> {log}"
 
 
+rule warmup:
+    """Temperatures, preload and pressure of a scene with heat capacities, on the way to speed."""
+    input:
+        scene=ancient("config/scenes/{scene}.yaml"),
+        compiled=f"logs/compiled/{KERNELS}/steady",
+    output:
+        "results/{scene}/warmup.nc",
+        "results/{scene}/tables/warmup.md",
+        report(
+            "results/{scene}/figures/warmup.svg",
+            caption="../report/warmup.rst",
+            category="{scene}",
+            labels={"result": "warm-up"},
+        ),
+        "results/{scene}/figures/warmup.png",
+    log:
+        "logs/warmup/{scene}.log",
+    resources:
+        runtime=1,
+    params:
+        code=sources("bearingwear.studies.warmup.report"),
+        scene=scene_values(),
+        seconds=ramp_to_speed,
+    shell:
+        "bearingwear step bearingwear.studies.warmup.report.warm_up_report scene={input.scene}"
+        " seconds={params.seconds} -o {output} &> {log}"
+
+
 rule running_average:
     """Wear rates of a dynamic case as they settle."""
     input:
@@ -250,8 +278,10 @@ DATA = [
     *expand("results/{scene}/dynamic.nc", scene=DYNAMIC),
 ]
 BOTH = [scene for scene in DYNAMIC if scene in GRIDS]  # solved dynamically, too
+WARMING = [scene for scene in GRIDS if configuration.has_heat_capacities(scene)]
 TABLES = [
     *expand("results/{scene}/tables/summary.md", scene=GRIDS),
+    *expand("results/{scene}/tables/warmup.md", scene=WARMING),
     *expand("results/{scene}/tables/dynamic.md", scene=BOTH),
 ]
 DRAWN = [
@@ -265,6 +295,7 @@ DRAWN = [
         )
     ),
     *expand("results/{scene}/figures/dynamic.svg", scene=BOTH),
+    *expand("results/{scene}/figures/warmup.svg", scene=WARMING),
     *(
         f"results/{scene}/figures/fig06_running_average-{case}.svg"
         for scene in FIGURES["running_averages"]

@@ -13,7 +13,7 @@ rule compile:
     params:
         kernels=kernels_hash(),
     shell:
-        "bearingwear warmup {wildcards.model} &> {log}"
+        "bearingwear compile {wildcards.model} &> {log}"
 
 
 rule solve:

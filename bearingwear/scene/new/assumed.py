@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.new.catalogue import (
@@ -367,6 +368,44 @@ def race_conductance(numbers: Mapping[str, Origin]) -> float:
     W = load / (RING_MODULUS * R**2)
     moving = math.sqrt(W) ** (1.0 / 3.0) * math.sqrt(omega * R * r / DIFFUSIVITY)
     return Z * 1.8 * CONDUCTIVITY * R * W ** (1.0 / 3.0) * (1.0 + moving)
+
+
+SPECIFIC_HEAT = {"bearing_steel": 460.0, "silicon_nitride": 680.0}
+"""Heat capacity by mass [J/(kg K)]."""
+
+DENSITY = {"bearing_steel": 7800.0, "silicon_nitride": 3200.0}
+"""Of the materials that `new` writes [kg/m3]."""
+
+
+class PartCapacities(NamedTuple):
+    """Heat capacities of a bearing's parts [J/K]."""
+
+    inner_ring: float
+    balls: float
+    outer_ring: float
+
+
+def heat_capacities(
+    numbers: Mapping[str, Origin], size: Designation, ball_material: str
+) -> PartCapacities:
+    """Heat capacities of rings and balls; rings as sleeves that end at a quarter of the balls.
+
+    Where the width is not known, it is half the difference of outside diameter and bore, as ISO 15
+    has it within a fifth.
+    """
+    Z, D, dm = (
+        numbers[f"bearing.{key}"].value
+        for key in ("ball_count", "ball_diameter_mm", "pitch_diameter_mm")
+    )
+    width = size.width or 0.5 * (size.outside - size.bore)
+
+    def sleeve(inside: float, outside: float) -> float:
+        volume = 0.25e-9 * math.pi * max(outside**2 - inside**2, 0.0) * width
+        return volume * DENSITY["bearing_steel"] * SPECIFIC_HEAT["bearing_steel"]
+
+    balls = 1e-9 * Z * math.pi / 6.0 * D**3 * DENSITY[ball_material] * SPECIFIC_HEAT[ball_material]
+    land = 0.5 * D
+    return PartCapacities(sleeve(size.bore, dm - land), balls, sleeve(dm + land, size.outside))
 
 
 def rounded_to(value: float, digits: int = 2) -> float:

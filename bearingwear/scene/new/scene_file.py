@@ -26,6 +26,7 @@ from bearingwear.scene.new.assumed import (
     Designation,
     Origin,
     grooves_vary,
+    heat_capacities,
     housing_clearance,
     numbers_of,
     race_conductance,
@@ -259,6 +260,9 @@ def _filled(
         D=D,
         dm=dm,
         ball_race=race_conductance(numbers),
+        heat=heat_capacities(
+            numbers, size, ball_material or size.letters.ball_material or "bearing_steel"
+        ),
         groove_ends=SMALL_GROOVES if grooves_vary(size) else None,
         speed=numbers["operation.shaft_speed_rpm"],
         # pockets that leave something of the cage between them, rounded down to three decimals

@@ -22,11 +22,13 @@ from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.thermal import HeatFlow
-from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.bearing import ROUGH, WornBearing
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint, seat_force
 from bearingwear.solvers.worn.films import WornFilms
 
 _NEAR = 0.02  # of the approaches: where an even loss is looked for first, beside the guess
+_HEAT_OF_ROUGH = 10.0  # error of the heat of a rough state over that of its balance
+
 _FURTHER = 12  # times farther away, each time twice as far
 
 
@@ -64,6 +66,11 @@ class Worn(Steady):
         other.mounted = other.problem.preload.delta_a
         other.bearing.wears = False
         return other
+
+    @property
+    def heat_error(self) -> float:  # type: ignore[override]
+        """Of the heat of a state on the way, which is balanced roughly."""
+        return _HEAT_OF_ROUGH * ROUGH if self.bearing.on_the_way else 0.0
 
     @staticmethod
     def condition(wear: WornDepths) -> Condition:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import regularisation_is_given, regularised
+from bearingwear.scene.slip import at_share
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
 """Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
@@ -20,7 +20,7 @@ SLOW_SHARE = 0.125
 """Speeds up to this share of the full one are looked at with all parts as cold as mounted, too."""
 
 _MOST_COLD = 2  # speeds
-AS_RUNNING, MOUNTING = "running", "mounting"
+AS_RUNNING, MOUNTING, WARMING = "running", "mounting", "warming"
 NEW, BETWEEN, AT_END_OF_LIFE = "new", "between", "worn"
 
 DECIDING = "deciding"
@@ -67,19 +67,6 @@ def lowest_share(scene: Scene) -> float:
     return operation.lowest_speed_rpm / full if full else 0.0
 
 
-def at_share(scene: Scene, share: float) -> Scene:
-    """A scene at a share of its speed; an outer race that turns goes with the shaft."""
-    o = scene.operation
-    shaft = share * o.shaft_speed_rpm
-    changed = replace(
-        o,
-        shaft_speed_rpm=shaft,
-        lowest_speed_rpm=min(o.lowest_speed_rpm, shaft),
-        outer_speed_rpm=share * o.outer_speed_rpm,
-    )
-    return regularised(replace(scene, operation=changed), regularisation_is_given(scene))
-
-
 def as_mounted(scene: Scene) -> Scene:
     """A scene with all parts at mounting temperature."""
     a = scene.arrangement
@@ -117,7 +104,9 @@ def cold_places(scene: Scene) -> list[OperatingCondition]:
     return [OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING) for share in shares]
 
 
-def conditions_of(scene: Scene, at_speed_only: bool = False) -> list[dict[str, Any]]:
+def conditions_of(
+    scene: Scene, at_speed_only: bool = False, warms_up: bool = False
+) -> list[dict[str, Any]]:
     """All conditions of a scene and its cases, as plain data."""
     found = []
     for name, one in scene.in_cases.items():
@@ -125,6 +114,7 @@ def conditions_of(scene: Scene, at_speed_only: bool = False) -> list[dict[str, A
         if not at_speed_only:
             places += [OperatingCondition(at_share(one, share)) for share in shares_beside(one)]
             places += cold_places(one)
+        places += [OperatingCondition(one, WARMING)] if warms_up else []
         found += [
             {"case": name, "speed_rpm": speed_of(p.scene), "temperature": p.temperature}
             for p in places
@@ -137,12 +127,19 @@ def speed_words(speed: float) -> str:
     return f"{speed:.0f} r/min" if speed >= 100.0 else f"{speed:.3g} r/min"
 
 
+def warm_up_time(where: Mapping[str, Any]) -> str:
+    """The time of an instant of a warm-up."""
+    return f"{where['time_s']:.3g} s"
+
+
 def condition_words(where: Mapping[str, Any], cases: bool = False) -> str:
     """A condition in words, `at 3000 r/min, new`; its case too, if that is asked for."""
     speed = where["speed_rpm"]
     words = f"at {speed_words(speed)}" if speed else "at rest"
     if where["temperature"] == MOUNTING:
         words += " and mounting temperature"
+    if where["temperature"] == WARMING:
+        words += f", {warm_up_time(where)} into the warm-up"
     wear = {NEW: "new", AT_END_OF_LIFE: "at the end of life", BETWEEN: "during the life"}
     if where.get("wear"):
         words += f", {wear[where['wear']]}"

@@ -18,6 +18,7 @@ from bearingwear.lives.grooves import Grooves
 from bearingwear.lives.many import whole_sides, worse_state
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.scene import Scene
+from bearingwear.scene.slip import at_share
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.compose import WELL_BALANCED, solver_of
 from bearingwear.solvers.condition import States
@@ -27,7 +28,6 @@ from bearingwear.studies.design.conditions import (
     BETWEEN,
     NEW,
     OperatingCondition,
-    at_share,
     cold_places,
     lowest_share,
     shares_beside,

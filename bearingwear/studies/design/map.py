@@ -45,6 +45,7 @@ from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
     Everywhere,
+    Extremes,
     Solve,
     along,
     frequency,
@@ -55,6 +56,7 @@ from bearingwear.studies.design.everywhere import (
 )
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.solve import life_scene
+from bearingwear.studies.warmup.extremes import warm_up_extremes
 
 SLIP_SHARE = "gyroscopic_slip_share"
 
@@ -132,6 +134,8 @@ Numbers are NaN where the life was not solved.
 MET_WHEN_NEW = EndOfLife(maximum_pressure_GPa=1e-9)
 """An end that every bearing has met when new."""
 
+_NEVER_MET = 1e-9  # thermal margin, but without a state beside the present one
+
 NO_LIFE: dict[str, Any] = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
 NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
 """What a point has of whole numbers before any solve."""
@@ -177,14 +181,28 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> tuple[dict[str, An
     return found, one
 
 
+def with_required_measures(scene: Scene, limits: DesignLimits) -> Scene:
+    """A scene whose states have what is required of them.
+
+    They have the thermal margin, which takes further solves, if it may end a life.
+    """
+    end = scene.wear.end_of_life
+    if limits.thermal_margin is None or end is None or end.thermal_margin is not None:
+        return scene
+    never: dict[str, Any] = {"thermal_margin": _NEVER_MET}
+    return with_end(scene, replace(end, **never))
+
+
 def new_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
     """Limited quantities of the new bearing (SI), wherever limits look; only its status and where
     it was not solved, if not ok.
     """
+    scene = with_required_measures(scene, limits)
     if scene.cases:
         each = {name: new_point(one, limits) for name, one in scene.in_cases.items()}
         return worst_point(each)
     limited = with_end(scene, MET_WHEN_NEW)
+    limited = with_required_measures(limited, limits)
     one = HertzianLives(limited)(limited)
     if one.status != OK:
         return {"status": one.status, NOT_SOLVED_AT: _unsolved_at(scene, one.status, NEW)}
@@ -200,6 +218,7 @@ def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> d
     quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
         life with the Hertzian ones is left out.
     """
+    scene = with_required_measures(scene, limits)
     each = {name: _case_point(one, limits, quick) for name, one in scene.in_cases.items()}
     found = worst_point(each) if scene.cases else each[NOMINAL]
     if math.isinf(found.get("life", 0.0)):
@@ -292,11 +311,26 @@ def _everywhere(
             if beside.status != OK:
                 return values | {"status": beside.status, NOT_SOLVED_AT: beside.unsolved}
             each.append(beside.extremes)
+    if limits.warmup_s is not None and not _is_broken(merged(each), limits):
+        on_the_way = warm_up_extremes(scene, limits.warmup_s)
+        if on_the_way.status != OK:
+            return values | {"status": on_the_way.status, NOT_SOLVED_AT: on_the_way.unsolved}
+        each.append(on_the_way.extremes)
     deciding = merged(each)
     values |= {name: one["value"] for name, one in deciding.items()}
     if "life" in values:
         deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=values["life"])
     return values | {DECIDING: deciding | at_rest}
+
+
+def _is_broken(extremes: Extremes, limits: DesignLimits) -> bool:
+    """Whether a requirement on states is broken."""
+    return any(
+        LIMITED[key].margin(extremes[name]["value"], limit) < 0.0
+        for key, limit in limits.held.items()
+        for name in LIMITED[key].extremes
+        if name in extremes
+    )
 
 
 def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
@@ -422,16 +456,20 @@ def map_part(
     shaft_speed_rpm: Sequence[float],
     preload_N: Sequence[float],
     slip_limit: float | None = None,
+    thermal_margin: float | None = None,
 ) -> xr.Dataset:
     """Step: lives over preload and speed, for one method and one friction coefficient.
 
     Each is looked at at its own speed alone.
 
-    slip_limit: gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
+    slip_limit: gyroscopic slip share whose passing is timed [1].
+    thermal_margin: required [1], whose value takes further solves; no other limit matters here.
     """
     axes = [method], [friction], shaft_speed_rpm, preload_N
     base = life_scene(scene, films=True)
-    limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
+    limits = DesignLimits(
+        gyroscopic_slip_share=slip_limit, thermal_margin=thermal_margin, at_speed_only=True
+    )
     points = [followed_point(one, limits) for one in scenes_of_map(base, axes)]
     return map_of(base, axes, limits, points)
 

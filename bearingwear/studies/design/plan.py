@@ -14,6 +14,7 @@ from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import Key, keyed, optional_numbers, setting
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
+from bearingwear.scene.warmth import check_heat_capacities
 from bearingwear.studies.axis import RisingAxis
 
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
@@ -54,6 +55,9 @@ class DesignLimits(_LIMITS):
     # fmt: off
     at_speed_only: bool = setting("Whether requirements hold at the speed of each case alone, not "
         "from its lowest speed to that", default=False)
+    warmup_s: float | None = setting("Time from rest to the full speed of a warm-up in which new "
+        "bearings must satisfy the requirements, too (if omitted, no warm-up)", "s", "[0, 1e9]",
+        default=None)
     # fmt: on
 
     def check(self, scene: Scene, source: str) -> None:
@@ -67,6 +71,9 @@ class DesignLimits(_LIMITS):
             if one.block and getattr(scene, one.block) is None:
                 problem = f"got nothing, expected a block for the required {one.words}"
                 raise SceneError(one.block, problem, source=source)
+        if self.warmup_s is not None:
+            for case in scene.in_cases.values():
+                check_heat_capacities(case.sides, source)
 
     @property
     def given(self) -> dict[str, float]:
@@ -85,7 +92,8 @@ class DesignLimits(_LIMITS):
     @property
     def stored(self) -> dict[str, Any]:
         """What is asked for, as plain data."""
-        return self.given | ({"at_speed_only": True} if self.at_speed_only else {})
+        stored = self.given | ({"at_speed_only": True} if self.at_speed_only else {})
+        return stored | ({} if self.warmup_s is None else {"warmup_s": self.warmup_s})
 
 
 @keyed

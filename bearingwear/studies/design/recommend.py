@@ -290,7 +290,9 @@ def _dataset(
     if scene.cases:
         made.attrs[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
     made.attrs[DECIDING] = json.dumps([row.get(DECIDING, {}) for row in rows])
-    made.attrs[CONDITIONS] = json.dumps(conditions_of(scene, limits.at_speed_only))
+    made.attrs[CONDITIONS] = json.dumps(
+        conditions_of(scene, limits.at_speed_only, limits.warmup_s is not None)
+    )
     made.attrs[AT_SPEED_ONLY] = int(limits.at_speed_only)
     return made.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 

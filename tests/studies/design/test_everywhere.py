@@ -14,6 +14,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import bearings_holding, held_by
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.scene.slip import at_share
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.conditions import (
@@ -23,7 +24,6 @@ from bearingwear.studies.design.conditions import (
     MOUNTING,
     OperatingCondition,
     as_mounted,
-    at_share,
     condition_words,
     conditions_of,
 )

@@ -21,6 +21,7 @@ from bearingwear.studies.design.conditions import (
     DECIDING,
     MOUNTING,
     NEW,
+    WARMING,
     condition_words,
     speed_words,
 )
@@ -30,7 +31,14 @@ _JUST_MET = 0.01
 
 
 def range_words(dataset: xr.Dataset) -> str:
-    """Speeds at which the requirements of a map or recommendation were looked at."""
+    """Speeds at which the requirements of a map or recommendation were looked at, and a warm-up."""
+    words, seconds = _speed_range_words(dataset), limits_of(dataset).warmup_s
+    if seconds is None:
+        return words
+    return f"{words} and during the warm-up{f' with a {seconds:g} s ramp' if seconds else ''}"
+
+
+def _speed_range_words(dataset: xr.Dataset) -> str:
     each = [one["operation"] for one in scenes_by_case(scene_of(dataset)).values()]
     speeds = [abs(one["shaft_speed_rpm"]) or abs(one.get("outer_speed_rpm") or 0.0) for one in each]
     highest, lowest = max(speeds), min(speeds)
@@ -105,6 +113,9 @@ def _brief_words(where: Mapping[str, Any], has_cases: bool) -> str:
                 where["case"] if has_cases else "",
                 speed_words(where["speed_rpm"]) if where["speed_rpm"] else "at rest",
                 "mounting temperature" if where["temperature"] == MOUNTING else "",
+                f"{where['time_s']:.3g} s into the warm-up"
+                if where["temperature"] == WARMING
+                else "",
                 wear.get(where.get("wear", ""), ""),
                 f"bearing {where['bearing']}" if where.get("bearing") else "",
             ),

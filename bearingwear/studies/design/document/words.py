@@ -39,7 +39,8 @@ def limit_text(name: str, value: float) -> str:
     """A requirement in words."""
     one = LIMITED[name]
     side = "at least" if one.falls else "at most"
-    return f"{one.words} {side} {one.shown_limit(value):g} {in_print(one.unit)}"
+    unit = "" if one.unit == "1" else f" {in_print(one.unit)}"
+    return f"{one.words} {side} {one.shown_limit(value):g}{unit}"
 
 
 _AT_END = {"residual_preload_at_end": ("residual preload at end of life", "")}

@@ -1,0 +1,150 @@
+"""A warm-up as a dataset: temperatures, preload, pressure and stiffness over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels import status as code
+from bearingwear.results.variable import STATUS, Variable, table
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.dataset import filled
+from bearingwear.studies.warmup.transient import (
+    STEP_TOLERANCE,
+    SpeedCourse,
+    WarmUp,
+    warm_up,
+)
+
+WARM_UP = "warm-up"
+COARSER = 10.0
+"""How much coarser the steps are of the warm-up that the error is estimated by."""
+
+ENDINGS = ("steady", "runaway", "no_state", "duration")
+
+_TIME = Variable("time", ("time",), "s", "time since the start")
+_PARTS = Variable("part", ("part",), "", "part", "i1", flags=("inner_ring", "balls", "outer_ring"))
+_OVER_TIME = table(
+    Variable("shaft_speed", (), "rpm", "shaft speed", label="shaft speed"),
+    Variable("part_temperature", ("side", "part"), "degC", "temperature of the part"),
+    Variable("residual_preload", ("side",), "N", "preload on the bearing", label="preload"),
+    Variable("maximum_pressure", ("side",), "Pa", "peak contact pressure", label="pressure"),
+    Variable("friction_power", ("side",), "W", "heat of friction and drag", label="heat"),
+    Variable("system_axial_stiffness", (), "N m-1", "axial stiffness of the arrangement"),
+)
+PEAKS = {
+    "residual_preload": ("N", "largest preload"),
+    "maximum_pressure": ("Pa", "largest contact pressure"),
+    "temperature_difference": ("K", "largest excess of inner over outer ring"),
+}
+_OF_ALL = table(
+    STATUS,
+    Variable("ending", (), "", "how the warm-up ended", "i1", flags=ENDINGS),
+    Variable("end_time", (), "s", "time of the last instant"),
+    Variable("time_to_95_percent", (), "s",
+        "time from which on every part has made 95 % of its rise to the last instant"),
+    Variable("thermal_margin", (), "1", "conductance over slope of the heat at the last instant",
+        comment="above 1, the temperatures are stable"),
+    Variable("distance_left", (), "1", "distance to the steady temperatures, over the rise"),
+    *(
+        Variable(f"peak_{name}{more}", (), unit if not more else "s", f"{words}{of}")
+        for name, (units, words) in PEAKS.items()
+        for more, unit, of in (("", units, ""), ("_time", "s", ": its time"))
+    ),
+    *(
+        Variable(f"end_{name}", (), units, f"{words.replace('largest', 'last')}")
+        for name, (units, words) in PEAKS.items()
+    ),
+    Variable("error_estimate", (), "1", "numerical error of the peaks, relative",
+        comment="difference from a warm-up with ten times the tolerance of a step"),
+)  # fmt: skip
+
+
+def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = None) -> xr.Dataset:
+    """The warm-up of a scene along time, with its peaks and how it ended."""
+    found = warm_up(scene, course, duration)
+    times = [one.time for one in found.instants]
+    rows = [_row(scene, found, k) for k in range(len(times))]
+    peaks = _peaks(found, rows)
+    coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE))
+    errors = [abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) for name in PEAKS]
+    sizes = [abs(peaks[f"peak_{name}"]) for name in PEAKS]
+    T = np.array([one.temperatures.ravel() for one in found.instants])
+    summary = peaks | {
+        "status": found.status,
+        "ending": ENDINGS.index(_ending(found, duration)),
+        "end_time": times[-1],
+        "time_to_95_percent": _time_to_share(np.array(times), T, 0.95),
+        "thermal_margin": found.margin,
+        "distance_left": found.left,
+        "error_estimate": max(e / size for e, size in zip(errors, sizes, strict=True) if size),
+    }
+    over_time = filled(
+        _OVER_TIME,
+        {_TIME: times, _PARTS: None, "side": len(found.instants[0].states)},
+        rows,
+        scene=scene,
+        kind=WARM_UP,
+        title=f"Warm-up: {scene.name}",
+        course=[*course.times, *course.shares],
+    )
+    return over_time.merge(filled(_OF_ALL, {}, [summary]), combine_attrs="override")
+
+
+def peaks_of(scene: Scene, found: WarmUp) -> dict[str, float]:
+    """Peaks of a warm-up with their times, by the names of result variables [SI]."""
+    return _peaks(found, [_row(scene, found, k) for k in range(len(found.instants))])
+
+
+def _row(scene: Scene, found: WarmUp, k: int) -> dict[str, Any]:
+    """Values of an instant [SI]."""
+    one = found.instants[k]
+    return {
+        "shaft_speed": one.share * scene.operation.shaft_speed_rpm,
+        "part_temperature": one.temperatures,
+        "residual_preload": [float(s["residual_preload"]) for s in one.states],
+        "maximum_pressure": [float(np.max(s["maximum_pressure"])) for s in one.states],
+        "friction_power": [heat.total for heat in one.heats],
+        "system_axial_stiffness": one.stiffness,
+    }
+
+
+def _peaks(found: WarmUp, rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    times = [one.time for one in found.instants]
+    T = np.array([row["part_temperature"] for row in rows])
+    courses = {
+        "residual_preload": np.max([row["residual_preload"] for row in rows], axis=1),
+        "maximum_pressure": np.max([row["maximum_pressure"] for row in rows], axis=1),
+        "temperature_difference": (T[:, :, 0] - T[:, :, 2]).max(axis=1),
+    }
+    peaks: dict[str, float] = {}
+    for name, course in courses.items():
+        k = int(np.argmax(course))
+        peaks |= {f"peak_{name}": float(course[k]), f"peak_{name}_time": times[k]}
+        peaks[f"end_{name}"] = float(course[-1])
+    return peaks
+
+
+def _ending(found: WarmUp, duration: float | None) -> str:
+    if found.status != code.OK:
+        return "runaway" if found.runs_away else "no_state"
+    return "steady" if duration is None else "duration"
+
+
+def _time_to_share(times: np.ndarray, T: np.ndarray, share: float) -> float:
+    """Time from which on every temperature (time, part) is within a share of its rise [s]."""
+    rise = T[-1] - T[0]
+    left = np.abs(T[-1] - T) > (1.0 - share) * np.abs(rise)
+    late = np.flatnonzero(left.any(axis=1))
+    if not late.size:
+        return 0.0
+    k = min(int(late[-1]) + 1, len(times) - 1)
+    # linear between the last instant outside and the first inside
+    before, after = np.abs(T[-1] - T[k - 1]), np.abs(T[-1] - T[k])
+    allowed = (1.0 - share) * np.abs(rise)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(before > allowed, (before - allowed) / (before - after), 0.0)
+    return float(times[k - 1] + np.nanmax(part) * (times[k] - times[k - 1]))

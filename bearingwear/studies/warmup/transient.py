@@ -1,0 +1,315 @@
+"""Temperatures of rings and balls on the way to speed, with the preload and pressure they make.
+
+The balls settle a million times faster than metal warms, so each instant is a steady state at the
+temperatures and the speed of that instant. Theory: docs/theory.md, section 28.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import BDF
+
+from bearingwear.kernels import status as code
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.slip import at_share
+from bearingwear.scene.warmth import Thermal, check_heat_capacities
+from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.condition import SolvedBearing, States
+from bearingwear.solvers.rotor import Alone, OnRotor
+from bearingwear.solvers.thermal import (
+    PARTS_OF_BEARING,
+    HeatFlow,
+    all_conductances,
+    heat_of_parts,
+    heat_slopes,
+    thermal_margin,
+)
+
+LINEAR_SHARE = 0.01
+"""Share of the full speed below which the heat goes in proportion to the speed, as it does with
+Coulomb friction and without centrifugal loads."""
+
+STEP_TOLERANCE = 1e-5
+"""Relative error of a step, of the largest temperature rise."""
+
+LEAST_RISE = 0.01
+"""Temperature rise that the absolute tolerance is taken of at least [K]."""
+
+SETTLED_TO = 1e-3
+"""Distance to the steady temperatures at which a warm-up ends, over the rise to them."""
+
+_MOST_SHORTER, _SHORTER = 12, 0.2  # of the longest step, where the bearings have no state after it
+_BETWEEN_CHECKS = 5  # steps
+_LONGEST = 300.0  # slowest time constants of the network without heat that a warm-up may last
+
+
+class NoState(Exception):
+    """The bearings have no state at the temperatures and the speed of an instant."""
+
+    def __init__(self, status: int):
+        super().__init__()
+        self.status = status
+
+
+class SpeedCourse(NamedTuple):
+    """Shares of the full speed (n,) at times (n,) [s]; constant after the last one."""
+
+    times: tuple[float, ...]
+    shares: tuple[float, ...]
+
+    def at(self, time: float) -> float:
+        return float(np.interp(time, self.times, self.shares))
+
+
+def ramp(seconds: float) -> SpeedCourse:
+    """Constant acceleration from rest to the full speed."""
+    return SpeedCourse((0.0, seconds), (0.0, 1.0)) if seconds else SpeedCourse((0.0,), (1.0,))
+
+
+def course_of(scene: Scene, pairs: Sequence[tuple[float, float]]) -> SpeedCourse:
+    """Speeds [r/min] at times [s] as shares of the speed of a scene."""
+    times, speeds = zip(*pairs, strict=True)
+    return SpeedCourse(times, tuple(n / scene.operation.shaft_speed_rpm for n in speeds))
+
+
+class Instant(NamedTuple):
+    """Bearings at one instant of a warm-up."""
+
+    time: float  # [s]
+    share: float  # of the full speed
+    temperatures: np.ndarray  # (bearing, part) [degC]
+    states: States
+    heats: tuple[HeatFlow, ...]
+    stiffness: float  # axial, of the arrangement [N/m]
+
+
+@dataclass(frozen=True)
+class WarmUp:
+    """Instants of a warm-up, and how it ended."""
+
+    scene: Scene
+    instants: tuple[Instant, ...]
+    status: int  # why there is no state after the last instant; ok where the bearings settled
+    margin: float  # thermal margin at the last instant
+    left: float  # distance to the steady temperatures at the last instant, over the rise
+
+    @property
+    def runs_away(self) -> bool:
+        """Whether the heat grew faster than it could flow off until no state was left."""
+        return self.status != code.OK and self.margin < 1.0
+
+
+class ThermalBearings:
+    """Bearings of a scene with a thermal network, at temperatures and speeds that are given."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.sides = scene.one_of_alike.sides
+        check_heat_capacities(self.sides, scene.name)
+        self.near: list[SolvedBearing | None] = [None] * len(self.sides)
+        self.solves = 0
+        self._at: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
+
+    def networks(self) -> list[Thermal]:
+        """The network of each bearing."""
+        found = [side.thermal for side in self.sides]
+        assert all(found)
+        return found  # type: ignore[return-value]
+
+    def instant(self, time: float, share: float, temperatures: np.ndarray) -> Instant:
+        """The bearings at a share of their speed and temperatures (bearing, part) [degC].
+
+        NoState: where they have no state.
+        """
+        whole = max(share, LINEAR_SHARE)
+        networks = [network_at(network, time) for network in self.networks()]
+        kept = kept_at(self._bearings(whole), temperatures, networks)
+        if kept is None:
+            raise NoState(code.WARM_SEIZURE)
+        if isinstance(kept, Alone):
+            kept.near = self.near[0]
+        else:
+            kept.near = list(self.near)
+        self.solves += 1
+        found = kept.solve(kept.start)
+        if found.status != code.OK:
+            raise NoState(found.status)
+        self.near = list(found.sides)
+        heats = tuple(HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, found))
+        states = states_of(kept, kept.start, found)
+        return Instant(time, share, temperatures, states, heats, found.stiffness)
+
+    def _bearings(self, share: float) -> Alone | OnRotor:
+        if share != self._at[0]:
+            self._at = share, solver_of(at_share(self.scene, share)).bearings
+        return self._at[1]
+
+    def heat_slopes(self, instant: Instant) -> np.ndarray | None:
+        """Change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
+
+        def heats(temperatures: np.ndarray) -> np.ndarray | None:
+            try:
+                return heat_of_parts(self.instant(instant.time, instant.share, temperatures).heats)
+            except NoState:
+                return None
+
+        return heat_slopes(heats, instant.temperatures)
+
+
+class HeatEquation:
+    """C dT/dt = heat(T, t) - G (T - temperatures beside), of all parts of all bearings."""
+
+    def __init__(self, bearings: ThermalBearings, course: SpeedCourse):
+        self.bearings, self.course = bearings, course
+        self.networks = bearings.networks()
+        self.G = all_conductances(self.networks)
+        capacities = [network.heat_capacity_J_K for network in self.networks]
+        assert all(capacities)
+        self.C = np.array(
+            [c for one in capacities if one for c in (one.inner_ring, one.balls, one.outer_ring)]
+        )
+
+    @property
+    def start(self) -> np.ndarray:
+        """All parts at mounting temperature (parts,) [degC]."""
+        return np.repeat(
+            [network.reference_C for network in self.networks], PARTS_OF_BEARING
+        ).astype(float)
+
+    @property
+    def slowest(self) -> float:
+        """The slowest time constant without heat, that of shaft or housing included [s]."""
+        rates = np.linalg.eigvals(self.G / self.C[:, None]).real
+        followed = [
+            tau
+            for n in self.networks
+            for tau in (n.shaft_time_constant_s, n.housing_time_constant_s)
+        ]
+        return max(1.0 / float(rates.min()), *followed)
+
+    def beside(self, time: float) -> np.ndarray:
+        """Heat that flows from shaft and housing at 0 degC (parts,) [W]."""
+        flows = []
+        for n in self.networks:
+            G, now = n.conductance_W_K, network_at(n, time)
+            flows += [G.inner_ring_shaft * now.shaft_C, 0.0, G.outer_ring_housing * now.housing_C]
+        return np.array(flows)
+
+    def instant(self, time: float, y: np.ndarray) -> Instant:
+        temperatures = np.reshape(y, (-1, PARTS_OF_BEARING))
+        return self.bearings.instant(time, self.course.at(time), temperatures)
+
+    def __call__(self, time: float, y: np.ndarray) -> np.ndarray:
+        """dT/dt (parts,) [K/s]."""
+        made = heat_of_parts(self.instant(time, y).heats)
+        return (made + self.beside(time) - self.G @ y) / self.C
+
+
+def network_at(network: Thermal, time: float) -> Thermal:
+    """The network with the temperatures of shaft and housing at a time."""
+    n = network
+    return replace(
+        n,
+        shaft_C=_approached(time, n.reference_C, n.shaft_C, n.shaft_time_constant_s),
+        housing_C=_approached(time, n.reference_C, n.housing_C, n.housing_time_constant_s),
+    )
+
+
+def _approached(time: float, start: float, end: float, constant: float) -> float:
+    return end + (start - end) * float(np.exp(-time / constant)) if constant else end
+
+
+def warm_up(
+    scene: Scene,
+    course: SpeedCourse,
+    duration: float | None = None,
+    tolerance: float = STEP_TOLERANCE,
+) -> WarmUp:
+    """Follow the temperatures of a scene with heat capacities until they are steady.
+
+    duration: end in place of that [s].
+    """
+    equation = HeatEquation(ThermalBearings(scene), course)
+    last = course.times[-1]
+    end = duration or last + _LONGEST * equation.slowest
+    instants = [equation.instant(0.0, equation.start)]
+    status, left = code.OK, np.inf
+    for corner in [*(t for t in course.times[1:] if t < end), end]:
+        checked = len(instants)
+        for answer in _steps(equation, instants[-1], corner, tolerance):
+            if isinstance(answer, int):
+                status = answer
+                break
+            instants.append(answer)
+            is_late = duration is None and answer.time >= last
+            if is_late and len(instants) >= checked + _BETWEEN_CHECKS:
+                checked, left = len(instants), _distance_left(equation, answer)
+                if left < SETTLED_TO:
+                    break
+        if status != code.OK or left < SETTLED_TO:
+            break
+    return WarmUp(
+        scene,
+        tuple(instants),
+        status,
+        thermal_margin(equation.networks, equation.bearings.heat_slopes(instants[-1])),
+        left,
+    )
+
+
+def _steps(
+    equation: HeatEquation, start: Instant, end: float, tolerance: float
+) -> Iterator[Instant | int]:
+    """Instants up to an end; a status last, where there is no state before it."""
+    time, y = start.time, start.temperatures.ravel()
+    bearings, near = equation.bearings, list(equation.bearings.near)
+    longest, lost = np.inf, 0
+    while time < end:
+        rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
+        reach = end - time
+        try:
+            method = BDF(
+                equation, time, y, end, rtol=tolerance, atol=tolerance * rise, max_step=longest
+            )
+            while method.status == "running":
+                method.step()
+                if method.status == "failed":
+                    yield code.NO_HEAT_BALANCE
+                    return
+                instant = equation.instant(method.t, method.y.copy())
+                time, y, near = method.t, instant.temperatures.ravel(), list(bearings.near)
+                yield instant
+        except NoState as unsolved:
+            lost += 1
+            if lost == _MOST_SHORTER:
+                yield unsolved.status
+                return
+            bearings.near = list(near)
+            longest = _SHORTER * min(longest, reach)
+
+
+def _distance_left(equation: HeatEquation, instant: Instant) -> float:
+    """Distance to the steady temperatures by one Newton step, over the rise so far [1]."""
+    y, slopes = instant.temperatures.ravel(), equation.bearings.heat_slopes(instant)
+    if slopes is None:
+        return np.inf
+    step = np.linalg.solve(equation.G - slopes, equation.C * equation(instant.time, y))
+    rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
+    return float(max(abs(step).max(), _shaft_and_housing_left(equation, instant.time)) / rise)
+
+
+def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
+    """How far shafts and housings are from their temperatures [K]."""
+    return max(
+        abs(_approached(time, n.reference_C, end, constant) - end)
+        for n in equation.networks
+        for end, constant in (
+            (n.shaft_C, n.shaft_time_constant_s),
+            (n.housing_C, n.housing_time_constant_s),
+        )
+    )

@@ -1,0 +1,41 @@
+"""Lives of bearings at the temperatures of their own heat."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import bearingwear
+from bearingwear.lives.life import life
+from bearingwear.solvers.solve import solve
+
+HEAT = {
+    "thermal": {
+        "conductance_W_K": {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0}
+    }
+}
+
+
+@pytest.fixture(scope="module")
+def spindle():
+    scene = bearingwear.new(
+        bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
+        preload_method="fixed_position",
+    )  # fmt: skip
+    return scene.with_(HEAT)
+
+
+def test_a_warm_worn_life_ends_by_a_criterion(spindle):
+    """States on the way are balanced roughly; the temperatures are then found no better."""
+    found, cold = life(spindle), life(spindle.with_({"thermal": None}))
+    assert found.status == cold.status == "ok"
+    assert found.values["end_criterion"] == cold.values["end_criterion"]
+    # the warmer inner ring presses harder, and the bearing wears sooner
+    assert 0.3 < np.max(found.values["life"]) / np.max(cold.values["life"]) < 1.0
+
+
+def test_a_life_ends_where_the_thermal_margin_is_met(spindle):
+    margin = float(solve(spindle).values["thermal_margin"])
+    found = life(spindle.with_({"wear.end_of_life.thermal_margin": 1.05 * margin}))
+    assert_allclose(found.values["life"], 0.0, atol=1e-12)
+    found = life(spindle.with_({"wear.end_of_life.thermal_margin": 0.95 * margin}))
+    assert_allclose(found.values["history_thermal_margin"][0], margin, rtol=1e-4)

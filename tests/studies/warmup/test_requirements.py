@@ -1,0 +1,117 @@
+"""Requirements on the thermal margin, and on the way to speed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import bearingwear
+from bearingwear.kernels import status as code
+from bearingwear.measures import LIMITED
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.studies.design.conditions import DECIDING, WARMING, condition_words
+from bearingwear.studies.design.map import NOT_SOLVED_AT, followed_point, new_point
+from bearingwear.studies.design.plan import DesignLimits
+
+HEAT = {
+    "thermal": {
+        "conductance_W_K": {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0},
+        "heat_capacity_J_K": {"inner_ring": 30.0, "balls": 12.0, "outer_ring": 40.0},
+        "housing_time_constant_s": 300.0,
+        "housing_C": 35.0,
+    }
+}
+
+
+@pytest.fixture(scope="module")
+def spindle():
+    """A rigid pair of 7008C whose housing warms more slowly than its bearings."""
+    scene = bearingwear.new(
+        bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
+        preload_method="fixed_position",
+    )  # fmt: skip
+    return scene.with_(HEAT)
+
+
+@pytest.mark.parametrize("point", [new_point, followed_point])
+def test_the_margin_of_a_required_one_is_that_of_the_case(spindle, point):
+    limits = DesignLimits(thermal_margin=1.5)
+    found = point(spindle, limits)
+    case = bearingwear.solve(spindle)
+    new = found[DECIDING]["thermal_margin"]
+    assert new["speed_rpm"] == 12000.0 and new["wear"] == "new"
+    assert_allclose(found["thermal_margin"], float(case["thermal_margin"]), rtol=1e-3)
+
+
+def test_the_margin_takes_no_solves_where_it_is_not_required(spindle):
+    found = new_point(spindle, DesignLimits(maximum_pressure_GPa=2.0))
+    assert math.isnan(found["thermal_margin"])
+
+
+def test_a_required_margin_does_not_end_the_life(spindle):
+    lives = [
+        followed_point(spindle, limits)["life"]
+        for limits in (DesignLimits(), DesignLimits(thermal_margin=1e3))
+    ]
+    assert_allclose(lives[0], lives[1], rtol=1e-5)  # started from other states nearby
+
+
+def test_requirements_on_the_way_see_the_peaks_of_the_warm_up(spindle):
+    limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
+    still, warming = (
+        new_point(spindle, replace(limits, warmup_s=seconds)) for seconds in (None, 10.0)
+    )
+    warmed = bearingwear.warmup(spindle, seconds=10.0)
+    where = warming[DECIDING]["maximum_pressure"]
+    assert where["temperature"] == WARMING and "into the warm-up" in condition_words(where)
+    assert warming["maximum_pressure"] > 1.05 * still["maximum_pressure"]
+    assert_allclose(warming["maximum_pressure"], float(warmed["peak_maximum_pressure"]), rtol=1e-2)
+    assert_allclose(where["time_s"], float(warmed["peak_maximum_pressure_time"]), rtol=0.2)
+
+
+def test_no_warm_up_where_a_requirement_is_broken_without_it(spindle, monkeypatch):
+    from bearingwear.studies.design import map as design_map
+
+    monkeypatch.setattr(design_map, "warm_up_extremes", None)
+    limits = DesignLimits(maximum_pressure_GPa=0.1, warmup_s=10.0, at_speed_only=True)
+    found = new_point(spindle, limits)
+    assert LIMITED["maximum_pressure_GPa"].worst(found) > 0.1e9
+
+
+def test_a_runaway_on_the_way_is_named(spindle):
+    """A housing that stays cold for long: the network has a steady state, the way to it none."""
+    late = spindle.with_(
+        {
+            "thermal.conductance_W_K": {
+                "inner_ring_shaft": 0.2, "outer_ring_housing": 8.0, "ball_race": 0.5
+            },
+            "thermal.housing_C": 60.0,
+            "thermal.housing_time_constant_s": 3000.0,
+        }
+    )  # fmt: skip
+    limits = DesignLimits(at_speed_only=True)
+    assert new_point(late, limits)["status"] == code.OK
+    found = new_point(late, replace(limits, warmup_s=1.0))
+    assert found["status"] != code.OK
+    lost = found[NOT_SOLVED_AT]
+    assert lost["temperature"] == WARMING and lost["time_s"] > 0.0
+
+
+def test_a_warm_up_is_refused_without_heat_capacities(spindle):
+    limits = DesignLimits(warmup_s=10.0)
+    limits.check(spindle, "mine.yaml")
+    with pytest.raises(SceneError, match="heat_capacity_J_K"):
+        limits.check(spindle.with_({"thermal.heat_capacity_J_K": None}), "mine.yaml")
+    with pytest.raises(SceneError, match="thermal"):
+        DesignLimits(thermal_margin=1.5).check(spindle.with_({"thermal": None}), "mine.yaml")
+
+
+def test_warmup_in_python(spindle):
+    warmed = bearingwear.warmup(spindle, course=[(0.0, 0.0), (5.0, 12000.0)], duration=20.0)
+    assert warmed["ending"].item() == "duration" and float(warmed["end_time"]) == 20.0
+    peak = warmed["residual_preload"].max()
+    assert_allclose(float(warmed["peak_residual_preload"]), float(peak))
+    inner = warmed["part_temperature"].sel(part="inner_ring")
+    assert np.all(np.diff(inner.isel(side=0)) >= 0.0)

@@ -1,0 +1,144 @@
+"""Warm-ups against formulas, the steady network and a plain program; the thermal margin."""
+
+import warnings
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import benchmark
+
+import bearingwear
+from bearingwear.kernels import status as code
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.thermal import HeatFlow
+from bearingwear.studies.warmup import transient
+from bearingwear.studies.warmup.result import warm_up_dataset
+from bearingwear.studies.warmup.transient import SpeedCourse, ramp, warm_up
+
+HEAT = {
+    "thermal": {
+        "conductance_W_K": {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0},
+        "heat_capacity_J_K": {"inner_ring": 30.0, "balls": 12.0, "outer_ring": 40.0},
+    }
+}
+SLOW_HOUSING = {"thermal.housing_time_constant_s": 300.0, "thermal.housing_C": 35.0}
+
+
+@pytest.fixture(scope="module")
+def spindle():
+    """A rigid pair of 7008C with a thermal network, as one of two alike bearings."""
+    scene = bearingwear.new(
+        bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
+        preload_method="fixed_position",
+    )  # fmt: skip
+    return scene.with_(HEAT)
+
+
+def test_heat_that_does_not_depend_on_temperature(spindle, monkeypatch):
+    """One node: T = T_0 + P/G (1 - exp(-t G/C))."""
+    real = transient.heats_of
+    monkeypatch.setattr(
+        transient, "heats_of", lambda *given: tuple(HeatFlow(8.0, 0.0, 0.0) for _ in real(*given))
+    )
+    alone = spindle.with_({"thermal.conductance_W_K.ball_race": 1e-6})
+    found = warm_up(alone, ramp(0.0), duration=40.0, tolerance=1e-9)
+    for one in found.instants[:: max(len(found.instants) // 20, 1)]:
+        expected = 20.0 + 4.0 / 2.0 * (1.0 - np.exp(-one.time * 2.0 / 30.0))
+        assert_allclose(one.temperatures[0, 0] - 20.0, expected - 20.0, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("changes", [{}, SLOW_HOUSING])
+def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
+    scene = spindle.with_(changes)
+    found = warm_up(scene, ramp(20.0))
+    states = solver_of(scene)
+    (steady,) = states(states.bearings.start)
+    assert found.status == code.OK and found.left < transient.SETTLED_TO
+    rise = np.abs(steady["part_temperature"][:3] - 20.0).max()
+    last = found.instants[-1].temperatures[0]
+    assert np.abs(last - steady["part_temperature"][:3]).max() < transient.SETTLED_TO * rise
+    assert_allclose(found.instants[-1].states[0]["residual_preload"], steady["residual_preload"],
+        rtol=1e-2)  # fmt: skip
+
+
+def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
+    course = ramp(2e5)
+    found = warm_up(spindle, course, duration=2e5)
+    rise = np.abs(found.instants[-1].temperatures - 20.0).max()
+    for one in found.instants[len(found.instants) // 4 :: max(len(found.instants) // 4, 1)]:
+        steady = solve(spindle.with_({"operation.shaft_speed_rpm": one.share * 12000.0}))
+        expected = np.array(steady.values["part_temperature"][:3]) - 20.0
+        assert_allclose(one.temperatures[0] - 20.0, expected, atol=1e-3 * rise)
+
+
+def test_the_plain_program_finds_the_same(spindle):
+    scene = spindle.with_(SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0})
+    found = warm_up(scene, ramp(10.0), duration=30.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        coarse, fine = (benchmark("warmup").euler(scene, 10.0, 30.0, steps) for steps in (150, 300))
+    last = found.instants[-1]
+    for k, name in enumerate(("inner", "balls", "outer")):
+        # Euler's error is proportional to the step
+        extrapolated = 2.0 * fine[name][-1] - coarse[name][-1]
+        assert_allclose(last.temperatures[0, k] - 20.0, extrapolated - 20.0, rtol=1e-3)
+    extrapolated = 2.0 * fine["preload"][-1] - coarse["preload"][-1]
+    assert_allclose(last.states[0]["residual_preload"], extrapolated, rtol=1e-3)
+
+
+def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
+    found = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
+    assert found["peak_residual_preload"] > 1.3 * found["end_residual_preload"]
+    assert 10.0 < found["peak_residual_preload_time"] < 300.0
+    assert found["error_estimate"] < 0.02
+
+
+def test_the_preload_of_a_spring_does_not_move(spindle):
+    held = {"operation.preload_method": "constant_force"} | SLOW_HOUSING
+    found = warm_up_dataset(spindle.with_(held), ramp(10.0), duration=100.0)
+    assert_allclose(found["residual_preload"], 140.0, rtol=1e-12)
+
+
+POOR = {"thermal.conductance_W_K.inner_ring_shaft": 0.2}
+
+
+def test_a_runaway_is_named(spindle):
+    found = warm_up(spindle.with_(POOR), ramp(10.0))
+    assert found.status != code.OK and found.runs_away
+    assert solve(spindle.with_(POOR)).status in ("warm_seizure", "no_heat_balance")
+
+
+def test_the_margin_is_one_where_steady_states_end(spindle):
+    """Bisects the conductance to the shaft down to the last steady state of the family."""
+    key = "thermal.conductance_W_K.inner_ring_shaft"
+
+    def solved(G):
+        return solve(spindle.with_({key: G}))
+
+    low, high = 0.2, 2.0
+    margins = []
+    for _ in range(24):
+        middle = 0.5 * (low + high)
+        there = solved(middle)
+        if there.status == "ok":
+            high = middle
+            margins.append(float(there.values["thermal_margin"]))
+        else:
+            low = middle
+    assert_allclose(margins[-1], 1.0, rtol=1e-2)
+    assert margins[0] > 1.5
+
+
+def test_times_and_speeds_are_followed(spindle):
+    course = SpeedCourse((0.0, 5.0, 20.0), (0.0, 0.5, 1.0))
+    found = warm_up(spindle, course, duration=30.0)
+    times = [one.time for one in found.instants]
+    assert {5.0, 20.0, 30.0} <= set(times)
+    assert_allclose([one.share for one in found.instants], [course.at(t) for t in times])
+
+
+def test_a_scene_without_capacities_is_refused_in_one_line(spindle):
+    with pytest.raises(SceneError, match=r"thermal.heat_capacity_J_K: got nothing, expected"):
+        warm_up(spindle.with_({"thermal.heat_capacity_J_K": None}), ramp(1.0))
