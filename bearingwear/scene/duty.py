@@ -1,0 +1,141 @@
+"""The duty of a bearing: phases of use in a cycle that repeats until the life ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.scene.cases import NOMINAL
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.records import NAME, keyed, reduced, setting
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
+
+_TIME = "[0, 1e9]"
+_HOUR = 3600.0
+
+SAME_IN_ALL_PHASES = (
+    "bearing",
+    "cage",
+    "wear",
+    "model",
+    "arrangement.tandem",
+    "arrangement.orientation",
+    "arrangement.second.bearing",
+    "friction.film",
+    "uncertainty",
+)
+"""Blocks and keys that the case of a phase must not change: one bearing wears in all of them."""
+
+_SURFACES = "film", "running_in"
+"""Blocks of a material that it must not change."""
+
+_VARIABLE_IN_FILM = "shear_strength_MPa", "pressure_coefficient"
+"""Keys of `friction.film` that it may: they go with the temperature, not with the film."""
+
+
+@keyed
+class Phase:
+    """One phase of a cycle of use."""
+
+    hours: float = setting("Time at the speed of the phase in each cycle", "h", _TIME, default=0.0)
+    starts: float = setting("Starts from rest, each with a stop, in each cycle", "1", _TIME,
+        default=0.0)  # fmt: skip
+    case: str | None = setting("Case of the scene that applies during the phase (if omitted, the "
+        "case with the name of the phase; nominal is the scene itself)", pattern=NAME, default=None)  # fmt: skip
+
+
+@keyed
+class Duty:
+    """Phases of use that are repeated, in their order, until the life ends."""
+
+    # fmt: off
+    phases: Mapping[str, Phase] = setting("Phases of one cycle, each under the name of its case",
+        least=1, each="One phase")
+    start_s: float = setting("Time of one start from rest to the speed of the phase (if it and "
+        "stop_s are 0, starts cause no wear)", "s", _TIME, default=0.0)
+    stop_s: float = setting("Time of one stop from the speed of the phase to rest", "s", _TIME,
+        default=0.0)
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "phases", MappingProxyType(dict(self.phases)))
+        for name, phase in self.phases.items():
+            if not phase.hours > 0.0 and not phase.starts > 0.0:
+                problem = "got 0 hours and no starts, expected hours > 0 or starts > 0"
+                raise SceneError(f"phases.{name}", problem)
+        if not self.cycle_s > 0.0:
+            problem = "got a cycle that takes no time, expected hours, or start_s or stop_s > 0"
+            raise SceneError("phases", problem, ("start_s", "stop_s"))
+
+    def __hash__(self) -> int:
+        return hash((tuple(self.phases.items()), self.start_s, self.stop_s))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self)
+
+    @property
+    def cycle_s(self) -> float:
+        """Time of one cycle [s]."""
+        return sum(map(self.phase_s, self.phases.values()))
+
+    @property
+    def ramp_s(self) -> float:
+        """Time of one start and one stop [s]."""
+        return self.start_s + self.stop_s
+
+    def phase_s(self, phase: Phase) -> float:
+        """Time of a phase with its starts and stops in one cycle [s]."""
+        return _HOUR * phase.hours + phase.starts * self.ramp_s
+
+    def running_s(self, phase: Phase) -> float:
+        """Time at the speed of a phase in one cycle [s]."""
+        return _HOUR * phase.hours
+
+    @property
+    def starts(self) -> float:
+        """Number of starts in one cycle."""
+        return sum(phase.starts for phase in self.phases.values())
+
+    def case_of(self, name: str) -> str:
+        """Name of the case that applies during a phase."""
+        return self.phases[name].case or name
+
+
+def check_duty(scene: Scene) -> None:
+    """Refuse a duty whose phases name no case, or a case that changes what wears."""
+    duty = scene.duty
+    if duty is None:
+        return
+    cases = scene.cases or {}
+    for name in duty.phases:
+        case = duty.case_of(name)
+        if case != NOMINAL and case not in cases:
+            key = f"duty.phases.{name}" + (".case" if duty.phases[name].case else "")
+            names = ", ".join([NOMINAL, *cases])
+            raise SceneError(key, f"got {shown(case)}, expected a case: {names}", ("cases",))
+        for changed in _changes_of_wear(cases.get(case, {})):
+            problem = (
+                f"got {shown(cases[case][changed])} in a case of the duty, expected a key that "
+                "leaves the bearing, its wear and its films as they are"
+            )
+            raise SceneError(f"cases.{case}.{changed}", problem, ("duty",))
+
+
+def _changes_of_wear(changes: Mapping[str, Any]) -> Iterator[str]:
+    """Those keys of a case that would make another bearing of it, or another wear of it."""
+    for key in changes:
+        *blocks, last = key.split(".")
+        if blocks == ["friction", "film"] and last in _VARIABLE_IN_FILM:
+            continue
+        is_surface = blocks[:1] == ["materials"] and (set(_SURFACES) & {*blocks[2:], last})
+        if is_surface or any(f"{key}.".startswith(f"{same}.") for same in SAME_IN_ALL_PHASES):
+            yield key
+
+
+def phase_scenes(scene: Scene) -> dict[str, Scene]:
+    """The scene of each phase of the duty, by the name of the phase."""
+    assert scene.duty is not None
+    return {name: scene.in_cases[scene.duty.case_of(name)] for name in scene.duty.phases}
