@@ -27,7 +27,7 @@ def revolutions() -> tuple[float, float]:
         designation="7204C", maker="NSK", speed=1750, preload=137.9,
         preload_method="constant_force", pair="steel/steel", film="mos2",
     ).with_({"wear.end_of_life": {"film_worn_share": 0.5}})  # fmt: skip
-    hours = bearingwear.life(scene).life.sel(counts="ball_and_races").item()
+    hours = bearingwear.life(scene).life.item()
     film = Films.of(scene).race.film
     assert film is not None
     return hours * 60.0 * 1750.0, film.factor

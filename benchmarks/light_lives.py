@@ -116,7 +116,7 @@ def life_end(scene: Scene, way: str) -> tuple[str, float, int]:
         wearing = Grooves(scene, FEWER_CELLS, LONGER_STEP, only_times=True, rough=True)
     life = follow_grooves(wearing)
     is_solved = life.nodes[0].status == 0
-    return STATUS_NAMES[life.status], float(life.last.time[1]), len(life.nodes) if is_solved else 0
+    return STATUS_NAMES[life.status], life.last.time, len(life.nodes) if is_solved else 0
 
 
 def main() -> None:

@@ -64,7 +64,7 @@ def main() -> None:
                     cells.append("–")
                     continue
                 preload, point = chosen
-                lives[name] = float(point["life"][1]) / 3600.0
+                lives[name] = float(point["life"]) / 3600.0
                 cells.append(f"{preload:.3g} N, {lives[name]:.3g} h")
             longer = max(lives, key=lambda name: lives[name])
             ratio = max(lives.values()) / min(lives.values())

@@ -21,7 +21,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady.thrust import OUTER_SPIN
 from bearingwear.lives.many import HertzianLives
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS, Scene, most_balls
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import solver_of
@@ -130,7 +130,7 @@ def candidate(scene: Scene) -> Candidate:
     for method in PRELOAD_METHODS:
         given = with_friction(scene, method, HIGH_FRICTION, scene.lubricant.drag_density_kg_m3)
         life = HertzianLives(given)(given)
-        seconds = life.last.time[COUNTS.index(scene.wear.counts)] if life.status == OK else np.nan
+        seconds = life.last.time if life.status == OK else np.nan
         lives.append(float(seconds) / 3600.0)
     return Candidate(scene, "", drags, tuple(lives))
 

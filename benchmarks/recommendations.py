@@ -184,7 +184,7 @@ def recommended(case: dict[str, Any]) -> dict[str, Any]:
         {
             "method": method,
             "preload": float(one["preload"]),
-            "life": float(one["life"][1]),
+            "life": float(one["life"]),
             "cliff": float(one["cliff_preload"]),
         }
         for k, method in enumerate(PRELOAD_METHODS)
@@ -240,7 +240,7 @@ def allowed_life(
     margins = [*limit_margins(values, alone), practical]
     if not limits.at_speed_only:
         margins.append(least_elsewhere(held, limits))
-    return float(values["life"][1]) / 3600.0, np.array(margins)
+    return float(values["life"]) / 3600.0, np.array(margins)
 
 
 def least_elsewhere(scene: Scene, limits: DesignLimits) -> float:

@@ -140,7 +140,7 @@ def seeds(beginning: str, count: int = 20) -> None:
         ):
             at = {"probability": [0.05, 0.5, 0.95]}
             one = own_quantiles(scene, method, plan).squeeze().sel(at)
-            one = one.isel(uncertain_inputs=0, loss_basis=1)
+            one = one.isel(uncertain_inputs=0)
             found.append([one[f"life_quantile{end}"].values for end in ends])
         true, (middle, low, high) = found[0][0], np.swapaxes(found[1:], 0, 1)
         error = np.sqrt(np.mean(np.log(middle / true) ** 2, axis=0))

@@ -69,7 +69,7 @@ def hours(scene: Scene) -> tuple[float, float]:
     started = time.process_time()
     values = life(scene).values
     spent = time.process_time() - started
-    return (values["life"][1] / HOUR if values["status"] == code.OK else np.nan), spent
+    return (values["life"] / HOUR if values["status"] == code.OK else np.nan), spent
 
 
 def told(value: float) -> str:

@@ -182,11 +182,11 @@ def test_an_interpolated_life_knows_it(name):
     line = xr.Dataset(
         {
             "status": ("ball_diameter_loss", np.zeros(len(losses), int)),
-            "ball_diameter_loss_rate": (("ball_diameter_loss", "counts"), np.full((8, 2), 1e-12)),
+            "ball_diameter_loss_rate": ("ball_diameter_loss", np.full(8, 1e-12)),
             "residual_preload": ("ball_diameter_loss", np.full(len(losses), PRELOAD)),
         }
         | columns,
-        {"ball_diameter_loss": losses, "counts": [0, 1]},
+        {"ball_diameter_loss": losses},
     )
     found = interpolated_life(line, criteria, PRELOAD)
     assert CRITERIA[int(found["interpolated_end_criterion"])] == name

@@ -11,7 +11,7 @@ import numpy as np
 from bearingwear.document.document import VARIABLES, Block, Row, row_of
 from bearingwear.document.pair import bearings_of, of_bearings
 from bearingwear.document.rows import (
-    COUNTED,
+    counted_words,
     film_lines,
     in_one_unit,
     mean,
@@ -23,11 +23,9 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.quantiles import BY_WEAR, band_by_wear
-from bearingwear.results.units import Rough, display
+from bearingwear.results.units import display
 from bearingwear.results.variables import RACES
-from bearingwear.scene.scene import COUNTS
 
-LIVES = ("life", "normalised_life")
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
@@ -58,44 +56,32 @@ def life_blocks(file: Any) -> list[Block]:
     return in_one_unit([*_of_both(first), *of_bearings(file, _of_each)])
 
 
-def _scene_of(file: Any) -> tuple[dict[str, Any], int]:
-    """The scene of a file, and the index of what it counts as wear."""
-    scene = json.loads(getattr(file, "scene", "{}"))
-    return scene, COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
+def _scene_of(file: Any) -> dict[str, Any]:
+    return json.loads(getattr(file, "scene", "{}"))
 
 
 def _of_both(file: Any) -> list[Block]:
     """Blocks that are shown once for two bearings."""
-    scene, counted = _scene_of(file)
-    # a dynamic life follows one way of counting
-    followed = [k for k in range(len(COUNTS)) if k == counted or np.isfinite(_life_of(file, k))]
-    lives = tuple(
-        row_of(n, np.atleast_1d(values(file, n))[followed]) for n in LIVES if n in file.variables
-    )
-    life = _life_of(file, counted)
-    own = Row(
-        f"wear of {COUNTED[counted].replace('ball', 'balls')}",
-        "h",
-        (Rough(life),),
-        "life_of_the_scene",
-    )
+    scene = _scene_of(file)
+    life = float(values(file, "life"))
+    lives = [row_of("life", [life])._replace(label=f"life, wear of {counted_words(scene)}")]
     band, taken = band_by_wear(scene, life)
-    by_wear = () if band is None else (Row(BY_WEAR, "h", (band,), "life_by_wear_alone"),)
+    if band is not None:
+        lives.append(Row(BY_WEAR, "h", (band,), "life_by_wear_alone"))
+    if "normalised_life" in file.variables:
+        lives.append(row_of("normalised_life", [values(file, "normalised_life")]))
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     if EQUIVALENT_LOSS in file.variables:
         loss = loss._replace(label=EQUIVALENT)
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     ended_by = str(getattr(file, "ended_by", ""))
     lines = filter(None, [ended_by, *_calibrated(scene), taken, *film_lines(scene)])
-    return [
-        Block("wear included", tuple(COUNTED[k] for k in followed), lives),
-        Block("life", (), (own, *by_wear, ended, loss), tuple(lines)),
-    ]
+    return [Block("life", (), (*lives, ended, loss), tuple(lines))]
 
 
 def _of_each(file: Any) -> list[Block]:
     """Blocks of a bearing."""
-    scene, counted = _scene_of(file)
+    scene = _scene_of(file)
     blocks = []
     if "step" in file.dimensions and file.dimensions["step"].size:
         more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
@@ -103,7 +89,7 @@ def _of_each(file: Any) -> list[Block]:
         ends = tuple(row for n in names for row in _ends(file, n))
         rate = values(file, "history_ball_diameter_loss_rate")
         if rate.ndim:
-            loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1], counted])
+            loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1]])
             label = EQUIVALENT if EQUIVALENT_LOSS in file.variables else loss_rate.label
             name = "history_ball_diameter_loss_rate"
             ends += (loss_rate._replace(label=label, name=name),)
@@ -146,11 +132,6 @@ def _films(file: Any) -> list[Block]:
         for row in rows
     ]
     return [Block("worn through after", RACES, tuple(rows))] if rows else []
-
-
-def _life_of(file: Any, k: int) -> float:
-    """The life by a way of counting [h]."""
-    return float(np.atleast_1d(values(file, "life"))[k])
 
 
 def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:

@@ -15,9 +15,13 @@ from bearingwear.measures import ENDS, Measure
 from bearingwear.results.units import scale_of
 from bearingwear.scene.scene import COUNTS
 
-COUNTED = tuple(name.replace("_and_", " + ") for name in COUNTS)
-COUNTED_WORDS = ("the balls alone", "balls and races")
-"""What wear counts, in a sentence, in the order of `COUNTS`."""
+COUNTED_WORDS = dict(zip(COUNTS, ("the balls alone", "balls and races"), strict=True))
+"""What wear counts, in a sentence."""
+
+
+def counted_words(scene: Mapping[str, Any]) -> str:
+    """What wear a scene counts, in a sentence."""
+    return COUNTED_WORDS[scene.get("wear", {}).get("counts", COUNTS[-1])]
 
 
 FILM_TESTS = (

@@ -18,7 +18,7 @@ from bearingwear.document.document import Block, Document, Row, quantity_row, ro
 from bearingwear.document.life import life_blocks
 from bearingwear.document.pair import of_bearings, system_blocks
 from bearingwear.document.rows import (
-    COUNTED,
+    counted_words,
     limits_of_rows,
     marked,
     mean,
@@ -215,8 +215,9 @@ def _case_of(file: Any) -> list[Block]:
         Block(f"bearing{mean_of}", (), marked(bearing, file)),
     ]
     if "ball_diameter_loss_rate" in file.variables:
-        rate = row_of("ball_diameter_loss_rate", values(file, "ball_diameter_loss_rate"))
-        blocks.append(Block("wear included", COUNTED, (rate,)))
+        rate = row_of("ball_diameter_loss_rate", [values(file, "ball_diameter_loss_rate")])
+        words = counted_words(json.loads(getattr(file, "scene", "{}")))
+        blocks.append(Block(f"wear of {words}", (), (rate,)))
     blocks += _grown(file)
     return blocks + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
 
@@ -273,7 +274,7 @@ def _grown(file: Any) -> list[Block]:
 def _diagnostics(file: Any) -> list[Block]:
     """How well a result was solved, and what made it."""
     found = ((name, values(file, name)) for name in file.variables if name in DIAGNOSTICS)
-    rows = (row_of(name, v[np.isfinite(v)].ravel()) for name, v in found if v.size <= len(COUNTED))
+    rows = (row_of(name, v[np.isfinite(v)].ravel()) for name, v in found if v.size <= len(RACES))
     elsewhere = ("scene", "warnings", "modelled", "title", "comment", "references", "Conventions")
     names = [name for name in file.ncattrs() if name not in elsewhere]
     attributes = tuple(f"{name}: {_short(file.getncattr(name))}" for name in names)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Document, Row, quantity_row
-from bearingwear.document.rows import COUNTED, film_lines, values
+from bearingwear.document.rows import counted_words, film_lines, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
@@ -26,11 +26,10 @@ from bearingwear.results.quantiles import (
     TAKEN,
     band_by_wear,
     causes_told,
-    spreads_of,
+    spread_of,
     uncertainties_at,
 )
 from bearingwear.results.units import Rough, display
-from bearingwear.scene.scene import COUNTS
 
 MOST_LISTED = 8
 """Values of a coordinate that are listed; of more, the first and the last are."""
@@ -86,11 +85,9 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     known, scene = uncertainties_at(path), json.loads(file.scene)
     blocks: list[Block] = []
     for label, method, friction, choice in lives:
-        found = spreads_of(known, scene, method, friction, choice)
-        if found and len(found) == len(COUNTS):
+        if spread := spread_of(known, scene, method, friction, choice):
             title = ": ".join(filter(None, ("spread in life", label)))
-            rows = spread_rows([found[way].rows for way in COUNTS])
-            blocks.append(Block(title, COUNTED, tuple(rows)))
+            blocks.append(Block(title, (), tuple(spread_rows([spread.rows]))))
     missing = len(lives) - len(blocks)
     where = f" for the other {missing}" if blocks else ""
     taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
@@ -189,15 +186,12 @@ def _lives(file: Any) -> list[Block]:
     criteria = values(file, "end_criterion").ravel()
     methods, frictions = _methods(file), values(file, "friction").tolist()
     points = list(itertools.product(methods, frictions))
-    lives = values(file, "life").reshape(len(points), -1).T
+    words = counted_words(json.loads(getattr(file, "scene", "{}")))
     met = tuple(ends[int(end)] if np.isfinite(end) else ends[-1] for end in criteria)
     rows = (
         Row("preload method", "", tuple(method for method, _ in points), "preload_method"),
         Row("friction", "", tuple(mu for _, mu in points), "friction", given=True),
-        *(
-            quantity_row(f"life, {words}", "h", hours, f"life.{way}")
-            for words, way, hours in zip(COUNTED, COUNTS, lives, strict=True)
-        ),
+        quantity_row(f"life, wear of {words}", "h", values(file, "life").ravel(), "life"),
         quantity_row("loss", "m", values(file, "loss_at_end").ravel(), "loss_at_end"),
         Row("ended by", "", met, "end_criterion"),
     )

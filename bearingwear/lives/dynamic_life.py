@@ -15,7 +15,7 @@ from bearingwear.lives.history import film_values
 from bearingwear.lives.methods import Trapezoid
 from bearingwear.lives.motion import Motion, run_at
 from bearingwear.lives.surfaces import surface_life
-from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
+from bearingwear.scene.scene import EndOfLife, Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.dynamic.stability import GROWTHS
@@ -30,12 +30,11 @@ _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
     """Wear life of a scene with a dynamic run at every step, and the steady life beside it.
 
-    Returns values and attributes of a life file. Only the scene's own way of counting wear is
-    followed, since it decides which wear the runs see; what belongs to the other is NaN.
+    Returns values and attributes of a life file.
     """
     values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
-    method = Trapezoid(_MOST_STEPS * wearing.steps, wearing.parts.count)
+    method = Trapezoid(_MOST_STEPS * wearing.steps)
     life = follow(wearing, Criteria(scene), method)
     values |= {"status": life.status, "end_criterion": life.criterion}
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
@@ -53,12 +52,11 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
 def ends(life: Life) -> dict:
     """Life and its errors; the life is a lower bound where no criterion was met."""
     wearing: Motion = life.wearing
-    last, count = life.last, wearing.parts.count
-    error, estimate = np.full(2, math.nan), np.full(2, math.nan)
+    last, error, estimate = life.last, math.nan, math.nan
     values: dict[str, Any] = {"loss_at_end": float(wearing.parts.loss(last.worn).mean())}
     if life.status == code.OK and last.x > 0.0:
         time = np.array([node.x for node in life.nodes])
-        error[count] = life.error[count]
+        error = life.error
         # each film's end, then that of the life
         begun = [0, *(np.flatnonzero(np.diff(time) == 0.0) + 1).tolist()]
         ends = [*begun[1:], time.size]
@@ -67,19 +65,18 @@ def ends(life: Life) -> dict:
                 nodes = life.nodes[first:end]
                 rate = np.array([wearing.end_rate(node, life.criterion, film) for node in nodes])
                 at_end = 0.5 * (rate[-2] + rate[-1])
-                error[count] += integration_error(time[first:end], rate) / at_end
+                error += integration_error(time[first:end], rate) / at_end
         by_runs = [
-            run_at(node).values.get("wear_rate_error_estimate", [math.nan] * 2)[count]
-            for node in life.nodes
+            run_at(node).values.get("wear_rate_error_estimate", math.nan) for node in life.nodes
         ]
         # No run estimates the error of a clearance's growth.
         if not wearing.is_of_cage(life.criterion):
-            mean = np.trapezoid(by_runs, time) / last.x
-            estimate[count] = ROUNDING + error[count] / last.x + mean
+            mean = float(np.trapezoid(by_runs, time)) / last.x
+            estimate = ROUNDING + error / last.x + mean
     factor, _ = parameters.wear_factors(wearing.scene)
     values |= {"life": last.time, "normalised_life": last.time * factor}
     values["life_error_bound"] = error
-    return values | ({"life_error_estimate": estimate} if np.isfinite(estimate).any() else {})
+    return values | ({"life_error_estimate": estimate} if math.isfinite(estimate) else {})
 
 
 def life_histories(life: Life) -> dict:
@@ -123,16 +120,16 @@ def steady_life(scene: Scene) -> Life:
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
     reduced = thrust_alone(scene).without_cage
     reduced = replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
-    return surface_life(reduced, solver_of(reduced), bounded=False)
+    return surface_life(reduced, solver_of(reduced))
 
 
 def steady_life_values(scene: Scene) -> dict:
-    """Life, end and loss at the end by the steady model, counted as the scene does."""
+    """Life, end and loss at the end by the steady model."""
     life = steady_life(scene)
     values: dict = {"steady_status": life.status, "steady_end_criterion": life.criterion}
     if life.status == code.OK:
         values |= {
-            "steady_life": float(life.last.time[COUNTS.index(scene.wear.counts)]),
+            "steady_life": life.last.time,
             "steady_loss_at_end": life.last.states[0].loss,
         }
     return values
@@ -146,4 +143,4 @@ def steady_time_to_loss(scene: Scene, loss: float) -> dict:
     life = steady_life(with_end(scene, end))
     if life.status != code.OK:
         return {}
-    return {"steady_time_to_loss": float(life.last.time[COUNTS.index(scene.wear.counts)])}
+    return {"steady_time_to_loss": life.last.time}

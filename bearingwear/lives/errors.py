@@ -17,13 +17,12 @@ from bearingwear.lives.grooves import (
     follow_grooves,
     point_of,
 )
-from bearingwear.lives.surfaces import surface_life
-from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.solvers.bearing.films import follows_depths
+from bearingwear.lives.surfaces import is_one_integral, surface_life
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy, States
-from bearingwear.solvers.estimates import DOUBLED, HALVED, ROUNDING, changed
+from bearingwear.solvers.estimates import DOUBLED, HALVED, ROUNDING
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.bearing import ARC_STEP
 
@@ -34,25 +33,25 @@ _WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 def surface_error(scene: Scene, life: Life) -> dict:
     """Estimate for a steady life whose contacts stay Hertzian; none without an end of its own."""
-    now, own = life.last.time, COUNTS.index(scene.wear.counts)
-    if life.status != code.OK or not now[own] > 0.0:
+    now = life.last.time
+    if life.status != code.OK or not now > 0.0:
         return {}
     total = ROUNDING + life.error / now
     for accuracy, weight in _WEIGHTS.items():
         states = solver_of(scene, "steady", accuracy)
-        if len(scene.sides) == 1 and not follows_depths(scene):
+        if is_one_integral(scene):
             change = _changed_along(life, states, Criteria(scene))
         else:
-            other = surface_life(scene, states, bounded=False, counts=(own,))
+            other = surface_life(scene, states, quick=True)
             is_alike = (other.status, other.criterion) == (life.status, life.criterion)
-            change = changed(now, other.last.time) if is_alike else None
+            change = abs(other.last.time - now) / now if is_alike else None
         if change is None:
             return {}
         total = total + weight * change
     return {"life_error_estimate": total}
 
 
-def _changed_along(life: Life, states: Remembered, ends: Criteria) -> np.ndarray | None:
+def _changed_along(life: Life, states: Remembered, ends: Criteria) -> float | None:
     """Relative change of a life by other states at its start, middle and end."""
     nodes = [life.nodes[k] for k in (0, len(life.nodes) // 2, -1)]
     states.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
@@ -60,29 +59,30 @@ def _changed_along(life: Life, states: Remembered, ends: Criteria) -> np.ndarray
     if not all(one.is_solved for one in others):
         return None
     each = zip(nodes, others, strict=True)
-    longer = [node.states[0].rate / one.rate - 1.0 for node, one in each]
-    return _changed_by(life, longer, nodes, others[-1:], ends)
+    longer = np.array([node.states[0].rate / one.rate - 1.0 for node, one in each])
+    change = _changed_by(life, longer, nodes, others[-1:], ends)
+    return None if change is None else float(change)
 
 
 def _changed_by(
     life: Life,
-    longer: Any,
+    longer: np.ndarray,
     nodes: Sequence[Node],
     other_end: Sequence[State],
     ends: Criteria,
-    counts: slice = slice(None),
-) -> np.ndarray | None:
+) -> Any:
     """Relative change of a life by other states; None if it would end by another criterion.
 
-    `longer` is the relative change of the inverse rates at some nodes, which is integrated; the
-    margin of the other state at the end shifts the end, by its last slope.
+    `longer` is the relative change of the inverse rates of one bearing or more at some nodes
+    (nodes, ...), which is integrated; the margin of the other state at the end shifts the end, by
+    its last slope.
     """
-    times = np.array([node.time[counts] for node in nodes])
+    times = np.array([node.time for node in nodes])
     before, left = life.nodes[-2], ends.margins(other_end)
     if np.delete(left, life.criterion).min() <= 0.0:
         return None
     shift = left[life.criterion] / ends.margins(before.states)[life.criterion]
-    change = np.trapezoid(longer, times, axis=0) + shift * (times[-1] - before.time[counts])
+    change = np.trapezoid(longer, times, axis=0) + shift * (times[-1] - before.time)
     return np.abs(change) / times[-1]
 
 
@@ -141,16 +141,16 @@ def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
         follow_grooves(wearing),
     ]
     coarse, few = (
-        float(one.last.time[1]) if (one.status, one.criterion) == (code.OK, criterion) else math.nan
+        one.last.time if (one.status, one.criterion) == (code.OK, criterion) else math.nan
         for one in lives
     )
     bound = 2.0 * abs(coarse - length)
-    values = {"life_error_bound": np.array([math.nan, bound])}
+    values = {"life_error_bound": bound}
     estimate = ROUNDING + (bound + abs(few - coarse)) / length
     if math.isfinite(estimate):
         estimate += _of_accuracies(wearing, lives[1], Criteria(scene))
     if math.isfinite(estimate):
-        values["life_error_estimate"] = np.array([math.nan, estimate])
+        values["life_error_estimate"] = estimate
     return values
 
 
@@ -165,7 +165,7 @@ def _of_accuracies(wearing: _Compared, life: Life, ends: Criteria) -> float:
     total = 0.0
     for k, weight in enumerate(_WEIGHTS.values(), 1):
         longer = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
-        change = _changed_by(life, longer, nodes, found[-1][k], ends, slice(1, None))
+        change = _changed_by(life, longer, nodes, found[-1][k], ends)
         total += math.nan if change is None else weight * change.max()
     return total
 

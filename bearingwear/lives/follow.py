@@ -5,7 +5,7 @@ A method (`bearingwear.lives.methods`) takes steps over the loss or over the tim
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -26,7 +26,7 @@ class Node(NamedTuple):
     x: float  # what steps go along: the counted loss [m] or the time [s]
     worn: Any  # as its way to wear has it
     states: States
-    time: np.ndarray  # (2,) by both ways of counting wear, NaN by one that is not followed [s]
+    time: float  # [s]
 
     @property
     def status(self) -> int:
@@ -53,13 +53,12 @@ class LifeStep:
 
     end: float
     nodes: Sequence[Node] = ()
-    error: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the times [s]
+    error: float = 0.0  # of the times [s]
     is_rough: bool = False  # and has to be shorter
 
 
 class Method:
     most_steps = 2000
-    counts: Any = slice(None)  # ways of counting wear whose times are followed
     root = 1e-9  # of the step in which an end is met
     shorter = 0.0  # a step after one that failed, over that; 0 where there is none
     shortest = 0.0  # step, and what may be left of the way to an end
@@ -76,13 +75,7 @@ class Method:
         return node._replace(states=self.wearing.state(node.worn))
 
     def node(self, x: float, worn: Any, time: float) -> Node:
-        return Node(x, worn, self.wearing.state(worn), self.clock(time))
-
-    def clock(self, time: float) -> np.ndarray:
-        """A time by the ways of counting that are followed (2,) [s]."""
-        times = np.full(2, np.nan)
-        times[self.counts] = time
-        return times
+        return Node(x, worn, self.wearing.state(worn), time)
 
     def step(self, life: "Life", bound: float) -> LifeStep:
         """A step from the end of a life, not beyond a bound."""
@@ -120,9 +113,9 @@ class Method:
 
         return brent_root(left, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15)
 
-    def error_of_end(self, life: "Life") -> np.ndarray:
-        """Errors of the times at which a criterion is reached or a way changes (2,) [s]."""
-        return np.zeros(2)
+    def error_of_end(self, life: "Life") -> float:
+        """Error of the time at which a criterion is reached or a way changes [s]."""
+        return 0.0
 
 
 @dataclass
@@ -133,7 +126,7 @@ class Life:
     wearing: Any
     criterion: int = NO_CRITERION
     status: int = code.CRITERION_NOT_REACHED
-    error: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    error: float = 0.0  # of the last time, by the steps [s]
     solves: int = 0
     beyond: Node | None = None
 
@@ -148,7 +141,7 @@ class Life:
 
     @property
     def times(self) -> np.ndarray:
-        """When the nodes are reached (nodes, 2) [s]."""
+        """When the nodes are reached (nodes,) [s]."""
         return np.array([node.time for node in self.nodes])
 
     @property
@@ -159,8 +152,8 @@ class Life:
     def states(self) -> list[State]:
         return [node.states[0] for node in self.nodes]
 
-    def first(self, ends: Criteria, counts: int = 1) -> float:
-        """When it first meets other ends, by a way of counting [s]; NaN if it does not.
+    def first(self, ends: Criteria) -> float:
+        """When it first meets other ends [s]; NaN if it does not.
 
         Between the nodes, margins are monotone cubics of time.
         """
@@ -168,7 +161,7 @@ class Life:
             return np.nan
         from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are asked this
 
-        times, first = self.times[:, counts], np.inf
+        times, first = self.times, np.inf
         for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
             met = np.flatnonzero(margin <= 0.0)
             if met.size and met[0] == 0:

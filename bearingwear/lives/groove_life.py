@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
@@ -99,7 +98,7 @@ def met_when_new(scene: Scene) -> Life | None:
     found = states(states.bearings.start)
     if any(one.status != code.OK for one in found) or Criteria(scene).margins(found).min() > 0.0:
         return None
-    return surface_life(scene, states, bounded=False)
+    return surface_life(scene, states)
 
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:
@@ -109,18 +108,10 @@ def groove_life(scene: Scene) -> tuple[dict, dict]:
         return life_values(scene, ended), {"solves": life.solves + ended.solves, "contact": "hertz"}
     values = life_values(scene, life)
     if life.status == code.OK:
-        values |= groove_errors(scene, float(life.last.time[1]), life.criterion)
+        values |= groove_errors(scene, life.last.time, life.criterion)
     if life.nodes[0].status == code.OK:
         each = zip(life.wearing.sides, life.bearings, strict=True)
         values |= joined([groove_values(side, states) for side, states in each])
-    if "life" in values and life.status == code.OK:
-        # where only the balls' wear counts, grooves do not wear
-        ball = replace(scene, wear=replace(scene.wear, counts=COUNTS[0]))
-        even = surface_life(ball, solver_of(ball), bounded=False, counts=(0,))
-        without = float(even.last.time[0]) if even.status == code.OK else math.nan
-        factors = {"life": 1.0, "normalised_life": parameters.wear_factors(scene)[0]}
-        for name, factor in factors.items():
-            values[name] = np.array([factor * without, values[name][1]])
     return values, {"solves": life.solves, "contact": "worn"}
 
 

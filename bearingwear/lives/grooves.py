@@ -186,7 +186,7 @@ def follow_grooves(wearing: Grooves) -> Life:
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)
-        rates = [_loss_rates(side, states, life.times[:, 1]) for side, states in each]
+        rates = [_loss_rates(side, states, life.times) for side, states in each]
         for k, of_node in enumerate(zip(*rates, strict=True)):
             found = zip(life.nodes[k].states, of_node, strict=True)
             states = (one.with_values({"ball_diameter_loss_rate": rate}) for one, rate in found)
@@ -194,8 +194,8 @@ def follow_grooves(wearing: Grooves) -> Life:
     return life
 
 
-def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[np.ndarray]:
-    """Rates (2,) at which the even loss of a bearing grows, of each state [m/s]."""
+def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[float]:
+    """Rates at which the even loss of a bearing grows, of each state [m/s]."""
     if len(states) < 2:
         first, point = states[0], point_of(states[0])
         worn_by = first["qv"][None], first["semi_major_axis"][None], point.track[None]
@@ -205,4 +205,4 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[np.n
     steps = np.diff(times)
     n = len(times) - (len(times) > 2 and steps[-1] < _SHORT * steps[-2])
     rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
-    return [np.array([np.nan, rate]) for rate in np.append(rates, rates[-1:])[: len(times)]]
+    return np.append(rates, rates[-1:])[: len(times)].tolist()

@@ -6,7 +6,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.sides import SHARED
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.arrangement import stacked_sides
@@ -20,7 +20,7 @@ def life_values(scene: Scene, life: Life) -> dict:
     start = life.nodes[0]
     if start.status != code.OK:
         return values
-    wears = all(np.fmin.reduce(state.rate) > 0.0 for state in start.states)
+    wears = all(state.rate > 0.0 for state in start.states)
     if not wears and life.status != code.OK:  # no time is a lower bound of it
         return values
     factor, _ = parameters.wear_factors(scene)
@@ -56,8 +56,7 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
     if not films.wear_through:
         return values
     left = history_values(states, ["film_left"])["history_film_left"]  # (steps, 3)
-    time = times[:, COUNTS.index(scene.wear.counts)]
-    wear_through_times = [_time_of_nothing(time, part) for part in left.T]
+    wear_through_times = [_time_of_nothing(times, part) for part in left.T]
     left = np.maximum(left, 0.0)
     values |= history_values(states, ["film_worn_share"])
     if films.race.film is not None:

@@ -8,7 +8,7 @@ from bearingwear.interrupt import Interrupt
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.surfaces import surface_life
+from bearingwear.lives.surfaces import steps_error, surface_life
 from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import lasting_growth
@@ -47,13 +47,17 @@ def life(
             values = joined([values, values])
     elapsed = time.perf_counter() - started
     values |= lasting_growth(scene)
+    attrs |= {"wear_counts": scene.wear.counts}
     return result_of(scene, chosen, values, attrs | end_attribute(scene, values), elapsed)
 
 
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
-    found = surface_life(scene, solver_of(scene, fidelity))
+    states = solver_of(scene, fidelity)
+    found = surface_life(scene, states)
+    found.error = steps_error(scene, states, found)
+    attrs = {"solves": states.solves}
     values = life_values(scene, found)
     if fidelity == "steady":
         values |= surface_error(scene, found)
-    return values, {"solves": found.solves}
+    return values, attrs

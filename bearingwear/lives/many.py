@@ -19,8 +19,7 @@ from bearingwear.lives.grooves import (
     Grooves,
     follow_grooves,
 )
-from bearingwear.lives.methods import QUARTERS
-from bearingwear.lives.surfaces import surface_life
+from bearingwear.lives.surfaces import is_one_integral, surface_life
 from bearingwear.measures import MEASURES, Measure
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import EndOfLife, Scene
@@ -33,17 +32,17 @@ from bearingwear.solvers.state import OF_EACH_CONTACT, State
 class HertzianLives:
     """Lives of a scene with different ends; known states are not solved again.
 
-    Quick ones have longer steps: 95 in 100 are known to 1e-4.
+    Quick ones have longer steps: 95 in 100 are known to 1e-4. Where a life is no integral of the
+    loss alone, it is always quick: it has the same length.
     """
 
     def __init__(self, scene: Scene, quick: bool = False):
-        self.quick = quick
-        self._between = QUARTERS if len(scene.one_of_alike.sides) == 1 else (0.5,)
+        self.quick = quick or not is_one_integral(scene)
         self.states = solver_of(scene, tolerance=WELL_BALANCED)
 
     def __call__(self, scene: Scene) -> Life:
         """The life of the scene, which may have another end."""
-        return surface_life(scene, self.states, False, between=self._between, quick=self.quick)
+        return surface_life(scene, self.states, quick=self.quick)
 
 
 def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Life | None:
@@ -105,9 +104,9 @@ def _worse(first: Any, second: Any, measure: Measure) -> Any:
 
 
 def lives_by_end(
-    scene: Scene, farthest: EndOfLife, basis: int, quick: bool = False
+    scene: Scene, farthest: EndOfLife, quick: bool = False
 ) -> Callable[[EndOfLife], float]:
-    """Function from an end of life to the life [s] on a loss basis, NaN where it was not solved.
+    """Function from an end of life to the life [s], NaN where it was not solved.
 
     Grooves are followed where `life` does, with its cells and steps unless `quick`. They wear alike
     whatever ends the life, so they are followed once, to the `farthest` end: every limit as loose
@@ -115,14 +114,14 @@ def lives_by_end(
     """
     if scene.cases:
         wearing = cases_that_wear(scene).values()
-        each = [lives_by_end(one, farthest, basis, quick) for one in wearing]
+        each = [lives_by_end(one, farthest, quick) for one in wearing]
         return lambda end: float(np.min([length(end) for length in each]))
     if grooves_followed(scene, "steady")[0] is None:
         lives = HertzianLives(scene)
 
         def length(end: EndOfLife) -> float:
             life = lives(with_end(scene, end))
-            return float(life.last.time[basis]) if life.status == code.OK else np.nan
+            return life.last.time if life.status == code.OK else np.nan
 
         return length
     asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))

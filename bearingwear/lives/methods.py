@@ -35,7 +35,6 @@ class Unsolved(ArithmeticError):
 class Simpson(Method):
     """Adaptive Simpson integration of the time over the loss, t = integral of d(loss)/rate(loss).
 
-    Both ways of counting wear (ball, ball and races) share the states and differ in the clock.
     A life ends at a loss, `farthest`, or before: no step leads beyond it. The time to an end within
     a step of a quick life is that of the quartic through its nodes.
     """
@@ -67,18 +66,18 @@ class Simpson(Method):
             solved = takewhile(lambda node: node.status == code.OK, nodes)
             return LifeStep(end=end, nodes=[*solved, failed[-1]])
         y = np.array([1.0 / node.states[0].rate for node in (start, *nodes)])
-        *times, whole = h / 48.0 * np.dot(SIMPSON, y)
+        *times, whole = (h / 48.0 * np.dot(SIMPSON, y)).tolist()
         # The finer rule is about 15 times better than this difference of the two.
-        error = np.abs(times[-1] - whole)
-        allowed = self.tolerance * np.maximum(start.time + times[-1], TINY_TIME)
-        if np.all(error < WELL_WITHIN * allowed):
+        error = abs(times[-1] - whole)
+        allowed = self.tolerance * max(start.time + times[-1], TINY_TIME)
+        if error < WELL_WITHIN * allowed:
             self.length = 2.0 * h
         reached = zip(nodes, times, strict=True)
         step = LifeStep(
             end=end,
             nodes=[node._replace(time=start.time + passed) for node, passed in reached],
             error=error,
-            is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
+            is_rough=error > allowed and h > ENOUGH * self.shortest,
         )
         self._solved = step if self.quick and not step.is_rough else None
         return step
@@ -88,32 +87,30 @@ class Simpson(Method):
         h, powers = step.end - start.x, np.arange(1, 6)
         y = np.array([1.0 / node.states[0].rate for node in (start, *step.nodes)])
         weights = np.linalg.solve(_AT_NODES.T, ((end - start.x) / h) ** powers / powers)
-        last = self.at(end)._replace(time=start.time + h * weights @ y)
+        last = self.at(end)._replace(time=start.time + h * float(weights @ y))
         nodes = [node for node in step.nodes if node.x < end]
         return LifeStep(end=end, nodes=[*nodes, last], error=step.error)
 
-    def error_of_end(self, life: Life) -> np.ndarray:
+    def error_of_end(self, life: Life) -> float:
         passed = life.last.x - life.nodes[0].x
         return self.root * passed / life.last.states[0].rate
 
 
 class RungeKutta(Method):
-    """SciPy's explicit Runge-Kutta method over the sum of the counted losses s,
+    """SciPy's explicit Runge-Kutta method over the sum of the losses s of the bearings,
 
-        d(what is worn, t)/ds = their rates over the sum of the counted loss rates.
+        d(what is worn, t)/ds = their rates over the sum of the loss rates.
 
-    The tolerance of a step is relative, the first step in m. The clock of one way of counting wear
-    is followed. After shares `between` of each step a node is kept, too.
+    The tolerance of a step is relative, the first step in m. After shares `between` of each step a
+    node is kept, too.
     """
 
     shorter = 0.25
     solver: Any = None
 
-    def __init__(
-        self, tolerance: float, first: float, counts: int, between: Sequence[float] = QUARTERS
-    ):
+    def __init__(self, tolerance: float, first: float, between: Sequence[float] = QUARTERS):
         self.tolerance, self.initial, self.shortest = tolerance, first, SHORTEST_STEP * first
-        self.length, self.counts, self.between = first, counts, between
+        self.length, self.between = first, between
 
     def again(self, node: Node) -> Node:
         self.solver, self.length = None, self.initial
@@ -127,10 +124,7 @@ class RungeKutta(Method):
         node = self.node(s, y[:-1], float(y[-1]))
         if node.status != code.OK:
             raise Unsolved(node)
-        return np.append(self.wearing.rates(node), 1.0) / self._counted(node)
-
-    def _counted(self, node: Node) -> float:
-        return sum(one.rate[self.counts] for one in node.states)
+        return np.append(self.wearing.rates(node), 1.0) / _loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
@@ -138,9 +132,9 @@ class RungeKutta(Method):
         start = life.last
         try:
             if self.solver is None or self.solver.t_bound != bound:
-                y = np.append(start.worn, start.time[self.counts])
+                y = np.append(start.worn, start.time)
                 atol = np.full(y.size, self.tolerance * self.initial)
-                atol[-1] /= self._counted(start)
+                atol[-1] /= _loss_rate(start)
                 first = min(self.length, bound - start.x)
                 how = {"rtol": self.tolerance, "atol": atol, "first_step": first}
                 self.solver = RK45(self._derivative, start.x, y, bound, **how)
@@ -161,6 +155,11 @@ class RungeKutta(Method):
         if self.solver is not None:
             self.tried, self.solver = self.solver.h_abs, None
         return super().shorten()
+
+
+def _loss_rate(node: Node) -> float:
+    """Sum of the rates at which the bearings lose [m/s]."""
+    return sum(one.rate for one in node.states)
 
 
 class InTime(Method):
@@ -204,7 +203,7 @@ class Adams(InTime):
     Each is as long as the deepest place may wear in one.
     """
 
-    most_steps, counts, root, nearest = 1000, 1, 1e-3, 1e-4
+    most_steps, root, nearest = 1000, 1e-3, 1e-4
 
     def first(self, wearing: Wearing) -> Node:
         first = super().first(wearing)
@@ -223,7 +222,7 @@ class Adams(InTime):
         return step
 
     def after(self, x: float) -> Node:
-        wearing, now, time = self.wearing, self.now, self.clock(x)
+        wearing, now = self.wearing, self.now
         h, ratio, rates, older = x - now.x, 0.0, self.rates, self.rates
         if self.before is not None:
             stretched = h / (now.x - self.before.x)
@@ -232,7 +231,7 @@ class Adams(InTime):
                 ratio, older = stretched, self.older
         predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, older)
         worn, states = wearing.moved(now.worn, predictor, on_the_way=True)
-        ahead = Node(x, worn, states, time)
+        ahead = Node(x, worn, states, x)
         if ahead.status != code.OK:
             return ahead
         share = h / (6.0 * (1.0 + ratio))
@@ -242,14 +241,14 @@ class Adams(InTime):
             (-share * ratio * ratio, older),
         )
         worn, states = wearing.moved(now.worn, corrector)
-        return Node(x, worn, states, time)
+        return Node(x, worn, states, x)
 
 
 class Trapezoid(InTime):
     """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13)."""
 
-    def __init__(self, most: int, counts: int):
-        self.most_steps, self.counts = most, counts
+    def __init__(self, most: int):
+        self.most_steps = most
         self._errors: dict[float, float] = {}  # of ends [s]
 
     def again(self, node: Node) -> Node:
@@ -262,7 +261,7 @@ class Trapezoid(InTime):
             slope = (rates - self.older) / (now.x - self.before.x)
             ahead = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
         worn = now.worn + h * ahead
-        found = Node(x, worn, wearing.state(worn, now.states), self.clock(x))
+        found = Node(x, worn, wearing.state(worn, now.states), x)
         if found.status != code.OK:
             return found
         worn = now.worn + 0.5 * h * (rates + wearing.rates(found))
@@ -288,5 +287,5 @@ class Trapezoid(InTime):
                 low, before = x, left
         return best
 
-    def error_of_end(self, life: Life) -> np.ndarray:
-        return self.clock(self._errors[life.last.x])
+    def error_of_end(self, life: Life) -> float:
+        return self._errors[life.last.x]

@@ -166,7 +166,7 @@ class Motion:
             deepest
             | self.films.film_values(self.depths(worn))
             | {
-                "ball_diameter_loss_rate": np.array([ball, ball + rates[p.groove].sum()]),
+                "ball_diameter_loss_rate": self.films.loss_rate(ball, rates[p.groove]),
                 "ball_wear_rate": rates[p.ball].mean(),
                 "race_wear_rate": rates[p.race],
             }

@@ -4,7 +4,7 @@ The state depends on what each bearing has lost, and, where films or running in 
 surface wears, on how deep that is.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import accumulate
 from typing import Any
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, largest_loss
-from bearingwear.lives.follow import Life, Node, States, follow
+from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import (
     Bare,
     Factors,
@@ -66,7 +66,7 @@ def wear_through(films: Iterable[tuple[Coating, np.ndarray]], film: int) -> None
 
 
 class EvenWear:
-    """A bearing whose wear rate depends on its counted loss alone: worn is that loss (1,) [m]."""
+    """A bearing whose wear rate depends on its loss alone: worn is that loss (1,) [m]."""
 
     coating = Coating(np.empty(0))
 
@@ -80,16 +80,16 @@ class EvenWear:
         """Loss that can be followed [m]."""
         return self.largest - self.present
 
-    def condition(self, worn: np.ndarray, counts: int) -> Condition:
+    def condition(self, worn: np.ndarray) -> Condition:
         return Condition(float(worn[0]))
 
     def state(self, state: State, worn: np.ndarray) -> State:
         """The state of a condition, with what depends on how deep the surfaces are worn."""
         return state
 
-    def rates(self, state: State, counts: int) -> np.ndarray:
+    def rates(self, state: State) -> np.ndarray:
         """Wear rates [m/s]."""
-        return state.rate[counts : counts + 1]
+        return np.array([state.rate])
 
     def depths(self, worn: np.ndarray) -> np.ndarray:
         """Depths of what may have a film [m]."""
@@ -115,8 +115,8 @@ class FilmWear(EvenWear):
     def bare(self) -> Bare:
         return self.films.bare(self.coating.cover)
 
-    def condition(self, worn: np.ndarray, counts: int) -> Condition:
-        counted = worn[0] + (worn[1] + worn[2] if counts else 0.0)
+    def condition(self, worn: np.ndarray) -> Condition:
+        counted = worn[0] + (worn[1] + worn[2] if self.scene.wear.counts_races else 0.0)
         return Condition(self.present + float(counted), self.bare)
 
     def depths(self, worn: np.ndarray) -> np.ndarray:
@@ -153,7 +153,8 @@ class FilmWear(EvenWear):
         off_ball, off_races = float(of_ball @ ball), of_races * race
         return state.with_values(
             {
-                "ball_diameter_loss_rate": np.array([off_ball, off_ball + off_races.sum()]),
+                "ball_diameter_loss_rate": self.loss_rate(off_ball, off_races),
+                "ball_depth_rate": off_ball,
                 "ball_wear_rate": float(state["qv"] @ ball),
                 "race_wear_rate": self.scene.bearing.ball_count * race * state["qv"],
                 "groove_depth_rate": off_races,
@@ -162,17 +163,21 @@ class FilmWear(EvenWear):
             | ({"greatest_depth": worn[3:].max()} if worn.size > 3 else {})
         )
 
-    def rates(self, state: State, counts: int) -> np.ndarray:
+    def loss_rate(self, off_ball: float, off_races: np.ndarray) -> float:
+        """Rate of the loss, as counted, by the rates of ball diameter and of both depths [m/s]."""
+        return off_ball + float(off_races.sum()) if self.scene.wear.counts_races else off_ball
+
+    def rates(self, state: State) -> np.ndarray:
         grooves = state["groove_depth_rate"]
         deepest = state["depth_peak"] * grooves if self.start.size > 3 else ()
-        return np.array([state.rate[0], *grooves, *deepest])
+        return np.array([state["ball_depth_rate"], *grooves, *deepest])
 
 
 class Surfaces:
-    """The wear of one bearing, or of two on a rotor, by one of `COUNTS`."""
+    """The wear of one bearing, or of two on a rotor."""
 
-    def __init__(self, scene: Scene, states: Remembered, counts: int):
-        self.states, self.counts = states, counts
+    def __init__(self, scene: Scene, states: Remembered):
+        self.states = states
         self.each = [
             FilmWear(side) if follows_depths(side) else EvenWear(side) for side in scene.sides
         ]
@@ -186,7 +191,7 @@ class Surfaces:
 
     def state(self, worn: np.ndarray) -> States:
         parts = [*self.parts(worn)]
-        found = self.states(tuple(wear.condition(part, self.counts) for wear, part in parts))
+        found = self.states(tuple(wear.condition(part) for wear, part in parts))
         if any(one.status != code.OK for one in found):
             return found
         each = zip(found, parts, strict=True)
@@ -194,10 +199,10 @@ class Surfaces:
 
     def rates(self, node: Node) -> np.ndarray:
         each = zip(self.each, node.states, strict=True)
-        return np.concatenate([wear.rates(one, self.counts) for wear, one in each])
+        return np.concatenate([wear.rates(one) for wear, one in each])
 
     def wears(self, node: Node) -> bool:
-        return min(one.rate.min() for one in node.states) > 0.0
+        return min(one.rate for one in node.states) > 0.0
 
     def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
         """Films of each bearing, with the depths there [m]."""
@@ -205,7 +210,7 @@ class Surfaces:
 
     def events(self, node: Node) -> np.ndarray:
         parts = self.parts(node.worn)
-        room = (1.0 - one.condition(part, self.counts).loss / one.largest for one, part in parts)
+        room = (1.0 - one.condition(part).loss / one.largest for one, part in parts)
         films = [film.left(depths) for film, depths in self.films_at(node.worn) if depths.size]
         return np.concatenate([[min(room)], *films])
 
@@ -225,47 +230,45 @@ def _largest_permitted(scene: Scene) -> float:
     return (1.0 + 1e-15) * end.ball_diameter_loss_um * UM  # met despite rounding
 
 
-def surface_life(
-    scene: Scene,
-    states: Remembered,
-    bounded: bool = True,
-    counts: Sequence[int] = range(len(COUNTS)),
-    between: Sequence[float] = QUARTERS,
-    quick: bool = False,
-) -> Life:
+def is_one_integral(scene: Scene) -> bool:
+    """Whether a life whose contacts stay Hertzian is an integral over the loss alone."""
+    sides = scene.one_of_alike.sides
+    return len(sides) == 1 and not follows_depths(sides[0])
+
+
+def surface_life(scene: Scene, states: Remembered, quick: bool = False) -> Life:
     """The life of a scene whose contacts stay Hertzian.
 
-    One bearing without films has both clocks from one integral. Others wear by the scene's own way
-    of counting, which is among `counts`; the last time by another way is that of a life of its own,
-    whose error is found by a looser one where it is `bounded`. `states` may be those of a scene
-    that differs by its end. A `quick` life has longer steps where it is one integral.
+    `states` may be those of a scene that differs by its end. A `quick` life has longer steps where
+    it is one integral, and fewer states between them where it is not.
     """
     scene = scene.one_of_alike
-    ends, own = Criteria(scene), COUNTS.index(scene.wear.counts)
-    tolerance = scene.model.tolerance
-    smallest = min(side.bearing.ball_diameter_mm for side in scene.sides) * MM
-    first = len(scene.sides) * FIRST_STEP * smallest
-
-    def along(k: int, tolerance: float, first: float) -> Life:
-        return follow(Surfaces(scene, states, k), ends, RungeKutta(tolerance, first, k, between))
-
-    if len(scene.sides) == 1 and not follows_depths(scene):
-        wearing = Surfaces(scene, states, own)
+    ends, (tolerance, first) = Criteria(scene), _steps(scene)
+    wearing = Surfaces(scene, states)
+    if is_one_integral(scene):
         wearing.origin = float(wearing.start[0])
         if quick:
             tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
-        method = Simpson(tolerance, first, _largest_permitted(scene), quick)
-        life = follow(wearing, ends, method)
+        method: Method = Simpson(tolerance, first, _largest_permitted(scene), quick)
     else:
-        each = {k: along(k, tolerance, first) for k in counts}
-        life = each.pop(own)
-        life.error, end = np.full(len(COUNTS), np.nan), life.last.time.copy()
-        for k, other in each.items():
-            if other.status == life.status:
-                end[k] = other.last.time[k]
-        life.nodes[-1] = life.last._replace(time=end)
-        if bounded:
-            loose = along(own, min(_LOOSER * tolerance, _LOOSEST), _UNLIKE * first)
-            life.error[own] = abs(loose.last.time[own] - end[own])
+        method = RungeKutta(tolerance, first, (0.5,) if quick else QUARTERS)
+    life = follow(wearing, ends, method)
     life.solves = states.solves
     return life
+
+
+def steps_error(scene: Scene, states: Remembered, life: Life) -> float:
+    """Error of a life by its steps [s]: of one integral its own, else by a life in looser ones."""
+    scene = scene.one_of_alike
+    if is_one_integral(scene):
+        return life.error
+    tolerance, first = _steps(scene)
+    looser = RungeKutta(min(_LOOSER * tolerance, _LOOSEST), _UNLIKE * first, ())
+    loose = follow(Surfaces(scene, states), Criteria(scene), looser)
+    return abs(loose.last.time - life.last.time)
+
+
+def _steps(scene: Scene) -> tuple[float, float]:
+    """Tolerance of a life, and its first step [m]."""
+    smallest = min(side.bearing.ball_diameter_mm for side in scene.sides) * MM
+    return scene.model.tolerance, len(scene.sides) * FIRST_STEP * smallest

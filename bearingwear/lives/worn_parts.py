@@ -9,7 +9,7 @@ import numpy as np
 
 from bearingwear.lives.surfaces import Coating
 from bearingwear.measures import ENDS
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Factors
 from bearingwear.solvers.bearing.outputs import depth_peak, groove_depth_rates, wear_rates
@@ -59,7 +59,7 @@ class WornParts:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.count = COUNTS.index(scene.wear.counts)
+        self.counts_races = scene.wear.counts_races
         n = scene.bearing.ball_count
         self.layout = WornLayout(n)
         loss = np.array(scene.wear.ball_diameter_loss_um) * parameters.UM
@@ -73,7 +73,11 @@ class WornParts:
     def loss(self, worn: np.ndarray) -> np.ndarray:
         """Loss of diameter of each ball that the fit sees (n,) [m]: grooves as counted."""
         p = self.layout
-        return self.fresh + worn[p.diameter] + (worn[p.groove].sum() if self.count else 0.0)
+        return self.fresh + worn[p.diameter] + self._grooves(worn)
+
+    def _grooves(self, worn: np.ndarray) -> float:
+        """Depth of both grooves as far as it counts [m]."""
+        return float(worn[self.layout.groove].sum()) if self.counts_races else 0.0
 
     def cage_depths(self, worn: np.ndarray) -> np.ndarray:
         """Worn off the walls of the pockets and off the guiding surface (2,) [m]; NaN without.
@@ -131,7 +135,7 @@ class WornParts:
             pocket, guide = self.clearances(worn)
             # The motion adds each ball's loss to its pocket, the depth of the grooves with it.
             pocket -= (self.fresh + worn[self.layout.diameter]).max()
-            pocket -= worn[self.layout.groove].sum() if self.count else 0.0
+            pocket -= self._grooves(worn)
             cage = replace(
                 cage,
                 pocket_clearance_mm=max(float(pocket), 0.0) / parameters.MM,
@@ -156,5 +160,4 @@ class WornParts:
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
         """Rate of the mean loss of ball diameter as counted [m/s]."""
-        p = self.layout
-        return float(rates[p.diameter].mean() + (rates[p.groove].sum() if self.count else 0.0))
+        return float(rates[self.layout.diameter].mean()) + self._grooves(rates)

@@ -25,7 +25,6 @@ from bearingwear.results.variables import (
     TIME,
 )
 from bearingwear.scene.accuracy import STANDARD
-from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
@@ -163,7 +162,6 @@ def _layout(
         "ball": 1,
         "race": len(RACES),
         "axis": len(BALL_AXES),
-        "counts": len(COUNTS),
         "strip": strips,
         OF_BEARING: len(BEARINGS),
     }

@@ -6,7 +6,7 @@ from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.variable import DEGREE, ESTIMATE, HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.blocks import CRITERIA
 
-_STEP, _STEP_RACE, _STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
+_STEP, _STEP_RACE = ("step",), ("step", "race")
 _STEP_BALL = ("step", "ball")
 _SHOWN, _PROFILE = ("groove_state",), ("groove_state", "race", "arc")
 _EQUIVALENT = "with worn grooves, the uniform loss of ball diameter with the same effect"
@@ -41,15 +41,15 @@ GROWN = table(
 
 LIFE = table(
     STATUS,
-    Variable("life", ("counts",), "h", "time to the end of life", scale=HOURS_PER_SECOND,
+    Variable("life", (), "h", "time to the end of life", scale=HOURS_PER_SECOND,
         always=True, label="life"),
-    Variable("normalised_life", ("counts",), "s Pa-1",
+    Variable("normalised_life", (), "s Pa-1",
         "life multiplied by the ratio K_s/H of the balls", always=True,
         label="life times K_s/H"),
-    Variable("life_error_bound", ("counts",), "h",
+    Variable("life_error_bound", (), "h",
         "bound on the integration error in the computed life", scale=HOURS_PER_SECOND,
         always=True, label="integration error bound"),
-    Variable("life_error_estimate", ("counts",), "1",
+    Variable("life_error_estimate", (), "1",
         "estimated relative numerical error in the computed life", comment=ESTIMATE,
         label="total numerical error", shown="%"),
     Variable("end_criterion", (), "", "first criterion met", "i1", flags=CRITERIA,
@@ -57,7 +57,7 @@ LIFE = table(
     Variable("loss_at_end", (), "m", "total wear depth at the end of life", always=True,
         comment=_EQUIVALENT, label="total wear depth"),
     Variable("history_ball_diameter_loss", _STEP, "m", "total wear depth", comment=_EQUIVALENT),
-    Variable("history_time", _STEP_COUNTS, "h", "time since the start", scale=HOURS_PER_SECOND),
+    Variable("history_time", _STEP, "h", "time since the start", scale=HOURS_PER_SECOND),
     Variable("history_residual_preload", _STEP, "N",
         "total axial force exerted by the balls on the inner race", label="residual preload"),
     Variable("history_total_qv", _STEP, "W", "total QV of the bearing", label="QV"),
@@ -71,7 +71,7 @@ LIFE = table(
         "load-weighted gyroscopic share of the slip"),
     Variable("history_skid_ratio", _STEP, "1",
         "relative lag of the orbit rate behind that in pure rolling"),
-    Variable("history_ball_diameter_loss_rate", _STEP_COUNTS, "m s-1",
+    Variable("history_ball_diameter_loss_rate", _STEP, "m s-1",
         "rate of increase in total wear depth",
         comment="with worn grooves, the rate of increase in history_equivalent_loss; otherwise, "
         "with the wear depth of a groove averaged over the width of the contact"),

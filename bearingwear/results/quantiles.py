@@ -17,7 +17,7 @@ from bearingwear.results.units import Interval, Rough, key_in_words
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
 from bearingwear.scene.decisive import decisive_data
-from bearingwear.scene.scene import COUNTS, WORN
+from bearingwear.scene.scene import WORN
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ BY_WEAR = f"  {BEARINGS_BETWEEN}, wear only"
 
 
 class Spread(NamedTuple):
-    """Between which lives bearings lie, and why; counting wear in one way [h]."""
+    """Between which lives bearings lie, and why [h]."""
 
     bearings: Interval  # including all uncertain values
     scatter: Interval | None  # within the middle batch; None: bearings of a batch are alike
@@ -124,10 +124,6 @@ def spread_text(spread: Spread | None) -> str:
     return spread.sentence if spread else NO_QUANTILES
 
 
-Spreads = dict[str, Spread]
-"""By each way of counting wear."""
-
-
 def load_quantiles(path: str | Path) -> xr.Dataset:
     """A file of the study of uncertainty."""
     found = load_kind(path, KIND)
@@ -152,13 +148,13 @@ def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
     return found
 
 
-def spreads_of(
+def spread_of(
     known: Iterable[xr.Dataset],
     scene: Mapping[str, Any],
     method: str,
     friction: float | None,
     choice: int = GIVEN,
-) -> Spreads | None:
+) -> Spread | None:
     """The spread of the life of a scene; None if it was not computed for exactly that scene.
 
     known: files of the study of uncertainty.
@@ -180,8 +176,7 @@ def spreads_of(
             one = dataset.isel(
                 {"preload_method": methods.index(method), UNCERTAIN_INPUTS: ALL_INPUTS}
             ).sel({PRELOAD_CHOICE: choice})
-            found = {way: spread_at(one.isel(loss_basis=k)) for k, way in enumerate(COUNTS)}
-            return {way: spread for way, spread in found.items() if spread} or None
+            return spread_at(one)
     return None
 
 

@@ -18,7 +18,7 @@ from typing import Any
 from bearingwear.results.life_variables import BEARING_PARTS, GROWN, LIFE
 from bearingwear.results.pair_variables import PAIR_COORDINATES, SYSTEM
 from bearingwear.results.variable import DEGREE, ESTIMATE, STATUS, Variable, table
-from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
+from bearingwear.scene.scene import PRELOAD_METHODS
 
 RACES = ("inner", "outer")
 BALL_AXES = ("axial", "tangential", "radial")
@@ -55,7 +55,6 @@ COORDINATES = (
         Variable("race", _RACE, "", "race", "i1", flags=RACES),
         Variable("axis", ("axis",), "", "axis of the ball's azimuth frame", "i1", flags=BALL_AXES),
         Variable("strip", ("strip",), "1", "index of the strip on the contact ellipse", "i4"),
-        Variable("counts", ("counts",), "", "wear included in the loss", "i1", flags=COUNTS),
         Variable("steady_state", ("steady_state",), "1", "index of the steady state", "i4"),
         Variable("step", ("step",), "1", "index of the wear step", "i4"),
         # CF's standard_name "time" is for dates: it asks for units with a date to count from
@@ -170,7 +169,7 @@ STATE = ALWAYS | table(
     Variable("cage_speed", (), "rad s-1", "rotational speed of the cage", averaged=True,
         label="speed"),
     Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter due to wear"),
-    Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
+    Variable("ball_diameter_loss_rate", (), "m s-1",
         "rate of increase in total wear depth, averaged over the balls, with the wear depth of a "
         "groove averaged over the width of the contact", averaged=True,
         label="total wear depth, mean of tracks", shown="um/1000 h"),
@@ -241,7 +240,7 @@ STATE = ALWAYS | table(
     Variable("residual_preload_error_estimate", (), "1",
         "estimated relative numerical error in the residual preload", comment=ESTIMATE,
         label="error in residual preload", shown="%"),
-    Variable("wear_rate_error_estimate", ("counts",), "1",
+    Variable("wear_rate_error_estimate", (), "1",
         "estimated relative numerical error in the rate of ball diameter loss", comment=ESTIMATE,
         label="error in the loss rate", shown="%"),
     Variable("shaft_torque_error_estimate", (), "1",

@@ -231,8 +231,7 @@ class Wear:
         allowed="a number from 0 to 50000, or a list with one such number for each ball",
         default=(0.0,))
     counts: str = setting(
-        "Wear included in the total wear depth for the reported life (result files contain the "
-        "life for each choice)",
+        "Wear included in the total wear depth, and therefore in the life",
         choices=COUNTS, default=COUNTS[1])
     ball_track: str = setting("Ball wear if the life is computed with worn grooves: even, because "
         "the ball axes wander (spread), or in bands, because the ball axes are fixed (bands)",
@@ -245,6 +244,11 @@ class Wear:
         "calculation requires at least one)",
         default=None)
     # fmt: on
+
+    @property
+    def counts_races(self) -> bool:
+        """Whether the total wear depth includes the depths of both grooves."""
+        return self.counts == COUNTS[1]
 
 
 SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (

@@ -29,17 +29,15 @@ this ratio it is 3 to 5 %, whatever the scene (docs/verification.md)."""
 COULOMB_SLIP = 0.01
 """The same ratio where 0.01 % of the torque is missing: it stands for Coulomb's law."""
 
-MEASURED = 6  # QV, residual preload, loss rates counted both ways, shaft torque, friction power
+MEASURED = 5  # QV, residual preload, loss rate, shaft torque, friction power
 
 
 def measured(values: Mapping[str, Any], balls: int) -> np.ndarray:
-    """Quantities (6,) whose errors are estimated, in the order of `MEASURED`."""
+    """Quantities (5,) whose errors are estimated, in the order of `MEASURED`."""
     heat = np.asarray(values["friction_heat"]).sum(axis=-1).mean()
     power = balls * heat + values["drag_power"] + values.get("cage_friction_heat", 0.0)
-    qv, preload, rates = (
-        values[name] for name in ("total_qv", "residual_preload", "ball_diameter_loss_rate")
-    )
-    return np.array([qv, preload, *rates, values["shaft_torque"], power])
+    names = "total_qv", "residual_preload", "ball_diameter_loss_rate", "shaft_torque"
+    return np.array([*(values[name] for name in names), power])
 
 
 def changed(now: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -53,13 +51,13 @@ def changed(now: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def halved_part(now: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Error by the regularisation, from the answer (6,) with half of it.
+    """Error by the regularisation, from the answer (5,) with half of it.
 
     Infinite where slip is far below it: the torque then goes with its inverse, and half of it says
     nothing of the limit.
     """
     change = changed(now, other)
-    friction = change[4:]
+    friction = change[3:]
     friction[~(friction < VISCOUS)] = np.inf
     return HALVED * change
 
@@ -70,13 +68,13 @@ def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:
     Torque and power may be unknown where the others are not, and are then left out alone.
     """
     total = sum(parts, start=np.full(MEASURED, ROUNDING)).tolist()
-    qv, preload, balls, balls_and_races, torque, power = total
-    if not all(map(math.isfinite, total[:4])):
+    qv, preload, wear_rate, torque, power = total
+    if not all(map(math.isfinite, total[:3])):
         return {}
     found = {
         "qv_error_estimate": qv,
         "residual_preload_error_estimate": preload,
-        "wear_rate_error_estimate": [balls, balls_and_races],
+        "wear_rate_error_estimate": wear_rate,
     }
     more = {"shaft_torque_error_estimate": torque, "friction_power_error_estimate": power}
     return found | {name: value for name, value in more.items() if math.isfinite(value)}

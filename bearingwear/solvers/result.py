@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.scene.scene import COUNTS
 from bearingwear.sides import SHARED
 from bearingwear.solvers.state import HISTORY
 
@@ -26,9 +25,6 @@ MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
 _OF_A_LIFE = frozenset({"life", "normalised_life", "loss_at_end"}) | {
     f"history_{name}" for name in {*HISTORY, "time"} - UNKNOWN_PARTS - MAY_BE_INFINITE
 }
-_COUNTED = frozenset(
-    {"life", "normalised_life", "history_time", "history_ball_diameter_loss_rate"}
-)  # by both definitions of wear, of which a life may follow one
 
 
 @dataclass
@@ -70,7 +66,7 @@ def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]
     of_two = scene.get("arrangement") is not None
     return [
         name
-        for name, value in _required(values, scene)
+        for name, value in _required(values)
         if not np.isfinite(value).all()
         and not (of_two and name not in SHARED and _of_one_alone(value))
     ]
@@ -86,12 +82,9 @@ def _all_finite(values: Mapping[str, Any]) -> bool:
     return not math.isnan(total) and bool(np.isfinite(np.concatenate(arrays, axis=None)).all())
 
 
-def _required(
-    values: Mapping[str, Any], scene: Mapping[str, Any]
-) -> Iterator[tuple[str, np.ndarray]]:
+def _required(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
     """Values that are to be finite."""
     is_life = "end_criterion" in values
-    counted = COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
     for name, given in values.items():
         if name in UNKNOWN_PARTS or (is_life and name not in _OF_A_LIFE):
             continue
@@ -100,7 +93,7 @@ def _required(
             continue
         if name in MAY_BE_INFINITE:
             value = np.where(np.isposinf(value), 0.0, value)
-        yield name, value[..., counted] if is_life and name in _COUNTED else value
+        yield name, value
 
 
 def _of_one_alone(value: np.ndarray) -> bool:

@@ -64,8 +64,8 @@ class State:
         return self.values["ball_diameter_loss"]
 
     @property
-    def rate(self) -> np.ndarray:
-        """Rate of the loss by both definitions (2,) [m/s]."""
+    def rate(self) -> float:
+        """Rate of the loss, as counted [m/s]."""
         return self.values["ball_diameter_loss_rate"]
 
     def __getitem__(self, name: str) -> Any:

@@ -20,7 +20,7 @@ from bearingwear.solvers.bearing.outputs import (
     TURN,
     contact_values,
     depth_peak,
-    diameter_loss_rates,
+    diameter_loss_rate,
     friction_used,
     loss_per_wear,
     slips_across,
@@ -120,12 +120,12 @@ class Steady:
             return State.unsolved(solution.status, loss)
         g, c = problem.g, case.contacts
         D, qv = float(g.D0 - loss), c[:, summary.QV].tolist()
-        ball_rate, race_rate, losses = rates_when_new(self.scene, self.films, g.n_balls, D, c)
+        ball_rate, race_rate, loss_rate = rates_when_new(self.scene, self.films, D, c)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
         used = friction_used(c[:, summary.FRICTION], D, gyroscopic, c[:, summary.LOAD])
         values = {
             "ball_diameter_loss": loss,
-            "ball_diameter_loss_rate": np.array(losses),
+            "ball_diameter_loss_rate": loss_rate,
             "residual_preload": solution.force,
             "contact_load": c[:, summary.LOAD],
             "contact_angle": c[:, summary.ANGLE],
@@ -241,24 +241,24 @@ def steady_answers(
     for case in cases:
         contacts = case.contacts.T.tolist()
         qv, heat = (n * sum(contacts[column]) for column in (summary.QV, summary.HEAT))
-        *_, losses = rates_when_new(scene, films, n, D, case.contacts)
+        *_, loss_rate = rates_when_new(scene, films, D, case.contacts)
         torque, power = n * contacts[summary.TORQUE][0], heat + drag_power(problem, D, case)
-        found.append([qv, axial_force(case, n), *losses, torque, power])
+        found.append([qv, axial_force(case, n), loss_rate, torque, power])
     return np.array(found)
 
 
 def rates_when_new(
-    scene: Scene, films: Films, n: int, D: float, c: np.ndarray
-) -> tuple[list[float], list[float], tuple[float, float]]:
-    """Wear rates of ball and race in both contacts [m3/s], and `diameter_loss_rates` [m/s].
+    scene: Scene, films: Films, D: float, c: np.ndarray
+) -> tuple[list[float], list[float], float]:
+    """Wear rates of ball and race in both contacts [m3/s], and `diameter_loss_rate` [m/s].
 
-    Of n balls alike, from a summary (2, COLUMNS). Numbers, since NumPy takes ten times as long.
+    Of balls alike, from a summary (2, COLUMNS). Numbers, since NumPy takes ten times as long.
     """
     major, track = c[:, summary.MAJOR], c[:, summary.TRACK].tolist()
     factors = unworn_factors(scene, films, major)
     ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
-    losses = diameter_loss_rates(n, D, ball_rate, race_rate, major.tolist(), track)
-    return ball_rate, race_rate, losses
+    loss_rate = diameter_loss_rate(scene, D, ball_rate, race_rate, major.tolist(), track)
+    return ball_rate, race_rate, loss_rate
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:

@@ -15,11 +15,7 @@ from bearingwear.interrupt import Interrupt
 from bearingwear.results.entries import common_attributes, require_known, stored_data
 from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
-from bearingwear.scene.scene import COUNTS, Scene
-
-LOSS_BASIS = Variable(
-    "loss_basis", ("loss_basis",), "", "wear included in the loss", "i1", flags=COUNTS
-)
+from bearingwear.scene.scene import Scene
 
 
 def filled(
@@ -182,11 +178,6 @@ def both_ways(study: Path, dynamic: Path) -> tuple[xr.Dataset, xr.Dataset]:
             f"{dynamic}: got cases from another scene, expected the scene of {study}"
         )
     return steady, motion
-
-
-def counted(dataset: xr.Dataset) -> int:
-    """Index, along the loss basis, of what the scene of a file counts as loss."""
-    return COUNTS.index(json.loads(dataset.attrs["scene"])["wear"]["counts"])
 
 
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:

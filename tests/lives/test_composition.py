@@ -45,7 +45,7 @@ def lived(contact, fidelity, *changes):
 
 def at(values, time, name, bearing=...):
     """A history of a bearing at a time."""
-    return np.interp(time, values["history_time"][:, 1], values[f"history_{name}"][bearing])
+    return np.interp(time, values["history_time"], values[f"history_{name}"][bearing])
 
 
 THICK = "friction.film.thickness_um=0.3"  # a step along grooves wears more than a thin film
@@ -58,8 +58,8 @@ def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
     pair = lived(contact, fidelity, *film, *SPRING, *warm)
     filmed, plain = (lived(contact, fidelity, *one, *warm) for one in (film, PLAIN))
     # the one that ends the life ends it as it does alone
-    ends = min(filmed["life"][1], plain["life"][1])
-    assert pair["life"][1] == pytest.approx(ends, rel=rtol)
+    ends = min(filmed["life"], plain["life"])
+    assert pair["life"] == pytest.approx(ends, rel=rtol)
     # the film is gone when it is gone alone, and the other bearing never had one
     through = filmed["race_film_worn_through"]
     known = through < ends
@@ -67,7 +67,7 @@ def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
     own, left = pair["race_film_worn_through"], filmed["history_race_film"]
     assert own[0][known] == pytest.approx(through[known], rel=rtol)
     for race in np.flatnonzero(~known):
-        alone = np.interp(ends, filmed["history_time"][:, 1], left[:, race])
+        alone = np.interp(ends, filmed["history_time"], left[:, race])
         assert pair["history_race_film"][0, -1, race] == pytest.approx(alone, rel=rtol)
     assert np.isnan(own[1]).all() and np.isnan(pair["history_race_film"][1]).all()
     for k, single in enumerate((filmed, plain)):
@@ -85,7 +85,7 @@ def test_a_film_may_end_the_life_of_a_pair_of_which_one_bearing_has_it():
     end = "wear.end_of_life.film_worn_share=0.5"
     pair = lived("hertz", "steady", *FILM, *SPRING, end)
     alone = lived("hertz", "steady", *FILM, end)
-    assert pair["life"][1] == pytest.approx(alone["life"][1], rel=1e-5)
+    assert pair["life"] == pytest.approx(alone["life"], rel=1e-5)
     assert np.nanmax(pair["history_film_worn_share"][0][-1]) == 1.0
 
 
@@ -152,7 +152,7 @@ def test_every_combination(model, film, warm):
         if name.startswith("mixed"):
             first, second = at_end(values, "friction_used_by_gyroscopic_moment")
             assert abs(second / first - 1.0) > 0.1, name
-        lives[name] = values["life"][1]
+        lives[name] = values["life"]
     if len(lives) > 1:
         assert lives["alike"] == lives["single"]
         assert lives["alike, by way of the rotor"] == pytest.approx(lives["single"], rel=1e-5)

@@ -49,7 +49,7 @@ def test_lives_over_light_preloads_have_no_gaps(designation):
         scene = made.with_(changes | {"operation.preload_N": preload})
         life = follow_grooves(Grooves(scene, only_times=True))
         assert life.status == OK
-        lives.append((preload, life.last.time[1]))
+        lives.append((preload, life.last.time))
     p, hours = np.log(lives).T
     assert (np.diff(hours) < 0.0).all()
     between = hours[:-2] + np.diff(p)[:-1] * (hours[2:] - hours[:-2]) / (p[2:] - p[:-2])

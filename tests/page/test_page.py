@@ -265,7 +265,7 @@ def test_charts_carry_the_numbers_of_the_map(small_project, whole):
             x, y = map(float, re.findall(r"[-\d.]+", dot.attrib["transform"]))
             assert 0.0 <= x <= wide - left - right and 0.0 <= y <= high - top - bottom
     design = load(small_project / f"{CHOICE}/design.nc")
-    lives = design["life"].isel(loss_basis=1, friction=0, shaft_speed=0).values
+    lives = design["life"].isel(friction=0, shaft_speed=0).values
     for line, values in zip(charts[0].lines, lives, strict=True):
         found = dict(line.points)
         assert [found[p] for p in design["preload"].values] == pytest.approx(list(values))

@@ -23,7 +23,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.solvers.result import Result
 
 SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
-SIZES = {"ball": 1, "race": 2, "axis": 3, "strip": 50, "counts": 2, "steady_state": 2, "step": 4}
+SIZES = {"ball": 1, "race": 2, "axis": 3, "strip": 50, "steady_state": 2, "step": 4}
 SIZES |= {"time": 6, "direction": 3, "edge": 2, "state": 7, "part": 5}
 SIZES |= {"dof": 5, "dof_column": 5, "mode": 3}
 SIZES |= {"groove_state": 2, "arc": 4, "band_place": 3}
@@ -143,7 +143,6 @@ def test_case_file_follows_the_contract(case, tmp_path):
         assert file["status"].flag_meanings.split() == list(STATUS_NAMES)
         assert file["race"].flag_meanings == "inner outer"
         assert file["axis"].flag_meanings == "axial tangential radial"
-        assert file["counts"].flag_meanings == "ball ball_and_races"
         assert file["ball"].represents == 9
         assert file["strip_position"][0] == pytest.approx(-0.98)
 

@@ -42,7 +42,7 @@ def made_up(scene, restart=None, progress=None):
         progress("turn 20 of 20")
     model = scene.model
     points = int(model.history_points_per_turn * model.simulated_turns)
-    sizes = {"ball": BALLS, "race": 2, "axis": 3, "strip": model.strips, "counts": 2}
+    sizes = {"ball": BALLS, "race": 2, "axis": 3, "strip": model.strips}
     sizes |= {"time": points, "direction": 3, "edge": 2, "state": count.size}
     random = np.random.default_rng(2)
     values = {"status": code.OK}

@@ -41,7 +41,7 @@ def numbers(case):
     values = solve(scene, fidelity).values
     found = {n: np.asarray(values[n]).ravel().tolist() for n in NAMES}
     if fidelity == "steady":
-        found["life"] = life(scene).values["life"].tolist()
+        found["life"] = [life(scene).values["life"]]
     return found
 
 

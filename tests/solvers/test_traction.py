@@ -217,7 +217,7 @@ def test_life_has_it(scene):
     one, other = (life(s).values for s in both)
     start = solve(both[0], "steady").values["residual_preload"]
     assert_allclose(one["history_residual_preload"][0], start, rtol=1e-9)
-    assert abs(one["life"][1] / other["life"][1] - 1.0) > 1e-3
+    assert abs(one["life"] / other["life"] - 1.0) > 1e-3
 
 
 @pytest.mark.parametrize("name, most", [("gyro_s1", 1.1), ("turbopump", 2.0), ("bearing218", 1.5)])

@@ -49,7 +49,7 @@ def test_processes_find_the_same(coarse):
         bearingwear.sweep(coarse, changes, what="life", workers=workers) for workers in (1, 2)
     )
     xr.testing.assert_identical(alone, shared)
-    lives = shared.life.sel(counts="ball", preload_method="fixed_position")
+    lives = shared.life.sel(preload_method="fixed_position")
     assert lives.dims == ("preload_N",) and (lives > 0.0).all() and lives.attrs["units"] == "h"
 
 

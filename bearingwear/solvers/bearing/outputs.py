@@ -117,19 +117,19 @@ def wear_values(
 ) -> dict[str, np.ndarray]:
     """Archard wear rates and the loss of ball diameter, as when new.
 
-    ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s], mean over
-    the balls, counting the balls alone, and balls and races: from worn diameters (n,) [m], and QV
-    [W], semi-major axis and track radius [m] of each contact (n, 2).
+    ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate [m/s], mean over the
+    balls, as counted: from worn diameters (n,) [m], and QV [W], semi-major axis and track radius
+    [m] of each contact (n, 2).
     """
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a)
     in_contact = a.min(axis=1) > 0.0  # balls off a race loosen no fit
     each = ball_rate, race_rate, a, track
-    losses = diameter_loss_rates(n, D[in_contact], *(one[in_contact].T for one in each))
+    losses = diameter_loss_rate(scene, D[in_contact], *(one[in_contact].T for one in each))
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
         "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),
-        "ball_diameter_loss_rate": np.sum(losses, axis=1) / len(D),
+        "ball_diameter_loss_rate": np.sum(losses) / len(D),
     }
 
 
@@ -158,16 +158,19 @@ def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):
     return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 
-def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> tuple[Any, Any]:
-    """Rates at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
+def diameter_loss_rate(scene: Scene, D, ball_rate, race_rate, a, track) -> Any:
+    """Rate at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
 
-    Counting the balls alone, and balls and races: from the worn diameter [m], and of the inner and
+    It counts what `wear.counts` of the scene says: from the worn diameter [m], and of the inner and
     the outer contact the wear of ball and race [m3/s], semi-major axis and radius of the track [m].
     Each is a number or an array (k,).
     """
     balls = 2.0 * (ball_rate[0] + ball_rate[1]) / (np.pi * D * D)
+    if not scene.wear.counts_races:
+        return balls
+    n = scene.bearing.ball_count
     inner, outer = (groove_depth_rates(n, race_rate[k], a[k], track[k]) for k in (0, 1))
-    return balls, balls + (inner + outer)
+    return balls + (inner + outer)
 
 
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):

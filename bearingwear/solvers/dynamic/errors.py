@@ -82,12 +82,12 @@ def dynamic_error_estimates(
         by_steps,
     ]
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
-    qv, _, balls, balls_and_races, preload, torque = drift
-    return summed([*parts, np.array([qv, preload, balls, balls_and_races, torque, torque])])
+    qv, _, wear, preload, torque = drift
+    return summed([*parts, np.array([qv, preload, wear, torque, torque])])
 
 
 def thrust_part(scene: Scene, start: Start) -> np.ndarray:
-    """Change of the steady state under the thrust alone by half the regularisation (6,)."""
+    """Change of the steady state under the thrust alone by half the regularisation (5,)."""
     case = start.case
     if case is None or case.status != code.OK:
         return np.zeros(MEASURED)

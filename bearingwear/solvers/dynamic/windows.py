@@ -27,7 +27,7 @@ FAR_FROM_LAND = 200.0  # turns: a cage that drifts to its land more slowly count
 RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
 FEWEST_OF_TREND = 3  # turns, or passings of a periodic motion
 _SIGNIFICANT = 3.0  # standard errors of a slope
-TREND_OF_TORQUE = 5  # column of `Trend`: the shaft's torque, summed over the instants of a turn
+TREND_OF_TORQUE = 4  # column of `Trend`: the shaft's torque, summed over the instants of a turn
 SHORT = 16  # turns of the run for each that is run again
 RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ in cost
 
@@ -35,14 +35,14 @@ RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ
 class Trend:
     """Straight lines through the values of successive turns, or passings, without keeping them.
 
-    QV, wear of all parts, of the balls, of balls and races, preload, shaft torque; last the room
-    between the cage and its land, as a share of their clearance. Each value is of so many turns.
+    QV, wear of all parts, wear as counted, preload, shaft torque; last the room between the cage
+    and its land, as a share of their clearance. Each value is of so many turns.
     """
 
     def __init__(self, turns: float = 1.0) -> None:
         self.turns = turns
         self.sums = np.zeros(3)  # 1, k, k^2
-        self.values = np.zeros((3, 7))  # (value, k value, value^2) of each
+        self.values = np.zeros((3, 6))  # (value, k value, value^2) of each
 
     def add(self, values: np.ndarray) -> None:
         k = self.sums[0]
@@ -54,7 +54,7 @@ class Trend:
         return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Relative change a turn of each but the room (6,); None if not `known`."""
+        """Relative change a turn of each but the room (5,); None if not `known`."""
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
         if not self.known:
@@ -63,7 +63,7 @@ class Trend:
         return (n * weighted - k * total) / (n * kk - k * k) / mean / self.turns
 
     def scatter(self) -> np.ndarray:
-        """Standard error of each mean, relative, were the turns independent (6,)."""
+        """Standard error of each mean, relative, were the turns independent (5,)."""
         n = self.sums[0]
         mean, square = self.values[0, :-1] / n, self.values[2, :-1] / n
         variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
@@ -92,20 +92,21 @@ def wear_per_joule(scene: Scene, material: str) -> float:
 
 
 def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
-    """Weights (4, m) that turn the time integrals of the state [J] into QV and worn volumes.
+    """Weights (3, m) that turn the time integrals of the state [J] into QV and worn volumes.
 
-    Rows: QV in the contacts of balls and races [J]; wear of all parts, of the balls, of balls and
-    races [m3].
+    Rows: QV in the contacts of balls and races [J]; wear of all parts, and as counted, of the balls
+    or of balls and races [m3].
     """
     p = system.layout
     ball, race = parameters.wear_factors(scene)
     in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
-    weights = np.zeros((4, p.size - p.qv))
+    weights = np.zeros((3, p.size - p.qv))
     contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
     weights[0, contacts] = 1.0
-    weights[1:, contacts] = np.array([[ball + race], [ball], [ball + race]])
-    weights[1:, pockets] = np.array([[in_pocket + cage], [in_pocket], [in_pocket]])
+    counted = ball + race if scene.wear.counts_races else ball
+    weights[1:, contacts] = np.array([[ball + race], [counted]])
+    weights[1:, pockets] = np.array([[in_pocket + cage], [in_pocket]])
     weights[1, p.land - p.qv] = cage
     return weights
 

@@ -31,7 +31,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import quantile, values_at
-from bearingwear.scene.scene import COUNTS, WORN, EndOfLife, Scene, SceneError
+from bearingwear.scene.scene import WORN, EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
@@ -181,13 +181,13 @@ class BetweenEnsembles(Trapezoid):
             for name, value in limits[0].items()
         }
         states = wearing.with_worn((State(OK, mixed),), worn)
-        return Node(x, worn, states, self.clock(x))
+        return Node(x, worn, states, x)
 
 
 def followed(scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None) -> Life:
     """The life of a cage by ensembles along it."""
     wearing = EnsembleWear(scene, found, tell)
-    method = BetweenEnsembles(_MOST_STEPS, wearing.parts.count)
+    method = BetweenEnsembles(_MOST_STEPS)
     return follow(wearing, Criteria(wearing.scene), method)
 
 
@@ -266,7 +266,7 @@ def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
         return {}
     if life.status != OK:
         return {}
-    time = float(life.last.time[COUNTS.index(scene.wear.counts)])
+    time = life.last.time
     spread, _ = with_usual_spread(scene)
     names = [name for name in WORN if name in (spread.uncertainty or {})]
     sampled = values_at(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))

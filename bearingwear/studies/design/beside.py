@@ -18,7 +18,6 @@ from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
@@ -54,7 +53,7 @@ def lives_beside(
             points.append(followed_point(held, limits) if known else {})
     names = Variable(_KIND, (_KIND,), "", "changed assumption", dtype="i1", flags=tuple(cases))
     methods = {MAP_AXES["preload_method"]: found["preload_method"].values}
-    made = filled_points({names: None, **methods, LOSS_BASIS: None}, points)
+    made = filled_points({names: None, **methods}, points)
     made.attrs = {
         key: value for key, value in found.attrs.items() if key not in ("warnings", "none_because")
     } | {
@@ -68,14 +67,13 @@ def lives_beside(
 
 def _warmth(scene: Scene, found: xr.Dataset) -> float:
     """Warming of the inner ring alone that reverses the choice [K]; NaN for none found."""
-    basis, preloads = counted(found), found["preload"].values
-    lives: list[float] = found["life"].isel(loss_basis=basis).values.tolist()
+    lives: list[float] = found["life"].values.tolist()
     first = longer(lives)
     if first is None or len(lives) < 2 or scene.thermal is not None:
         return math.nan
     names = (PRELOAD_METHODS[int(flag)] for flag in found["preload_method"].values)
-    scenes = [held_by(scene, *one) for one in zip(names, preloads, strict=True)]
-    return warm_end(scenes, lives, basis, first)
+    scenes = [held_by(scene, *one) for one in zip(names, found["preload"].values, strict=True)]
+    return warm_end(scenes, lives, first)
 
 
 def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:

@@ -19,7 +19,7 @@ from bearingwear.results.netcdf import CaseFileError, load_kind
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.results.words import in_words, scene_of
-from bearingwear.studies.dataset import counted, pareto
+from bearingwear.studies.dataset import pareto
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
 from bearingwear.studies.design.map import NOT_SOLVED_AT, SLIP_SHARE
@@ -79,7 +79,7 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
 
 def with_choices(design: xr.Dataset) -> xr.Dataset:
     """A map with the best preload of every line of it."""
-    index, active = best_within(design, limits_of(design), counted(design))
+    index, active = best_within(design, limits_of(design))
     none = index < 0
     best = design.isel(preload=xr.where(none, 0, index))
     preload, life = best["preload"].where(~none), best["life"].where(~none)
@@ -108,9 +108,7 @@ def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
     return [LIMITED[name].margins(values, limit) for name, limit in limits.held.items()]
 
 
-def best_within(
-    design: xr.Dataset, limits: DesignLimits, basis: int
-) -> tuple[xr.DataArray, xr.DataArray]:
+def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray, xr.DataArray]:
     """Index of the preload with the longest life within the limits, and the limit that holds it.
 
     Lives that were not solved are never chosen. The active limit is what keeps the choice from the
@@ -123,7 +121,7 @@ def best_within(
     others = [str(dim) for dim in design["status"].dims if dim != "preload"]
     order = (*others, "preload")
     solved = (design["status"] == OK).transpose(*order).values
-    lives = design["life"].isel(loss_basis=basis).transpose(*order).values
+    lives = design["life"].transpose(*order).values
     each = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
     each.append(np.where(design["impractical"].transpose(*order).values, -1.0, 1.0))
     names = [*limits.held, ACTIVE[NOT_PRACTICAL]]
@@ -146,7 +144,6 @@ def best_within(
 def why_none(
     line: xr.Dataset,
     limits: DesignLimits,
-    basis: int,
     points: Sequence[Mapping[str, Any]] = (),
     cases: bool = False,
 ) -> str:
@@ -156,7 +153,7 @@ def why_none(
     cases: whether the scene has several, which are then named.
     """
     solved = (line["status"] == OK).values
-    alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
+    alive = solved & (line["life"].values > 0.0)
     if not alive.any():
         at_once = "an end-of-life criterion is met when the bearing is new"
         if not solved.any():
@@ -168,7 +165,7 @@ def why_none(
         return "the design is impractical at every preload"
     if not limits.given:
         return NO_LIMIT
-    failed, is_together = least_violations(line, limits, basis)
+    failed, is_together = least_violations(line, limits)
     before, but = "", "at best "
     if is_together:
         before = "each requirement can be satisfied individually, but not all of them together: "
@@ -185,15 +182,13 @@ def _point(points: Sequence[Mapping[str, Any]], k: int) -> Mapping[str, Any]:
     return points[k] if points else {}
 
 
-def least_violations(
-    line: xr.Dataset, limits: DesignLimits, basis: int
-) -> tuple[dict[str, int], bool]:
+def least_violations(line: xr.Dataset, limits: DesignLimits) -> tuple[dict[str, int], bool]:
     """Limits that no preload of a line keeps to, each with the preload that comes nearest.
 
     Where each is kept somewhere, those that are violated where all together are violated the least.
     Returns the limits, each with the index of its preload, and whether they are such.
     """
-    alive = (line["status"] == OK).values & (line["life"].isel(loss_basis=basis).values > 0.0)
+    alive = (line["status"] == OK).values & (line["life"].values > 0.0)
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size or not limits.held:
         return {}, False
@@ -261,10 +256,10 @@ def stiffness_of(design: xr.Dataset) -> Measure:
     return bearing if bearing.key in given and rotor.key not in given else rotor
 
 
-def front(design: xr.Dataset, basis: int) -> xr.DataArray:
+def front(design: xr.Dataset) -> xr.DataArray:
     """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
     solved = design["status"] == OK
-    lives = design["life"].isel(loss_basis=basis).where(solved)
+    lives = design["life"].where(solved)
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
     best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
     return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)

@@ -36,7 +36,7 @@ from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
-from bearingwear.studies.dataset import LOSS_BASIS, filled
+from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
     Everywhere,
@@ -101,8 +101,8 @@ POINT = table(
         flags=CRITERIA),
     Variable("solves", (), "1", "number of steady states solved to compute the life", dtype="i4"),
     Variable("failed_solves", (), "1", "number of steady states not found", dtype="i4"),
-    Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
-    Variable("time_to_slip_limit", LOSS_BASIS.dims, "h",
+    Variable("life", (), "h", "wear life", scale=HOURS_PER_SECOND),
+    Variable("time_to_slip_limit", (), "h",
         "time until the gyroscopic slip share exceeds the permitted maximum",
         scale=HOURS_PER_SECOND, comment="infinite if the end of life is reached first"),
     Variable("residual_preload_at_start", (), "N", "running preload when new"),
@@ -115,7 +115,7 @@ POINT = table(
     Variable("groove", (), "", "groove model used in the life calculation", dtype="i1",
         flags=GROOVE_SHAPES, 
         comment="worn if the scene requires worn grooves for the life calculation"),
-    Variable("hertzian_life", LOSS_BASIS.dims, "h",
+    Variable("hertzian_life", (), "h",
         "wear life at the same preload, computed with Hertzian grooves", scale=HOURS_PER_SECOND),
 )  # fmt: skip
 """What a point of the map has: a life, and the extremes along it.
@@ -148,9 +148,8 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     slip_limit: gyroscopic slip share whose passing is timed.
 
     Returns: values of `POINT` by their names, SI. Where the status is not ok: `status`,
-        `end_criterion`, `solves` and `failed_solves` alone. `life` and `time_to_slip_limit` are
-        (2,) [s], by both ways of counting wear; the latter is infinite where the share stays below
-        its limit.
+        `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite where
+        the share stays below its limit.
     """
     return _hertzian_life(scene, slip_limit)[0]
 
@@ -163,7 +162,7 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> tuple[dict[str, An
     if one.status == OK:
         found |= {"life": one.last.time} | gone_through(scene, worse_states(one, scene))
         if slip_limit is not None:
-            found["time_to_slip_limit"] = np.full(2, np.inf)
+            found["time_to_slip_limit"] = math.inf
             if found[SLIP_SHARE] >= slip_limit:
                 # the same way, ended by the share
                 limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
@@ -190,15 +189,14 @@ def new_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
 def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> dict[str, Any]:
     """`life_point` of the groove that `life` follows, and the life with the Hertzian one.
 
-    Where races do not count, they do not wear: that life is the same with both. Extremes are those
-    wherever limits look, new and worn.
+    Extremes are those wherever limits look, new and worn.
 
     quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
         life with the Hertzian ones is left out.
     """
     each = {name: _case_point(one, limits, quick) for name, one in scene.in_cases.items()}
     found = worst_point(each) if scene.cases else each[NOMINAL]
-    if np.isinf(found.get("life", 0.0)).all():
+    if math.isinf(found.get("life", 0.0)):
         found["status"] = CRITERION_NOT_REACHED
     return found
 
@@ -219,9 +217,9 @@ def _followed_life(
     """Values of a life at the scene's own speed, and that life."""
     only_worn = quick and grooves_followed(scene, "steady")[0] is not None
     found, even = (dict(NO_LIFE), None) if only_worn else _hertzian_life(scene, slip_limit)
-    hertzian = found.get("life", np.full(2, np.nan))
+    hertzian = found.get("life", math.nan)
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
-    if even is not None and hertzian[1] == 0.0:
+    if even is not None and hertzian == 0.0:
         return found, even  # beyond a limit when new, whatever the groove
     worn = worn_life(scene, quick)
     if worn is None:
@@ -234,14 +232,13 @@ def _followed_life(
         return kept, worn
     if not quick:
         kept[WARNED] = json.dumps(_warnings_along(scene, worn))
-    kept["life"] = np.array([hertzian[0], worn.last.time[1]])
+    kept["life"] = worn.last.time
     kept |= gone_through(scene, worse_states(worn, scene))
     if slip_limit is not None:
-        ball, reached = found.get("time_to_slip_limit", np.full(2, np.nan))[0], np.inf
+        kept["time_to_slip_limit"] = math.inf
         if kept[SLIP_SHARE] >= slip_limit:
             share = EndOfLife(gyroscopic_slip_share=slip_limit)
-            reached = worn.first(Criteria(with_end(scene, share)))
-        kept["time_to_slip_limit"] = np.array([ball, reached])
+            kept["time_to_slip_limit"] = worn.first(Criteria(with_end(scene, share)))
     return kept, worn
 
 
@@ -277,7 +274,7 @@ def _everywhere(
     }
     worn = len(life.nodes) > 1
     each = [own]
-    if not limits.at_speed_only and (worn or "life" not in values or values["life"].any()):
+    if not limits.at_speed_only and (worn or "life" not in values or values["life"] > 0.0):
         looked = Everywhere(scene, limits.held, exactly)
         sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
         sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
@@ -292,8 +289,7 @@ def _everywhere(
     deciding = merged(each)
     values |= {name: one["value"] for name, one in deciding.items()}
     if "life" in values:
-        shortest = float(np.min(values["life"]))
-        deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=shortest)
+        deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=values["life"])
     return values | {DECIDING: deciding | at_rest}
 
 
@@ -316,12 +312,12 @@ def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     for name, point in points.items():
         if point["status"] != OK:
             return {**point, **counts, NOT_SOLVED_AT: {**point[NOT_SOLVED_AT], "case": name}}
-    lives = [float(min(point.get("life", (math.inf,)))) for point in each]
+    lives = [point.get("life", math.inf) for point in each]
     shortest = int(np.argmin(lives))
     found = {**each[shortest], **counts}
     for name in ("life", "hertzian_life", "time_to_slip_limit"):
         if name in found:
-            found[name] = np.min([point[name] for point in each], axis=0)
+            found[name] = min(point[name] for point in each)
     for one in LIMITED.values():
         for name in one.extremes:
             for end in (name, f"{name}_at_start", f"{name}_at_end"):
@@ -448,7 +444,7 @@ def map_of(
     others: dict[str, Any] = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
     return filled_points(
-        {**dict(zip(MAP_AXES.values(), values, strict=True)), LOSS_BASIS: None},
+        dict(zip(MAP_AXES.values(), values, strict=True)),
         points,
         title=f"Design map: {base.name}",
         kind="design map",

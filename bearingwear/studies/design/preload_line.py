@@ -238,7 +238,6 @@ class PreloadLine:
     """Lives of one method over preload."""
 
     method: str
-    basis: int  # index along the loss basis
     # what `new_point` finds at many preloads, as arrays, and these as `preload` [N]: it shows where
     # limits are met between the preloads tried
     new: Mapping[str, np.ndarray] | None = None
@@ -249,7 +248,7 @@ class PreloadLine:
 
     def add(self, preload: float, values: Mapping[str, Any], exact: bool) -> None:
         solved = values["status"] == OK
-        life = float(values["life"][self.basis]) if solved else 0.0
+        life = float(values["life"]) if solved else 0.0
         life = life if life > 0.0 else 0.0
         self.tried[preload] = Tried(preload, values, life, exact)
         self._guesses.clear()

@@ -28,7 +28,6 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import (
     ACTIVE,
     ACTIVE_LIMIT,
@@ -81,7 +80,6 @@ from bearingwear.studies.design.room import (
     friction_room,
     held,
     limit_end,
-    lives_by_track,
     longer,
     verdict_on,
 )
@@ -109,9 +107,7 @@ RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial pr
     comment="rounded to three significant digits, or to more if the requirements or the life "
         "demand it"
 )  # fmt: skip
-LIFE_ERROR = Variable(
-    "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error in the life"
-)
+LIFE_ERROR = Variable("life_error_estimate", (), "1", "estimated numerical error in the life")
 
 CLIFF = table(
     Variable("cliff_preload", (), "N",
@@ -157,7 +153,6 @@ def _usual_work(methods: int, limits: int) -> dict[str, tuple[float, float]]:
 
 
 NOT_ASKED = NO_LIFE["status"]
-NO_ERRORS = np.full(2, np.nan)
 NEW_APART = 0.1  # in log preload, new bearings between the preloads of a map
 _WAYS = (False, True)  # down and up
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
@@ -251,8 +246,9 @@ def recommendation(
         if value not in design[axis]:
             raise CaseFileError(f"the design map does not contain the scene's {axis} ({value:g})")
     lines = design.sel(point, drop=True)
-    known = limits_of(design), counted(design)
-    search = Search(scene, *known, each, tell or (lambda text: None), left or TimeLeft({}))
+    search = Search(
+        scene, limits_of(design), each, tell or (lambda text: None), left or TimeLeft({})
+    )
     rows, none, held_so = search.answers(lines)
     found = _dataset(rows, lines).merge(held_so, combine_attrs="override")
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
@@ -272,7 +268,6 @@ class Search:
 
     scene: Scene
     limits: DesignLimits
-    basis: int
     each: Callable[..., Iterator[Any]]  # `map`, or one whose calls share processes
     tell: Tell
     left: TimeLeft
@@ -306,7 +301,7 @@ class Search:
 
     def _set_ranges(self, lines: Sequence[PreloadLine], rows: list[dict[str, Any]]) -> None:
         """Add to the row of the best method the range in which its preload may be set."""
-        lives = [float(row["life"][self.basis]) if "life" in row else 0.0 for row in rows]
+        lives = [float(row["life"]) if "life" in row else 0.0 for row in rows]
         if not max(lives) > 0.0:
             return
         k = int(np.argmax(lives))
@@ -352,7 +347,7 @@ class Search:
         one = one.squeeze("preload_method")
         method, preloads = PRELOAD_METHODS[int(one["preload_method"])], one["preload"].values
         new = self._new(method, preloads[0], preloads[-1])
-        line = PreloadLine(method, self.basis, new, ahead=preloads.tolist())
+        line = PreloadLine(method, new, ahead=preloads.tolist())
         for k, preload in enumerate(line.ahead):
             if one["status"].values[k] == NOT_ASKED:
                 continue
@@ -373,7 +368,7 @@ class Search:
             preloads = coarse if len(coarse) == len(COARSE) else preloads
         for _ in preloads:
             of_line = self._at_preloads(line, preloads)
-            failed, _ = least_violations(of_line, self.limits, self.basis)
+            failed, _ = least_violations(of_line, self.limits)
             named = {preloads[k] for k in failed.values()}
             rough = [p for p in sorted(named) if DECIDING not in line.tried[p].values]
             rough = rough or [p for p in sorted(named) if not line.is_exact(p)]
@@ -382,7 +377,7 @@ class Search:
             self._add(line, rough, exact=True)
         points = [line.tried[preload].values for preload in preloads]
         cases = bool(self.scene.cases)
-        return why_none(of_line, self.limits, self.basis, points, cases)
+        return why_none(of_line, self.limits, points, cases)
 
     def _add(self, line: PreloadLine, preloads: Sequence[float], exact: bool) -> None:
         requests = [(line, preload, exact) for preload in preloads]
@@ -436,21 +431,20 @@ class Search:
 
         Also what stands beside the recommended preload of each row.
         """
-        lives = [float(r["life"][self.basis]) if "life" in r else math.nan for r in rows]
+        lives = [float(r["life"]) if "life" in r else math.nan for r in rows]
         scenes = [
             self._at(line.method, r["preload"]) if "preload" in r else None
             for line, r in zip(lines, rows, strict=True)
         ]
         given_scenes = [one for one in scenes if one is not None]
         first = longer(np.nan_to_num(lives).tolist()) if len(lives) == 2 else None
-        compared = given_scenes, lives, self.basis, first or 0
+        compared = given_scenes, lives, first or 0
         both = first is not None and len(given_scenes) == 2
         # begun before the lives of the limits, which wait for each other
         asked: list[Callable[[], Any]] = []
         if both:
             asked += [partial(friction_end, *compared, up) for up in _WAYS]
             asked.append(partial(criteria_room, *compared))
-        asked.append(partial(lives_by_track, scenes, lives, self.basis))
         asked += [
             partial(_printed, scene, row)
             for scene, row in zip(scenes, rows, strict=True)
@@ -466,10 +460,9 @@ class Search:
         if both:
             low, high, ends, *found = found
             room += [*ends, *friction_room(given_scenes[0], low, high)]
-        tracks, *found = found
         beside = [{} if scene is None else found.pop(0) for scene in scenes]
-        errors = [one.get("life_error_estimate", NO_ERRORS)[self.basis] for one in beside]
-        return held(room, tracks, verdict_on(lives, errors, room, tracks)), beside
+        errors = [one.get("life_error_estimate", math.nan) for one in beside]
+        return held(room, verdict_on(lives, errors, room)), beside
 
     def _limits_room(self, lines: Sequence[PreloadLine], first: int) -> list[Assumption]:
         names = list(self.limits.given)
@@ -506,17 +499,17 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
         parts = {name: _as_printed(one, points[name]) for name, one in scene.in_cases.items()}
         errors = [parts[name]["life_error_estimate"] for name in cases_that_wear(scene)]
         return {
-            "life_error_estimate": np.max(errors, axis=0),
+            "life_error_estimate": max(errors),
             "warnings": _with_cases(gathered_warnings(parts.values()), parts),
             WORST_CASES: worst_cases(point),
         }
     grooves, _ = grooves_followed(scene, "steady")
     if grooves is not None and WARNED in point:
-        found = groove_errors(grooves, float(point["life"][1]), int(point["end_criterion"]))
-        error = found.get("life_error_estimate", NO_ERRORS)
+        found = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
+        error = found.get("life_error_estimate", math.nan)
         return {"life_error_estimate": error, WARNED: point[WARNED]}
     answer = life(scene)
-    error = answer.values.get("life_error_estimate", NO_ERRORS)
+    error = answer.values.get("life_error_estimate", math.nan)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
 
 
@@ -584,7 +577,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
         *BEYOND_RANGE.values(),
         *SETTABLE.values(),
     )
-    axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
+    axes = {MAP_AXES["preload_method"]: lines["preload_method"].values}
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
     made = filled_points(axes, known, more)
     made["status"].attrs["missing"] = "-1: nothing to solve"
@@ -611,5 +604,5 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
 
 def best_method(recommendation: xr.Dataset) -> int | None:
     """Number of the method with the longest recommended life; None if no preload is allowed."""
-    lives = recommendation["life"].isel(loss_basis=counted(recommendation)).values
+    lives = recommendation["life"].values
     return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None

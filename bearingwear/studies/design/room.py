@@ -16,11 +16,10 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import HertzianLives, lives_by_end, worn_life
 from bearingwear.measures import ENDS
-from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
-from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
+from bearingwear.results.variable import Variable, table
+from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
@@ -236,9 +235,7 @@ def _missing(
     return missing
 
 
-def criteria_room(
-    scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int
-) -> list[Assumption]:
+def criteria_room(scenes: Sequence[Scene], lives: Sequence[float], first: int) -> list[Assumption]:
     """Range of each criterion within which the same preload lasts longer.
 
     By quick lives, times what those of the scenes are over their own quick ones.
@@ -251,7 +248,7 @@ def criteria_room(
         name: limit / CRITERIA_FARTHEST if ENDS[name].falls else most[name] * limit
         for name, limit in end.criteria.items()
     }
-    quick = [lives_by_end(scene, replace(end, **loose), basis, quick=True) for scene in scenes]
+    quick = [lives_by_end(scene, replace(end, **loose), quick=True) for scene in scenes]
     own = [length(end) for length in quick]
     scales = [life / one if one > 0.0 else 1.0 for life, one in zip(lives, own, strict=True)]
     even = np.linspace(0.0, 1.0, _CRITERIA + 1)[1:]
@@ -281,9 +278,7 @@ def _largest(name: str, limit: float) -> float:
     return max(1.0, min(CRITERIA_FARTHEST, _LARGEST_SHARE / limit))
 
 
-def friction_end(
-    scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int, up: bool
-) -> float:
+def friction_end(scenes: Sequence[Scene], lives: Sequence[float], first: int, up: bool) -> float:
     """The factor of friction at which the choice is reversed; NaN for none found."""
     mu, most = scenes[0].friction.coefficient, _most_friction(scenes[0])
     if not most > 1.0:
@@ -294,12 +289,12 @@ def friction_end(
 
     @cache
     def exact(k: int, factor: float) -> float:
-        return printed_life(with_friction(scenes[k], factor), basis)
+        return printed_life(with_friction(scenes[k], factor))
 
     known = [{1.0: life} for life in lives]
 
     def quick(k: int, factor: float) -> float:
-        known[k][factor] = printed_life(with_friction(scenes[k], factor), basis, quick=True)
+        known[k][factor] = printed_life(with_friction(scenes[k], factor), quick=True)
         return known[k][factor]
 
     def ahead(solved: Callable[[int, float], float], factor: float) -> float:
@@ -331,7 +326,7 @@ def _between(lives: Mapping[float, float], factor: float) -> float:
     return 0.0
 
 
-def warm_end(scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int) -> float:
+def warm_end(scenes: Sequence[Scene], lives: Sequence[float], first: int) -> float:
     """Warming of the inner ring alone that reverses the choice [K]; NaN for none found.
 
     By quick lives, as `criteria_room`.
@@ -340,7 +335,7 @@ def warm_end(scenes: Sequence[Scene], lives: Sequence[float], basis: int, first:
     def quick(one: Scene, kelvin: float) -> float:
         now = temperatures(one)
         warm = replace(now, inner_ring_C=(now.inner_ring_C or 0.0) + kelvin)
-        return printed_life(replace(one, temperature=warm), basis, quick=True)
+        return printed_life(replace(one, temperature=warm), quick=True)
 
     own = [quick(one, 0.0) for one in scenes]
     scales = [life / one if one > 0.0 else 1.0 for life, one in zip(lives, own, strict=True)]
@@ -375,34 +370,13 @@ def _most_friction(scene: Scene) -> float:
     return min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
 
 
-def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
+def printed_life(scene: Scene, quick: bool = False) -> float:
     """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
     if scene.cases:
-        each = [printed_life(one, basis, quick) for one in cases_that_wear(scene).values()]
+        each = [printed_life(one, quick) for one in cases_that_wear(scene).values()]
         return float(np.min(each))
     life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
-    return float(life.last.time[basis]) if life.status == OK else math.nan
-
-
-def lives_by_track(
-    scenes: Sequence[Scene | None], lives: Sequence[float], basis: int
-) -> np.ndarray:
-    """Lives (scenes, `BALL_TRACKS`) [s], quick ones where the track is not that of the scene; all
-    NaN where none follows a groove.
-    """
-    found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
-    tracks = [
-        [replace(one, wear=replace(one.wear, ball_track=track)) for track in BALL_TRACKS]
-        if one is not None
-        else []
-        for one in scenes
-    ]
-    if not any(grooves_followed(one, "steady")[0] for each in tracks for one in each):
-        return found
-    for i, each in enumerate(tracks):
-        for k, one in enumerate(each):
-            found[i, k] = lives[i] if one == scenes[i] else printed_life(one, basis, quick=True)
-    return found
+    return life.last.time if life.status == OK else math.nan
 
 
 CLAIMED = 0.05
@@ -417,37 +391,28 @@ HELD = table(
         "lowest value at which the same method remains better"),
     Variable("holds_to", ("assumption",), "",
         "highest value at which the same method remains better"),
-    Variable("life_by_ball_track", ("preload_method", "ball_track"), "h",
-        "wear life at the recommended preload, for each assumed ball track",
-        scale=HOURS_PER_SECOND),
     Variable("verdict", (), "", "whether one method is preferred over the other", dtype="i1",
         flags=VERDICTS,
-        comment="neither is preferred if a 5 % change in one assumption, or a change in the "
-        "assumed ball track, reverses the order, or if the lives differ by less than their "
-        "numerical errors"),
+        comment="neither is preferred if a 5 % change in one assumption reverses the order, or if "
+        "the lives differ by less than their numerical errors"),
 )  # fmt: skip
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it holds over all searched."""
 
 
-def verdict_on(
-    lives: Sequence[float], errors: Sequence[float], room: Sequence[Assumption], tracks: np.ndarray
-) -> int:
+def verdict_on(lives: Sequence[float], errors: Sequence[float], room: Sequence[Assumption]) -> int:
     """Index into `VERDICTS`: whether one of two methods is preferred."""
     better = longer(lives) if len(lives) == 2 else None
     if better is None:
         return NO_COMPARISON
     beyond_errors = lives[better] * (1.0 - np.nansum(errors)) > lives[1 - better]
-    same_track = all(longer(lives) in (None, better) for lives in tracks.T.tolist())
     turned = any(one.turns_within(CLAIMED) for one in room)
-    return ONE_LONGER if beyond_errors and same_track and not turned else NEITHER_LONGER
+    return ONE_LONGER if beyond_errors and not turned else NEITHER_LONGER
 
 
-def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Dataset:
-    """Robustness of a choice, as variables of a file over `assumption` and `ball_track`."""
+def held(room: Sequence[Assumption], said: int) -> xr.Dataset:
+    """Robustness of a choice, as variables of a file over `assumption`."""
     columns = {"holds_from": "low", "assumed": "now", "holds_to": "high"}
     values = {name: [getattr(one, field) for one in room] for name, field in columns.items()}
     names = tuple(one.name for one in room)
     number = Variable("assumption", ("assumption",), "", "assumption", dtype="i1", flags=names)
-    track = Variable("ball_track", ("ball_track",), "", "ball track", dtype="i1", flags=BALL_TRACKS)
-    row = {**values, "life_by_ball_track": tracks, "verdict": said}
-    return filled(HELD, {number: None, track: None}, [row])
+    return filled(HELD, {number: None}, [{**values, "verdict": said}])

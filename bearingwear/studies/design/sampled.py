@@ -20,9 +20,8 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import Rough, key_in_words, to_error
 from bearingwear.results.words import in_words, methods, scene_of
-from bearingwear.scene.scene import COUNTS, PARAMETERS
+from bearingwear.scene.scene import PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
-from bearingwear.studies.dataset import counted
 
 INDEX_WORDS = (
     "Total Sobol index: the share of the variance in log life due to the uncertain value, "
@@ -45,12 +44,10 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
         (
             method_words(scene, name),
             where,
-            in_words(way),
-            of_method.isel(preload_choice=c, loss_basis=k),
+            of_method.isel(preload_choice=c),
         )
         for name, of_method in methods(uncertainty)
         for c, where in enumerate(flag_names(uncertainty["preload_choice"]))
-        for k, way in enumerate(COUNTS)
     ]
     ones = [one for *_, one in points]
     found = [spread_at(one.sel(uncertain_inputs=ALL_INPUTS)) for one in ones]
@@ -59,7 +56,6 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     rows = [
         Row("method", "", tuple(name for name, *_ in points), "preload_method"),
         Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
-        Row("wear included", "", tuple(way for *_, way, _ in points), "counts"),
         Row("preload", "N", tuple(float(one["preload"]) for one in ones), "preload"),
         Row("nominal life", "h", tuple(Rough(one["nominal_life"]) for one in ones), "nominal_life"),
         *spread_rows([one.rows if one else {} for one in found]),
@@ -76,7 +72,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
         f"{int(uncertainty.attrs['seed'])}. {causes_told(scene)}",
         *_with_grooves(uncertainty),
     )
-    return Block("Uncertainty in life", rows=tuple(rows), axes=3, lines=said)
+    return Block("Uncertainty in life", rows=tuple(rows), axes=2, lines=said)
 
 
 def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
@@ -93,7 +89,7 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
 
 def _indices(uncertainty: xr.Dataset) -> Block:
     """A line for each uncertain value, and columns for each method."""
-    basis, names = counted(uncertainty), quantities_of(uncertainty)
+    names = quantities_of(uncertainty)
     given = scene_of(uncertainty)["uncertainty"]
     same = [is_same_for_batch(name, Distribution(**given[name])) for name in names]
     units = ["batch" if one else "bearing" for one in same]
@@ -104,7 +100,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     ]
     used = []
     for method, of_method in methods(uncertainty):
-        one = of_method.sel(preload_choice=preload_drawn(of_method)).isel(loss_basis=basis)
+        one = of_method.sel(preload_choice=preload_drawn(of_method))
         words = method_words(scene_of(uncertainty), method)
         class_index = tuple(map(float, one["class_index"].values))
         rows.append(Row(f"{words}, within its class", "", class_index, f"class_index.{method}"))

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import COUNTED_WORDS, film_lines
+from bearingwear.document.rows import counted_words, film_lines
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
@@ -23,15 +23,13 @@ from bearingwear.results.quantiles import (
     Spread,
     causes_told,
     load_quantiles,
-    spreads_of,
+    spread_of,
 )
 from bearingwear.results.units import Estimated, Rough, in_print, span
 from bearingwear.results.words import in_words, methods, mu_is, percent_in_text, scene_of
 from bearingwear.scene.arrangement import PAIRS
-from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
-WORDS = dict(zip(COUNTS, COUNTED_WORDS, strict=True))
 NO_END = "no end-of-life criterion is met"
 RANK = 1
 """Of the answer: one that recommends a preload comes before it."""
@@ -51,19 +49,13 @@ class MethodLife(NamedTuple):
     scene: str
     method: str  # of a pair, its kind
     friction: float
-    hours: dict[str, float]  # by what counts as wear; nan where there is none
-    counts: str  # what counts in the scene
+    hours: float  # nan where there is none
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
     worn: bool = False  # whether it has worn grooves
     spread: Spread | None = None
     loss: float = math.nan  # at the end [um]
     route_difference: float = math.nan  # of the interpolated life from this one, relative
-
-    @property
-    def counted(self) -> float:
-        """Life in the scene's own way of counting wear [h]."""
-        return self.hours[self.counts]
 
 
 def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
@@ -72,9 +64,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
     `known` are files of the study of uncertainty, if there are any.
     """
     scene = scene_of(dataset)
-    wear = scene.get("wear", {})
-    limits = wear.get("end_of_life") or {}
-    ways = [COUNTS[int(flag)] for flag in dataset["counts"].values]
+    limits = scene.get("wear", {}).get("end_of_life") or {}
     names = dataset["end_criterion"].attrs["flag_meanings"].split()
     found = []
     for method, of_method in methods(dataset):
@@ -89,21 +79,18 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
                 met = ENDS[criterion]
                 way = "falls to" if met.falls else "reaches"
                 end = f"{met.words} {way} {in_print(met.limit_text(limits[criterion]))}"
-            counts = wear.get("counts", COUNTS[-1])
-            error = one.get("life_error_estimate", one["life"] * math.nan)
             found.append(
                 MethodLife(
                     scene["name"],
                     PAIRS[method] if is_pair(scene) else method,
                     mu,
-                    dict(zip(ways, one["life"].values.tolist(), strict=True)),
-                    counts,
-                    float(error[ways.index(counts)]),
+                    float(one["life"]),
+                    float(one.get("life_error_estimate", math.nan)),
                     end,
                     "groove_depth" in one and bool(np.isfinite(one["groove_depth"]).any()),
-                    (spreads_of(known, scene, method, mu) or {}).get(counts),
+                    spread_of(known, scene, method, mu),
                     1e6 * float(one["loss_at_end"].max()),
-                    float(one["life_route_difference"][-1]),
+                    float(one["life_route_difference"]),
                 )
             )
     return found
@@ -164,23 +151,23 @@ class _Contest(NamedTuple):
 def _contests(lives: Iterable[MethodLife]) -> list[_Contest]:
     by_point: dict[tuple[str, float], list[MethodLife]] = {}
     for life in lives:
-        if math.isfinite(life.counted):
+        if math.isfinite(life.hours):
             by_point.setdefault((life.scene, life.friction), []).append(life)
     found = []
     for (_, mu), pair in by_point.items():
         if len(pair) > 1:
-            short, long = sorted(pair, key=lambda life: life.counted)
-            ratio = math.inf if long.counted > 0.0 else 1.0  # where the other has no life at all
-            if short.counted > 0.0:
-                ratio = long.counted / short.counted
+            short, long = sorted(pair, key=lambda life: life.hours)
+            ratio = math.inf if long.hours > 0.0 else 1.0  # where the other has no life at all
+            if short.hours > 0.0:
+                ratio = long.hours / short.hours
             errors = sum(life.error for life in pair if math.isfinite(life.error))
             longest = long.method if ratio - 1.0 > errors else None
-            found.append(_Contest(mu, longest if long.counted else "", short.method, ratio))
+            found.append(_Contest(mu, longest if long.hours else "", short.method, ratio))
     return found
 
 
 def _headline(lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
-    if not any(math.isfinite(life.counted) for life in lives):
+    if not any(math.isfinite(life.hours) for life in lives):
         return "no end of life was found"
     winners = {contest.longest for contest in contests}
     if not winners:
@@ -270,7 +257,7 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
 
 def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
-    counts = f"The lives are based on the wear of {WORDS[lives[0].counts]}."
+    counts = f"The lives are based on the wear of {counted_words(scene)}."
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
@@ -294,7 +281,7 @@ def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
 
 def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
     contests = _contests(lives)
-    hours = _hours([life.counted for life in lives])
+    hours = _hours([life.hours for life in lives])
     said = [f"{hours}, based on the wear that each scene specifies"]
     for winner in dict.fromkeys(contest.longest for contest in contests):
         count = sum(contest.longest == winner for contest in contests)
@@ -312,24 +299,16 @@ def lives_block(
 ) -> Block:
     """A line for each life, with its spread and its end; `every` adds its loss and other route."""
     known = sorted(lives, key=lambda life: life.friction)
-    counts = known[0].counts
-    other = next(way for way in COUNTS if way != counts)
     rows = (
         Row("friction", "", tuple(life.friction for life in known), "friction", given=True),
         Row("preload method", "", tuple(in_words(life.method) for life in known)),
         Row(
             "life",
             "h",
-            tuple(Estimated.of(life.counted, life.error * life.counted) for life in known),
+            tuple(Estimated.of(life.hours, life.error * life.hours) for life in known),
             "life",
         ),
         *spread_rows([life.spread.rows if life.spread else {} for life in known]),
-        Row(
-            f"life, wear of {WORDS[other]}",
-            "h",
-            tuple(life.hours[other] for life in known),
-            f"life.{other}",
-        ),
         Row("ended by", "", tuple(life.end for life in known), "end_criterion"),
         Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in known)),
     )

@@ -9,7 +9,6 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import filled
 
 POINTS_PER_INTERVAL = 50
@@ -22,14 +21,14 @@ NOT_INTERPOLATED = "criteria_not_interpolated"
 
 _FROM_THE_STUDY = "interpolated from the study"
 INTERPOLATED = table(
-    Variable("interpolated_life", ("counts",), "h", f"wear life, {_FROM_THE_STUDY}"),
+    Variable("interpolated_life", (), "h", f"wear life, {_FROM_THE_STUDY}"),
     Variable("interpolated_loss_at_end", (), "m",
         f"total wear depth at the end of life, {_FROM_THE_STUDY}"),
     Variable("interpolated_end_criterion", (), "",
         f"first criterion met, {_FROM_THE_STUDY}", "i1", flags=CRITERIA),
     Variable("interpolated_history_ball_diameter_loss", ("interpolated_step",), "m",
         f"total wear depth, {_FROM_THE_STUDY}"),
-    Variable("interpolated_history_time", ("interpolated_step", "counts"), "h",
+    Variable("interpolated_history_time", ("interpolated_step",), "h",
         f"running time, {_FROM_THE_STUDY}"),
     Variable("interpolated_history_residual_preload", ("interpolated_step",), "N",
         f"residual preload, {_FROM_THE_STUDY}"),
@@ -46,7 +45,7 @@ def interpolated_life(
     criteria: limits by the names of `CRITERIA`; those that the cases do not hold (`known_of`) are
         not looked at.
 
-    Returns: interpolated_life [h] over `counts`, NaN where no criterion is met on the line;
+    Returns: interpolated_life [h], NaN where no criterion is met on the line;
         interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over
         `interpolated_step` up to the end.
     """
@@ -54,7 +53,7 @@ def interpolated_life(
     usable = int(np.cumprod(line["status"].values == OK).sum())
     steps = POINTS_PER_INTERVAL * (len(losses) - 1) + 1
     loss = np.linspace(losses[0], losses[max(usable, 1) - 1], steps)
-    time = np.full((steps, len(COUNTS)), np.nan)
+    time = np.full(steps, np.nan)
     preload = np.full(steps, np.nan)
     end, criterion = np.nan, "none"
     if usable > 1 and losses[0] == 0.0:
@@ -70,27 +69,26 @@ def interpolated_life(
         in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
         end, criterion = _first_met(loss, _margins(in_metres, known, preload_N))
         preload = fine["residual_preload"].values
-        slowness = 1.0 / fine["ball_diameter_loss_rate"].transpose("ball_diameter_loss", "counts")
-        mean = 0.5 * (slowness[1:].values + slowness[:-1].values)
+        slowness = 1.0 / fine["ball_diameter_loss_rate"].values
+        mean = 0.5 * (slowness[1:] + slowness[:-1])
         time[0] = 0.0
-        time[1:] = np.cumsum(mean * np.diff(loss)[:, None], axis=0) * MICROMETRE / SECONDS_PER_HOUR
-    lives = [np.interp(end, loss, column) for column in time.T]
+        time[1:] = np.cumsum(mean * np.diff(loss)) * MICROMETRE / SECONDS_PER_HOUR
+    life = np.interp(end, loss, time)
     # The history ends where the life does.
     if np.isfinite(end):
         kept = np.linspace(0.0, end, steps)
         preload = np.interp(kept, loss, preload)
-        time = np.stack([np.interp(kept, loss, column) for column in time.T], axis=1)
+        time = np.interp(kept, loss, time)
         loss = kept
     values = {
-        "interpolated_life": lives,
+        "interpolated_life": life,
         "interpolated_loss_at_end": end * MICROMETRE,
         "interpolated_end_criterion": CRITERIA.index(criterion),
         "interpolated_history_ball_diameter_loss": loss * MICROMETRE,
         "interpolated_history_time": time,
         "interpolated_history_residual_preload": preload,
     }
-    found = filled(INTERPOLATED, {}, [values])
-    return found.assign_coords(counts=np.arange(len(COUNTS), dtype=np.int8))
+    return filled(INTERPOLATED, {}, [values])
 
 
 def known_of(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:

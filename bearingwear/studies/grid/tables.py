@@ -48,7 +48,7 @@ def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> 
 def cases_csv(study: xr.Dataset) -> str:
     """A row for each case and a column for each number, with its unit in the header, as CSV.
 
-    A variable over race, axis or counts has a column for each of them; over balls, the mean or the
+    A variable over race or axis has a column for each of them; over balls, the mean or the
     extreme.
     """
     return dataset_csv(over_all_balls(study), AXES)

@@ -26,7 +26,6 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.units import Rough, digits
 from bearingwear.results.words import scene_of
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.tables import dynamic_life, ended_by
 
 _BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
@@ -45,7 +44,7 @@ def wear_history(life: Path) -> Figure:
 
 def history_figure(life: xr.Dataset) -> Figure:
     """What has worn of each ball, races, pockets and land, and the preload left, over the time."""
-    time = life["history_time"].isel(counts=counted(life))
+    time = life["history_time"]
     figure, panels = new_figure(2, 2, 7.6, 5.6, sharex=True)
     for panel, (part, lines) in zip(panels.flat, _worn(life).items(), strict=False):
         unit = power_of_ten([volume for volume, _ in lines])
@@ -115,7 +114,7 @@ def _cubed(exponent: int) -> str:
 
 
 def _message(life: xr.Dataset) -> str:
-    hours, name = float(life["life"][counted(life)]), scene_of(life)["name"]
+    hours, name = float(life["life"]), scene_of(life)["name"]
     if int(life["status"]) != OK:
         return f"{name}: no end of life within {Rough(hours).text} h ({ended_by(life)})"
     text = f"{name}: life ended by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
@@ -130,7 +129,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
     figure, panels = new_figure(3 if banded else 2, 2, 7.6, 7.4 if banded else 5.4)
     steps = life["groove_step"].values
     colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
-    hours = life["history_time"].isel(counts=1).values
+    hours = life["history_time"].values
     for race, title in enumerate(_GROOVES):
         arc = 1e3 * life["groove_arc"].isel(race=race).values
         pressure = 1e-9 * life["groove_pressure"].isel(race=race).values

@@ -13,7 +13,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import key_in_words
 from bearingwear.results.words import in_words
-from bearingwear.studies.dataset import counted, loaded
+from bearingwear.studies.dataset import loaded
 
 COLUMN_WORDS = (
     "The error bound allows for the finite wear steps and the scatter between the runs. Ball wear "
@@ -31,8 +31,8 @@ def lives_table(lives: Sequence[Path]) -> str:
     ]
     rows = (
         Row("name", "", tuple(path.stem for path in lives)),
-        quantity_row("life", "h", [_counted(one, "life") for one in found]),
-        quantity_row("error bound", "h", [_counted(one, "life_error_bound") for one in found]),
+        quantity_row("life", "h", [_number(one, "life") for one in found]),
+        quantity_row("error bound", "h", [_number(one, "life_error_bound") for one in found]),
         Row("ended by", "", tuple(map(ended_by, found))),
         quantity_row("steady life", "h", [_number(one, "steady_life") for one in found]),
         Row("steady life ended by", "", tuple(steady)),
@@ -53,11 +53,6 @@ def lives_table(lives: Sequence[Path]) -> str:
     )
     block = Block(rows=rows, axes=1, lines=(COLUMN_WORDS,))
     return as_markdown(Document(("Wear life according to the dynamic model",), blocks=(block,)))
-
-
-def _counted(life: xr.Dataset, name: str) -> float:
-    """By what the scene counts as wear; of a life that no run was solved for, not known."""
-    return float(life[name][counted(life)]) if "history_ball_worn_volume" in life else math.nan
 
 
 def _number(life: xr.Dataset, name: str) -> float:

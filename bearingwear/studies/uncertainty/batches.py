@@ -33,7 +33,7 @@ _DEVIATIONS = float(ndtri(0.5 + 0.5 * CONFIDENCE))
 
 
 class Quantiles(NamedTuple):
-    """(batch_probability, probability, 2) each [h]; NaN where no life was solved."""
+    """(batch_probability, probability) each [h]; NaN where no life was solved."""
 
     quantile: np.ndarray
     low: np.ndarray  # ends of its confidence interval; NaN where the sample has none
@@ -76,8 +76,8 @@ class Batches:
         self.rows = np.stack([values[name].ravel() for name in names], axis=-1)
 
     def quantiles(self, life: np.ndarray, known: Stated) -> dict[str, np.ndarray]:
-        """Of lives (n, 2) [s] at the rows, with their error, widened by that of these lives."""
-        hours = (life * HOURS_PER_SECOND).reshape(*self.shape, -1)
+        """Of lives (n,) [s] at the rows, with their error, widened by that of these lives."""
+        hours = (life * HOURS_PER_SECOND).reshape(self.shape)
         found = quantiles_with_error(hours, self.scatter, self.unknown, known)
         return {
             "batch_life_quantile": found.quantile,
@@ -114,7 +114,7 @@ def quantiles_with_error(
     known: Stated = EXACT,
     of_batches: Sequence[float] = BATCH_PROBABILITIES,
 ) -> Quantiles:
-    """Quantiles over bearings, and of these over batches, of lives (batches, bearings, 2) [h].
+    """Quantiles over bearings, and of these over batches, of lives (batches, bearings) [h].
 
     The intervals are those of Woodruff (1952): the error of the share of lives below a quantile,
     times the slope of the quantile. They take batches and bearings for independent; a Sobol
@@ -126,15 +126,14 @@ def quantiles_with_error(
     known: of the lives.
     of_batches: probabilities over batches.
     """
-    solved = np.isfinite(hours).all(axis=2)
+    solved = np.isfinite(hours)
     some, of_some = solved.any(axis=1), solved.any(axis=0)
-    found = np.full((3, len(of_batches), len(PROBABILITIES), hours.shape[-1]), np.nan)
+    found = np.full((3, len(of_batches), len(PROBABILITIES)), np.nan)
     if solved.any():
         hours, scatter, unknown = hours[some][:, of_some], scatter[of_some], unknown[some]
         for k, p in enumerate(PROBABILITIES):
-            for c in range(hours.shape[-1]):
-                each = hours[:, :, None, c] * scatter
-                found[..., k, c] = _with_ends(each, unknown, p, np.array(of_batches), known)
+            each = hours[:, :, None] * scatter
+            found[..., k] = _with_ends(each, unknown, p, np.array(of_batches), known)
     return Quantiles(*found)
 
 

@@ -39,7 +39,7 @@ from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import value_at
 from bearingwear.scene.read import for_life, written_data
-from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
+from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
@@ -351,7 +351,7 @@ def _logs(
     if torque:
         return np.array([_log_torque(scene, names, row) for row in rows])
     found = lives(scene, rows, workers)
-    hours = found.life[:, COUNTS.index(scene.wear.counts)] * HOURS_PER_SECOND
+    hours = found.life * HOURS_PER_SECOND
     hours = np.where(found.status == OK, hours, np.nan)
     return np.log(np.maximum(hours, math.exp(_NONE)))
 

@@ -16,7 +16,7 @@ from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.studies.pool import Tell, TimeLeft, processes, told_in_lines
 from bearingwear.studies.sampling import perturbed
 from bearingwear.studies.uncertainty.surrogate import (
@@ -43,7 +43,6 @@ _WORN_COST = 6.0
 _QUANTILES_COST = 0.01
 """Time of interpolation and quantiles for each sampled life, over that of a Hertzian life."""
 
-_RACES = COUNTS.index("ball_and_races")
 _NO_CRITERION = len(CRITERIA) - 1
 
 LivesAsked = tuple[Scene, Sequence[str], np.ndarray]
@@ -54,7 +53,7 @@ LivesAsked = tuple[Scene, Sequence[str], np.ndarray]
 class FoundLives:
     """Lives at some places."""
 
-    life: np.ndarray  # (n, 2) by both ways of counting wear [s]; NaN where it was not solved
+    life: np.ndarray  # (n,) [s]; NaN where it was not solved
     status: np.ndarray  # (n,)
     end_criterion: np.ndarray
     solved: int  # lives that were solved with Hertzian grooves; others are interpolated
@@ -94,7 +93,7 @@ def found_lives(
 
         hertzian = interpolated(places, solver(hertzian_lives, _QUICK), *HERTZIAN, HERTZIAN_TO)
         left.limit(_QUICK)
-        asked = np.flatnonzero(np.isfinite(hertzian.log[:, _RACES]))
+        asked = np.flatnonzero(np.isfinite(hertzian.log[:, 0]))
         if not (asked.size and hertzian.kind[:, 2].any()):
             return _found(hertzian)
         solve = solver(followed_lives, _WORN)
@@ -102,19 +101,19 @@ def found_lives(
         def worn_lives(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             log, kinds = solve(asked[which])
             unlike = kinds[:, 2] == 0
-            log[unlike] = hertzian.log[asked[which][unlike]][:, [_RACES]]
+            log[unlike] = hertzian.log[asked[which][unlike]]
             kinds[unlike] = hertzian.kind[asked[which][unlike]]
             return log, kinds
 
         worn = interpolated(places[asked], worn_lives, *FOLLOWED, FOLLOWED_TO)
-    hertzian.log[asked, _RACES] = worn.log[:, 0]
+    hertzian.log[asked] = worn.log
     hertzian.kind[asked] = worn.kind
     return _found(hertzian, followed=worn.solved, worn=worn.stated)
 
 
 def _found(interpolated: Interpolated, **grooves: Any) -> FoundLives:
     status = interpolated.kind[:, 0]
-    life = np.exp(interpolated.log)
+    life = np.exp(interpolated.log[:, 0])
     life[status != OK] = np.nan
     return FoundLives(
         life=life,
@@ -131,17 +130,17 @@ def _scenes(job: LivesAsked) -> list[Scene | None]:
     return [perturbed(scene, dict(zip(names, place, strict=True))) for place in places.tolist()]
 
 
-def hertzian_lives(job: LivesAsked) -> list[tuple[np.ndarray, int, int, bool]]:
-    """Lives (2,) with Hertzian grooves [s], status, end criterion, whether `life` follows them."""
+def hertzian_lives(job: LivesAsked) -> list[tuple[tuple[float], int, int, bool]]:
+    """Lives (1,) with Hertzian grooves [s], status, end criterion, whether `life` follows them."""
     found = []
     for scene in _scenes(job):
         if scene is None:
-            found.append((np.full(2, np.nan), BEYOND_GROOVE, _NO_CRITERION, False))
+            found.append(((np.nan,), BEYOND_GROOVE, _NO_CRITERION, False))
             continue
         life = HertzianLives(scene, quick=True)(scene)
-        times = life.last.time if life.status == OK else np.full(2, np.nan)
+        time = life.last.time if life.status == OK else np.nan
         follows = grooves_followed(scene, "steady")[0] is not None
-        found.append((times, life.status, life.criterion, follows))
+        found.append(((time,), life.status, life.criterion, follows))
     return found
 
 
@@ -154,6 +153,6 @@ def followed_lives(job: LivesAsked) -> list[tuple[tuple[float], int, int, bool]]
         if worn is None:
             found.append(((np.nan,), OK, _NO_CRITERION, False))
         else:
-            life = float(worn.last.time[1]) if worn.status == OK else np.nan
+            life = worn.last.time if worn.status == OK else np.nan
             found.append(((life,), worn.status, worn.criterion, True))
     return found

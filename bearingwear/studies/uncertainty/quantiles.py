@@ -56,7 +56,6 @@ from bearingwear.studies.uncertainty.sample import (
 from bearingwear.studies.uncertainty.surrogate import EXACT, Stated
 from bearingwear.studies.uncertainty.variables import (
     ANALYSED,
-    BASIS,
     BATCH,
     CHOICE,
     INDEX,
@@ -75,7 +74,7 @@ class Analysed(NamedTuple):
     """Lives of a method at one preload."""
 
     row: dict[str, Any]  # `ANALYSED`
-    life: np.ndarray  # (n, 2) of independent bearings; NaN where none was found
+    life: np.ndarray  # (n,) of independent bearings; NaN where none was found
     known: Stated
 
 
@@ -218,7 +217,7 @@ def _quantiles_at(
         found = lives(preloaded, np.vstack([_middle(preloaded), rows, batches.rows]), workers, tell)
         independent, known = slice(1, len(rows) + 1), worse(found.cost)
         life, solved = found.life[independent], found.status[independent] == OK
-        hours = life * HOURS_PER_SECOND / found.wear_factor[independent, None]
+        hours = life * HOURS_PER_SECOND / found.wear_factor[independent]
         row = {
             "preload": preload,
             "evaluations": solved.size,
@@ -245,7 +244,6 @@ def _dataset(
     axes: dict[str, Any] = {
         METHOD: [PRELOAD_METHODS.index(method) for method in methods],
         CHOICE: [PRELOAD_CHOICES.index(one) for one in choices],
-        BASIS: None,
         INPUTS: None,
         PROBABILITY: PROBABILITIES,
         BATCH: BATCH_PROBABILITIES,
@@ -268,11 +266,11 @@ def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Samp
     """Of the parts of a sample; nothing where there is no preload."""
     found: dict[str, Any] = {"preload": float(parts[0].attrs["preload_N"]), "evaluations": 0}
     if "life" not in parts[0]:
-        return Analysed(found, np.empty((0, 2)), EXACT)
+        return Analysed(found, np.empty(0), EXACT)
     whole = xr.concat(parts, "base")
     solved = whole["status"].values == OK
     life, factor = whole["life"].values, whole["wear_factor"].values
-    usable = (solved & (life > 0.0).all(axis=-1)).all(axis=1)
+    usable = (solved & (life > 0.0)).all(axis=1)
     found["evaluations"] = solved.size
     found["solved_share"] = solved.mean()
     for name in ("solved_lives", "followed_lives"):
@@ -281,19 +279,18 @@ def _analysed(scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Samp
         found[name] = max(float(part.attrs[name]) for part in parts)
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
-    halves, factors = ((x[:, [0, -1]]).reshape(-1, *x.shape[2:]) for x in (life, factor))
+    halves, factors = ((x[:, [0, -1]]).ravel() for x in (life, factor))
     known, at_preload = worse(found), with_preload(scene, method, found["preload"])
-    found |= _quantiles_of(at_preload, plan, halves / factors[:, None], known)
-    shape = 2, len(scene.uncertainty or {}), 2
+    found |= _quantiles_of(at_preload, plan, halves / factors, known)
+    shape = 2, len(scene.uncertainty or {})
     for name, variable in ANALYSED.items():
         if variable.dims == INDEX:
             found[name] = np.full(shape, np.nan)
-    for k, one in enumerate((life, life / factor[..., None])):  # as `uncertain_inputs`
-        for c in range(2):
-            y = np.log(one[usable, :, c])
-            if y.size and np.ptp(y) > 0.0:
-                for name, values in indices(scene, y, plan.seed).items():
-                    found[name][k, :, c] = values
+    for k, one in enumerate((life, life / factor)):  # as `uncertain_inputs`
+        y = np.log(one[usable])
+        if y.size and np.ptp(y) > 0.0:
+            for name, values in indices(scene, y, plan.seed).items():
+                found[name][k] = values
     batches = Batches(at_preload, plan)
     of_batches = lives(at_preload, batches.rows)
     found |= batches.quantiles(of_batches.life, worse(of_batches.cost))
@@ -311,33 +308,32 @@ def _add_longest(methods: Sequence[Analysed]) -> None:
 
 
 def longest_shares(life: np.ndarray, known: Sequence[Stated]) -> np.ndarray:
-    """Shares (methods, 3, 2) of bearings that live longest by each method, and their intervals.
+    """Shares (methods, 3) of bearings that live longest by each method, and their intervals.
 
     The intervals are those of Clopper and Pearson (1934). A bearing whose lives differ by less than
     their errors may be longest by either; so may the share of lives whose error is not known.
 
-    life (methods, n, 2): at the same sampled values; NaN where none was found.
+    life (methods, n): at the same sampled values; NaN where none was found.
     known: of the lives of each method.
     """
-    found = np.full((len(life), 3, 2), np.nan)
+    found = np.full((len(life), 3), np.nan)
     error = np.array([one.error for one in known])[:, None]
     share = sum(one.share for one in known)
-    for k in range(2):
-        lives = life[:, np.isfinite(life[..., k]).all(axis=0), k]
-        if not lives.size:
-            continue
-        least, most = lives * (1.0 - error), lives * (1.0 + error)
-        for m in range(len(lives)):
-            others = np.arange(len(lives)) != m
-            is_longest, is_surely, is_maybe = (
-                (own[m] > other[others]).all(axis=0)
-                for own, other in ((lives, lives), (least, most), (most, least))
-            )
-            found[m, :, k] = (
-                is_longest.mean(),
-                max(_interval(is_surely).low - share, 0.0),
-                min(_interval(is_maybe).high + share, 1.0),
-            )
+    lives = life[:, np.isfinite(life).all(axis=0)]
+    if not lives.size:
+        return found
+    least, most = lives * (1.0 - error), lives * (1.0 + error)
+    for m in range(len(lives)):
+        others = np.arange(len(lives)) != m
+        is_longest, is_surely, is_maybe = (
+            (own[m] > other[others]).all(axis=0)
+            for own, other in ((lives, lives), (least, most), (most, least))
+        )
+        found[m] = (
+            is_longest.mean(),
+            max(_interval(is_surely).low - share, 0.0),
+            min(_interval(is_maybe).high + share, 1.0),
+        )
     return found
 
 
@@ -357,7 +353,7 @@ def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:
     nominal, *around = lives(scene, np.array(rows)).life * HOURS_PER_SECOND
     return {
         "nominal_life": nominal,
-        "life_one_at_a_time": np.array(around).reshape(len(names), 2, 2),
+        "life_one_at_a_time": np.array(around).reshape(len(names), 2),
     }
 
 
@@ -369,18 +365,18 @@ def _middle(scene: Scene) -> list[float]:
 def _quantiles_of(
     scene: Scene, plan: Sampling, hours: np.ndarray, known: Stated
 ) -> dict[str, np.ndarray]:
-    """Of the lives (2 samples, 2) of `independent_rows` with K_s and H of the scene.
+    """Of the lives (2 samples,) of `independent_rows` with K_s and H of the scene.
 
     With all uncertain values, and without those of K_s and H.
     """
-    found, members, solved = [], [], np.isfinite(hours).all(axis=1)
+    found, members, solved = [], [], np.isfinite(hours)
     for factors in (independent_wear_factors(scene, plan), np.ones((len(hours), 1))):
         # one batch, of independent bearings
         found.append(quantiles_with_error(hours[None], factors, np.ones((1, 1)), known, (0.5,)))
-        every = (hours[solved, None] * factors[solved, :, None]).reshape(-1, 2)
+        every = (hours[solved, None] * factors[solved]).ravel()
         even = (np.arange(MEMBERS) + 0.5) / MEMBERS
-        nothing = np.full((MEMBERS, 2), np.nan)
-        members.append(np.quantile(every, even, 0, method="hazen") if solved.any() else nothing)
+        nothing = np.full(MEMBERS, np.nan)
+        members.append(np.quantile(every, even, method="hazen") if solved.any() else nothing)
     names = ("life_quantile", "life_quantile_low", "life_quantile_high")
     ends = {name: np.array([one[k][0] for one in found]) for k, name in enumerate(names)}
     return ends | {"life_sample": np.array(members)}
@@ -404,9 +400,9 @@ def indices(scene: Scene, y: np.ndarray, seed: int) -> dict[str, np.ndarray]:
 
 
 def class_indices(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Total indices (values, 2) of log life, each value among those of its class."""
+    """Total indices (values,) of log life, each value among those of its class."""
     names = list(scene.uncertainty or {})
-    found = np.full((len(names), 2), np.nan)
+    found = np.full(len(names), np.nan)
     for of_batch in (False, True):
         own = names_of(scene, of_batch)
         if not own:
@@ -415,11 +411,10 @@ def class_indices(scene: Scene, plan: Sampling) -> np.ndarray:
         fewer = replace(plan, samples=min(plan.samples, INDEX_SAMPLES), chunks=1)
         rows = sample(one, fewer)
         of_rows = lives(one, rows.reshape(-1, len(own)))
-        life = of_rows.life.reshape(*rows.shape[:2], 2)
-        usable = (np.isfinite(life) & (life > 0.0)).all(axis=(1, 2))
-        for c in range(2):
-            y = np.log(life[usable, :, c])
-            if y.size and np.ptp(y) > 0.0:
-                of_each = indices(one, y, plan.seed)["total_index"]
-                found[[names.index(name) for name in own], c] = of_each
+        life = of_rows.life.reshape(rows.shape[:2])
+        usable = (np.isfinite(life) & (life > 0.0)).all(axis=1)
+        y = np.log(life[usable])
+        if y.size and np.ptp(y) > 0.0:
+            of_each = indices(one, y, plan.seed)["total_index"]
+            found[[names.index(name) for name in own]] = of_each
     return found

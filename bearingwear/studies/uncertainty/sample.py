@@ -22,7 +22,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.scene.uncertain import friction_correlation
-from bearingwear.studies.dataset import LOSS_BASIS, filled
+from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling, wear_factor
@@ -44,7 +44,7 @@ SAMPLED = table(
         "1",
         "ratio of the life to that computed with the K_s and hardness in the scene",
     ),
-    Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
+    Variable("life", (), "h", "wear life", scale=HOURS_PER_SECOND),
 )
 """What is found at sampled values."""
 
@@ -124,7 +124,7 @@ def lives(
     unlike, which = np.unique(rows[:, shape], axis=0, return_inverse=True)
     found = found_lives(scene, [names[k] for k in shape], unlike, workers, tell)
     each = which.ravel()
-    of_each = {"life": found.life[each] * factor[:, None], "wear_factor": factor}
+    of_each = {"life": found.life[each] * factor, "wear_factor": factor}
     of_each |= {name: getattr(found, name)[each] for name in ("status", "end_criterion")}
     return SampledLives(**(vars(found) | of_each))
 
@@ -248,7 +248,7 @@ def sample_part(
     columns = (getattr(found, name) for name in SAMPLED)
     return filled(
         SAMPLED,
-        {BASE: base, "row": rows.shape[1], LOSS_BASIS: None},
+        {BASE: base, "row": rows.shape[1]},
         [dict(zip(SAMPLED, values, strict=True)) for values in zip(*columns, strict=True)],
         **attributes,
         **{name: np.array(value)[()] for name, value in found.cost.items()},

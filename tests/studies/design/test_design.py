@@ -64,7 +64,7 @@ def made_up(lives, stiffness, status=None):
     return xr.Dataset(
         {
             "status": ("preload", status),
-            "life": (("preload", "loss_basis"), np.stack([10.0 * lives, lives], axis=-1)),
+            "life": ("preload", lives),
             "axial_stiffness": ("preload", 1e6 * np.asarray(stiffness)),
             "system_axial_stiffness": ("preload", 1e6 * np.asarray(stiffness)),
             "friction_power": ("preload", 0.1 * np.arange(1.0, n + 1)),
@@ -104,7 +104,7 @@ POWER = DesignLimits(friction_power_W=0.25, at_speed_only=True)
     ],
 )
 def test_choice_and_what_holds_it(line, limits, index, active):
-    found, held = best_within(line, limits, basis=1)
+    found, held = best_within(line, limits)
     assert int(found) == index
     assert ACTIVE[int(held)] == active
 
@@ -119,20 +119,20 @@ def test_limits_that_no_preload_keeps_to_are_named():
         limits = DesignLimits(
             axial_stiffness_N_um=stiff, friction_power_W=power, at_speed_only=True
         )
-        assert int(best_within(line, limits, basis=1)[0]) == -1
-        assert why_none(line, limits, basis=1) == why
+        assert int(best_within(line, limits)[0]) == -1
+        assert why_none(line, limits) == why
 
 
 def test_nothing_lives_or_nothing_was_solved():
     unsolved = made_up([9, 8], [1, 2], [NOT_CONVERGED, NOT_CONVERGED])
-    assert why_none(unsolved, STIFF, basis=1) == "no life could be computed"
-    why = why_none(made_up([0, 0], [1, 2]), STIFF, basis=1)
+    assert why_none(unsolved, STIFF) == "no life could be computed"
+    why = why_none(made_up([0, 0], [1, 2]), STIFF)
     assert why == "an end-of-life criterion is met when the bearing is new"
 
 
 def test_front_leaves_out_what_is_beaten_or_unsolved():
     line = made_up([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
-    assert front(line, 1).values.tolist() == [True, True, False, False, True]
+    assert front(line).values.tolist() == [True, True, False, False, True]
 
 
 # the steps, on a map of a few lives
@@ -201,7 +201,7 @@ def test_recommended_preload_stands_on_its_limit(folder, scene):
         less = life_point(held_by(scene, METHODS[k], preload - unit), None)
         assert LIMITED["axial_stiffness_N_um"].worst(less) < 3.0e6
         assert float(one["gyroscopic_slip_share"]) <= 0.25
-        assert 0.0 < float(one["life_error_estimate"][1]) < 0.1
+        assert 0.0 < float(one["life_error_estimate"]) < 0.1
     # no preload of the map within the limits lasts longer
     design = load(folder / "design.nc")
     assert np.all(found["life"].values >= design["recommended_life"].values[:, 0, 0])
@@ -241,7 +241,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
     """Without a cage, a dynamic run stays in the steady state that the map is made of."""
     recommendation = folder / "recommendation.nc"
     found = load(recommendation)
-    longest = int(np.argmax(found["life"].values[:, 1]))
+    longest = int(np.argmax(found["life"].values))
     cases = []
     for times in ("0.80", "1.25"):
         path = tmp_path / f"{times}.yaml"

@@ -109,8 +109,8 @@ def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
 
 
 def test_a_method_without_a_preload_is_named_in_its_heading(scene):
-    found = found_for(scene, active=ACTIVE[NO_PRELOAD]).expand_dims({"loss_basis": 2})
-    found = found.assign(life=(("preload_method", "loss_basis"), [[np.nan, np.nan]]))
+    found = found_for(scene, active=ACTIVE[NO_PRELOAD])
+    found = found.assign(life=("preload_method", [np.nan]))
     found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})
     assert why_title(found) == "Why no preload is recommended"
     found["life"][...] = 1.0

@@ -74,15 +74,15 @@ def test_ends_of_life(scene):
         scene_at(scene("gyro_s1"), m, 0.08, 30000.0, p)
         for m, p in zip(METHODS, (4.11, 6.37), strict=True)
     ]
-    solved = [life_point(one, None)["life"][1] for one in both]
-    room = {one.name: one for one in criteria_room(both, solved, 1, 0)}
+    solved = [life_point(one, None)["life"] for one in both]
+    room = {one.name: one for one in criteria_room(both, solved, 0)}
     end = room[END_KEY + "preload_fraction"]
     assert 0.3 < end.low < 0.4
     assert np.isnan(end.high)
     lives = []
     for one in both:
         at = one.with_({"wear.end_of_life.preload_fraction": end.low})
-        lives.append(life_point(at, None)["life"][1])
+        lives.append(life_point(at, None)["life"])
     assert_allclose(lives[0], lives[1], rtol=1e-3)
     assert set(room) == {END_KEY + name for name in both[0].wear.end_of_life.criteria}
 
@@ -90,8 +90,8 @@ def test_ends_of_life(scene):
 def test_friction_at_which_lives_are_equal(scene):
     """Lives go with one over the wear coefficient by either method, and not so with friction."""
     both = [scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0) for method in METHODS]
-    lives = [printed_life(one, 1) for one in both]
-    ends = (friction_end(both, lives, 1, 1, up) for up in (False, True))
+    lives = [printed_life(one) for one in both]
+    ends = (friction_end(both, lives, 1, up) for up in (False, True))
     room = {one.name: one for one in friction_room(both[0], *ends)}
     wear, mu = room[WEAR_KEY], room[FRICTION_KEY]
     assert np.isnan([wear.low, wear.high]).all() and wear.now > 0.0
@@ -99,36 +99,33 @@ def test_friction_at_which_lives_are_equal(scene):
     longest = []
     for value in (0.995 * mu.low, 1.005 * mu.low, mu.now, 4.0 * mu.now):
         moved = [one.with_({"friction.ball_race": value}) for one in both]
-        longest.append(int(np.argmax([life_point(one, None)["life"][1] for one in moved])))
+        longest.append(int(np.argmax([life_point(one, None)["life"] for one in moved])))
     assert longest == [0, 1, 1, 1]
 
 
 def test_a_warm_inner_ring_at_which_lives_are_equal(scene):
     """It shortens the life of a fixed position; a spring's hardly changes."""
     both = [scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0) for method in METHODS]
-    lives = [printed_life(one, 1) for one in both]
-    kelvin = warm_end(both, lives, 1, 1)
+    lives = [printed_life(one) for one in both]
+    kelvin = warm_end(both, lives, 1)
     warm = [
         [one.with_({"temperature.inner_ring_C": 20.0 + k}) for one in both]
         for k in (kelvin - 0.1, kelvin + 0.1)
     ]
-    assert [np.argmax([printed_life(one, 1) for one in pair]) for pair in warm] == [1, 0]
+    assert [np.argmax([printed_life(one) for one in pair]) for pair in warm] == [1, 0]
     # the other way round nothing is reversed
-    assert np.isnan(warm_end(both[::-1], [lives[1] * 0.5, lives[0]], 1, 1))
+    assert np.isnan(warm_end(both[::-1], [lives[1] * 0.5, lives[0]], 1))
 
 
 def test_what_turns_a_choice_round_within_five_per_cent_is_not_claimed():
-    tracks = np.full((2, 2), np.nan)
     held = [Assumption(name="far", low=0.9, now=1.0, high=1.2), Assumption(name="none", now=1.0)]
     below = Assumption(name="below", low=0.96, now=1.0)
     above = Assumption(name="above", now=1.0, high=1.04)
     exact = [0.0, 0.0]
-    assert verdict_on([2.0, 1.9], exact, held, tracks) == ONE_LONGER
-    assert verdict_on([1.9, 2.0], exact, [*held, below], tracks) == NEITHER_LONGER
-    assert verdict_on([1.9, 2.0], exact, [*held, above], tracks) == NEITHER_LONGER
-    # numerical errors, and the other track of a ball
-    assert verdict_on([2.0, 1.9], [0.03, 0.03], held, tracks) == NEITHER_LONGER
-    assert verdict_on([2.0, 1.9], exact, held, np.array([[2.0, 1.8], [1.9, 1.9]])) == NEITHER_LONGER
-    assert verdict_on([2.0, 1.9], exact, held, np.array([[2.0, 1.9], [1.9, 1.8]])) == ONE_LONGER
-    assert verdict_on([2.0, np.nan], exact, [], tracks) == NO_COMPARISON
-    assert verdict_on([0.0, 0.0], exact, [], tracks) == NO_COMPARISON
+    assert verdict_on([2.0, 1.9], exact, held) == ONE_LONGER
+    assert verdict_on([1.9, 2.0], exact, [*held, below]) == NEITHER_LONGER
+    assert verdict_on([1.9, 2.0], exact, [*held, above]) == NEITHER_LONGER
+    # numerical errors
+    assert verdict_on([2.0, 1.9], [0.03, 0.03], held) == NEITHER_LONGER
+    assert verdict_on([2.0, np.nan], exact, []) == NO_COMPARISON
+    assert verdict_on([0.0, 0.0], exact, []) == NO_COMPARISON

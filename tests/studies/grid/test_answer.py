@@ -83,9 +83,9 @@ def sure(small_project, tmp_path):
     from bearingwear.scene.read import load_scene
 
     scene = load_scene(small_project / "mine.yaml")
-    middle = np.arange(1.0, 41.0).reshape(2, 2, 5, 2)  # method, at, probability, counts
-    of_batch = middle[:, :, None] * np.array([0.5, 1.0, 2.0])[:, None, None]
-    dims = ("preload_method", "preload_choice", "uncertain_inputs", "probability", "loss_basis")
+    middle = np.arange(2.0, 41.0, 2.0).reshape(2, 2, 5)  # method, at, probability
+    of_batch = middle[:, :, None] * np.array([0.5, 1.0, 2.0])[:, None]
+    dims = ("preload_method", "preload_choice", "uncertain_inputs", "probability")
     methods = {"flag_values": [0, 1], "flag_meanings": " ".join(PRELOAD_METHODS)}
     dataset = xr.Dataset(
         {
@@ -134,7 +134,7 @@ def answered(lives, spread=()):
 
 def test_the_answer_is_that_of_the_file(small_project):
     lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
-    low = {life.method: life.counted for life in lives if life.friction == 0.02}
+    low = {life.method: life.hours for life in lives if life.friction == 0.02}
     ratio = low["constant_force"] / low["fixed_position"]
     found = load_document(small_project / LIVES_ANSWER)
     said = plain(" ".join(text for _, texts in points(found) for text in texts))
@@ -144,14 +144,14 @@ def test_the_answer_is_that_of_the_file(small_project):
     assert "spread in life was not computed" in plain(table_of(found).lines[0])
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
-        text = to_error(one.counted, one.error * one.counted)
+        text = to_error(one.hours, one.error * one.hours)
         assert row["life (h)"] == text and "L10 (h)" not in row
     assert "9 balls of 2 mm" in plain(found.facts["bearing"])
 
 
 def test_lives_stand_with_their_spread(small_project, sure):
     lives, spread = sure
-    # at the scene's own preload; methods by rows of 20, quantiles by pairs of counts
+    # at the scene's own preload; methods by rows of ten
     written, table = lives.parent / "a.csv", lives.parent / "summary.md"
     given = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
     assert step("studies.grid.tables.study_tables", written, table, **given) == 0

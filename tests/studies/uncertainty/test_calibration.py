@@ -46,7 +46,7 @@ def written(folder, *lines):
 
 
 def hours(scene):
-    found = life(scene).values["life"][1]  # of balls and races
+    found = life(scene).values["life"]  # of balls and races
     return found * HOURS_PER_SECOND
 
 
@@ -194,7 +194,7 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     spread = tmp_path / "u.nc"
     assert main(["uncertainty", str(out), "-o", str(spread), "--quiet"]) == 0
     sampled = bearingwear.load(spread)["life_quantile"].isel(
-        preload_method=0, preload_choice=0, uncertain_inputs=0, loss_basis=1
+        preload_method=0, preload_choice=0, uncertain_inputs=0
     )
     for p in (0.1, 0.5):
         own = float(data["life_quantile"].sel(stage="after", probability=p))
@@ -257,7 +257,7 @@ def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
     spans = []
     for scene in (found.scene, replace(found.scene, uncertainty=alone)):
         one = own_quantiles(scene, ["constant_force"], plan).isel(
-            preload_method=0, preload_choice=0, loss_basis=1
+            preload_method=0, preload_choice=0
         )
         batches = one.batch_life_quantile.sel(probability=0.1)
         sure = one.batch_life_quantile_error.sel(probability=0.1)

@@ -44,9 +44,9 @@ def test_life_is_inverse_to_the_wear_coefficient():
     """Known answer: with K_s alone uncertain, life is C/K_s, and K_s explains all of it."""
     scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
     sampled = sample_part(scene, PLAN, "constant_force")
-    y = sampled["life"].isel(loss_basis=1).values
+    y = sampled["life"].values
     K_s = sample(scene, PLAN)[..., 0]
-    constant = life(scene).values["life"][1] * HOURS_PER_SECOND * 5e-6
+    constant = life(scene).values["life"] * HOURS_PER_SECOND * 5e-6
     assert_allclose(y * K_s, y.flat[0] * K_s.flat[0], rtol=1e-12)
     assert_allclose(y * K_s, constant, rtol=1e-9)  # sampled lives have longer steps
     found = indices(scene, np.log(y), seed=1)
@@ -88,7 +88,7 @@ def test_indices_of_a_product_are_shares_of_log_variance():
         brinell_hardness_GPa={"distribution": "uniform", "low": 4.0, "high": 9.0},
     )
     sampled = sample_part(scene, Sampling(samples=4096, chunks=1, seed=1), "fixed_position")
-    found = indices(scene, np.log(sampled["life"].isel(loss_basis=0).values), seed=1)
+    found = indices(scene, np.log(sampled["life"].values), seed=1)
     of_hardness = np.var(np.log(stats.uniform(4.0, 5.0).ppf((np.arange(1e5) + 0.5) / 1e5)))
     variance = np.array([np.log(1.5) ** 2, of_hardness])
     share = variance / variance.sum()
@@ -141,7 +141,7 @@ def test_lives_with_films_are_those_of_life():
         one = life(perturbed(scene, dict(zip(names, map(float, row), strict=True)))).values
         assert_allclose(hours, one["life"], rtol=1e-9)
         through += np.isfinite(one["race_film_worn_through"]).any()
-    assert through > 0 and np.ptp(found.life[:, 1] / found.wear_factor) > 0.0
+    assert through > 0 and np.ptp(found.life / found.wear_factor) > 0.0
 
 
 def test_thickness_is_that_of_a_film_that_has_one():

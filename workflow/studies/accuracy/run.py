@@ -15,7 +15,7 @@ from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.solvers.bearing.outputs import wear_values
@@ -93,12 +93,11 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
     }
     for name in ("simulated_turns", "coriolis_energy_share", "azimuth_energy_share"):
         row[name] = float(values.get(name, np.nan))
-    counted = COUNTS.index(scene.wear.counts)
     if "qv_error_estimate" in values:
         own = values if scene.pair is None else of_bearing(values, 0)
         row["estimate_total_qv"] = float(own["qv_error_estimate"])
         row["estimate_residual_preload"] = float(own["residual_preload_error_estimate"])
-        row["estimate_wear_rate"] = float(own["wear_rate_error_estimate"][counted])
+        row["estimate_wear_rate"] = float(own["wear_rate_error_estimate"])
     fresh = replace(grown, wear=replace(grown.wear, ball_diameter_loss_um=(0.0,)))
     return row | life_quantities(on_a_rotor(fresh, point.machine), point, repeats, seconds)
 
@@ -112,12 +111,11 @@ def life_quantities(
     if not (fidelity in ("steady", "race_control") and symmetric and fresh.wear.end_of_life):
         return {}
     row = {"wear_over_gap": wear_over_gap(fresh)}
-    counted = COUNTS.index(fresh.wear.counts)
     lived, wall, processor = timed(lambda: lived_through(fresh, point), repeats, seconds)
     if lived["status"] == code.OK:
-        row["life"] = float(lived["life"][counted]) * HOURS_PER_SECOND
+        row["life"] = float(lived["life"]) * HOURS_PER_SECOND
         if "life_error_estimate" in lived:
-            row["estimate_life"] = float(lived["life_error_estimate"][counted])
+            row["estimate_life"] = float(lived["life_error_estimate"])
         if "history_total_qv" in lived:
             own = lived if fresh.pair is None else of_bearing(lived, 0)
             row["end_qv"] = float(own["history_total_qv"][-1])
@@ -151,7 +149,7 @@ def quantities(scene: Scene, values: dict) -> dict[str, float]:
         "qv_inner": float(qv[0]),
         "qv_outer": float(qv[1]),
         "residual_preload": float(values["residual_preload"]),
-        "wear_rate": float(values["ball_diameter_loss_rate"][COUNTS.index(scene.wear.counts)]),
+        "wear_rate": float(values["ball_diameter_loss_rate"]),
     }
     if "cage_wear_rate" in values:
         row["cage_wear_rate"] = float(values["cage_wear_rate"] + values["cage_land_wear_rate"])
@@ -195,8 +193,11 @@ def three_balls(scene: Scene) -> dict:
     if values["status"] == code.OK:
         for name in ("total_qv", "residual_preload", "race_wear_rate"):
             values[name] = values[name] / share
-        balls, both = values["ball_diameter_loss_rate"]
-        values["ball_diameter_loss_rate"] = np.array([balls, balls + (both - balls) / share])
+        # the balls lose as much as those of the whole bearing, a groove is worn by fewer
+        D = 1e-3 * few.bearing.ball_diameter_mm - values["ball_diameter_loss"]
+        balls = np.mean(2.0 * values["ball_wear_rate"] / (np.pi * D * D))
+        rate = values["ball_diameter_loss_rate"]
+        values["ball_diameter_loss_rate"] = balls + (rate - balls) / share
     return values
 
 

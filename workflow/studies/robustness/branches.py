@@ -11,7 +11,6 @@ from bearingwear.kernels import status as code
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
-from bearingwear.scene.scene import COUNTS
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.steady import steady_values
@@ -26,7 +25,7 @@ _BRANCH = table(
     STATUS,
     Variable("orbit_share", (), "1", "ratio of orbit rate to shaft speed"),
     Variable("total_qv", (), "W", "QV of the bearing"),
-    Variable("loss_rate", (), "m s-1", "loss rate of balls and races"),
+    Variable("loss_rate", (), "m s-1", "rate of increase in total wear depth"),
     Variable("branch", (), "1", "branch of steady states", "i1"),
     Variable("stable", (), "1", "whether the state is stable", "i1"),
     Variable("gyroscopic_slip_share", (), "1", "gyroscopic slip share, larger of the two contacts"),
@@ -79,7 +78,7 @@ def _followed(
         "status": case.status,
         "orbit_share": Omega / problem.op.omega_i,
         "total_qv": values["total_qv"],
-        "loss_rate": values["ball_diameter_loss_rate"][COUNTS.index("ball_and_races")],
+        "loss_rate": values["ball_diameter_loss_rate"],
         "branch": case.branch,
         "stable": problem.stable(D, case),
         "gyroscopic_slip_share": np.max(values["gyroscopic_slip_share"]),

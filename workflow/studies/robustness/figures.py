@@ -145,7 +145,7 @@ _WAY_WORDS = {
 _SHOWN = {
     "orbit_share": "orbit rate / shaft speed",
     "total_qv": "QV of the bearing (W)",
-    "loss_rate": "loss rate, balls and races (nm/s)",
+    "loss_rate": "rate of total wear depth (nm/s)",
 }
 _NANO = {"loss_rate": 1e9}
 

@@ -30,18 +30,15 @@ def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     status = int(values["status"])
     if status == code.UNVERIFIED:
         return [STATUS_NAMES[status]]
-    if status != code.OK or not values["life"][1] > 0.0:
+    if status != code.OK or not values["life"] > 0.0:
         return []
     return [*_not_finite(values), *_balances(scene, values), *_wear(scene, values)]
 
 
 def _not_finite(values: Mapping[str, Any]) -> list[str]:
-    """The index 1 counts balls and races; the balls alone may have no end."""
     found = []
     for name, value in values.items():
         numbers = np.asarray(value, dtype=float)
-        if name in ("life", "normalised_life", "life_error_bound", "history_time"):
-            numbers = numbers[..., 1]
         known = np.isfinite(numbers) | np.isposinf(numbers)
         temperatures = name.endswith("part_temperature")
         if not (name in _MAY_BE_MISSING or temperatures or known.all()):
@@ -67,7 +64,7 @@ def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     """Volumes by Archard's law, and depths that only grow."""
-    time, found = values["history_time"][:, 1], []
+    time, found = values["history_time"], []
     ball, race = parameters.wear_factors(scene)
     worn = {
         "history_race_worn_volume": scene.bearing.ball_count * race * values["history_qv"],

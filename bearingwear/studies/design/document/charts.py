@@ -13,11 +13,9 @@ from bearingwear.document.chart import Chart, ChartLine, Charts
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
+from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spread_of
 from bearingwear.results.units import in_print, scale_of
 from bearingwear.results.words import methods, scene_of
-from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
 from bearingwear.studies.design.document.held import decides_words, worst_words
@@ -83,10 +81,10 @@ def _reached(found: xr.Dataset) -> str:
 
 
 def _bands(recommendation: xr.Dataset, sampled: xr.Dataset) -> Bands:
-    scene, way = scene_of(recommendation), COUNTS[counted(recommendation)]
+    scene = scene_of(recommendation)
     mu = scene["friction"]["ball_race"]
     found = {
-        name: (spreads_of([sampled], scene, name, mu, RECOMMENDED) or {}).get(way)
+        name: spread_of([sampled], scene, name, mu, RECOMMENDED)
         for name, _ in methods(recommendation)
     }
     return {name: (one.bearings.low, one.bearings.high) for name, one in found.items() if one}
@@ -94,12 +92,12 @@ def _bands(recommendation: xr.Dataset, sampled: xr.Dataset) -> Bands:
 
 def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands) -> Iterator[Chart]:
     """Life over the preload, then each quantity of the short tables."""
-    points, scene, basis = preload_points(design, recommendation), scene_of(design), counted(design)
+    points, scene = preload_points(design, recommendation), scene_of(design)
     given = limits_of(design).given
     beyond = {name: _beyond(line) for name, line in points.items()}
     taken = {name: float(one["preload"]) for name, one in methods(recommendation)}
     preloads = [preload for line in points.values() for preload, _ in line]
-    *rows, notes = brief_rows([one for line in points.values() for _, one in line], basis)
+    *rows, notes = brief_rows([one for line in points.values() for _, one in line])
     for row in rows:
         measure, (_, factor) = LIMITED.get(row.name), scale_of(row.unit)
         limit = given.get(row.name) if measure else None

@@ -19,7 +19,6 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
 from bearingwear.results.variables import CASE
 from bearingwear.results.words import in_words, scene_of
-from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES
 from bearingwear.studies.design.recommend import RECOMMENDATION
@@ -170,13 +169,10 @@ def _point(preload: float, fidelities: dict[str, xr.Dataset]) -> CheckedPreload:
 
 
 def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
-    def compared(name: str, variable: str, error: str, unit: Display, k: int = 0) -> Compared:
-        """The k-th value, along the loss basis if there is one."""
-        values = [unit.of(float(case[variable].values.ravel()[k])) for case in (steady, dynamic)]
-        errors = [
-            float(case[error].values.ravel()[k]) if error in case else np.nan
-            for case in (steady, dynamic)
-        ]
+    def compared(name: str, variable: str, error: str, unit: Display) -> Compared:
+        cases = steady, dynamic
+        values = [unit.of(float(case[variable])) for case in cases]
+        errors = [float(case[error]) if error in case else np.nan for case in cases]
         return Compared(
             preload=preload,
             name=unit.label(name),
@@ -189,15 +185,11 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
     power = display("W", steady["total_qv"], dynamic["total_qv"])
     return [
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
-        *(
-            compared(
-                f"{CASE['ball_diameter_loss_rate'].label}, {in_words(way)}",
-                "ball_diameter_loss_rate",
-                "wear_rate_error_estimate",
-                LOSS_RATE,
-                k,
-            )
-            for k, way in enumerate(COUNTS)
+        compared(
+            CASE["ball_diameter_loss_rate"].label,
+            "ball_diameter_loss_rate",
+            "wear_rate_error_estimate",
+            LOSS_RATE,
         ),
         Compared(
             preload=preload,

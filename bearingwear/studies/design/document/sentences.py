@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.document import Row
-from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.document.rows import counted_words
 from bearingwear.document.table import flag_names
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
@@ -21,7 +21,6 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import (
     NONE_PASSED,
     REVERSED_BY_WARMTH,
@@ -35,7 +34,6 @@ from bearingwear.studies.design.document.words import (
     END_KEY,
     LIMIT_KEY,
     NONE_BECAUSE,
-    TRACK_WORDS,
     ending_measure,
     limit_text,
     without_limits,
@@ -91,8 +89,7 @@ def sentence(text: str) -> str:
 
 def by_life(found: xr.Dataset) -> list[tuple[str, xr.Dataset, float]]:
     """Each method that has a preload, and its life [h]; the longest first."""
-    basis = counted(found)
-    known = [(name, one, float(one["life"].isel(loss_basis=basis))) for name, one in methods(found)]
+    known = [(name, one, float(one["life"])) for name, one in methods(found)]
     return sorted((each for each in known if math.isfinite(each[2])), key=lambda each: -each[2])
 
 
@@ -153,7 +150,7 @@ def _at_the_end(found: xr.Dataset, one: xr.Dataset) -> tuple[str, str]:
             f"further. Use the {lowest} preload that can be set reliably, or state another "
             "requirement."
         )
-    gain = float(one["beyond_life"]) / float(one["life"][counted(found)]) - 1.0
+    gain = float(one["beyond_life"]) / float(one["life"]) - 1.0
     said = (
         f"No requirement limits the recommended preload, but a {less} preload gains little: the "
         f"life is {percent_in_text(gain)} longer at {beyond:.7g} N"
@@ -168,8 +165,9 @@ def what_it_gives(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> lis
     """The life and its spread, beside that of the other method, and what to use it for."""
     lives, pair = by_life(found), is_pair(scene_of(found))
     method, _, life = lives[0]
-    counts = COUNTED_WORDS[counted(found)]
-    means = [] if counts == COUNTED_WORDS[-1] else [f"wear of {counts}"]
+    scene = scene_of(found)
+    alone = scene["wear"]["counts"] == "ball"
+    means = [f"wear of {counted_words(scene)}"] if alone else []
     if one := spread[method]:
         means.append(f"{BEARINGS_BETWEEN}: {one.bearings.text} h")
     where = life_words(found, lives[0][1])
@@ -241,8 +239,8 @@ def _longer_and_shorter(
         return "", ""
     chosen = dict(methods(found))[method]
     best, line = float(chosen["preload"]), dict(methods(at_scene(design)))[method]
-    lives = line["life"].isel(loss_basis=counted(found)).values
-    longer = line["preload"].values[lives > float(chosen["life"][counted(found)])]
+    lives = line["life"].values
+    longer = line["preload"].values[lives > float(chosen["life"])]
     if longer.size and longer.max() < best:
         return "lower", "higher"
     if longer.size and longer.min() > best:
@@ -382,10 +380,9 @@ def _as_subject(found: xr.Dataset, method: str) -> str:
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
     """Assumptions with which the recommended method is not better, or violates a requirement."""
-    basis = counted(found)
     turned, beyond, unknown, same = [], [], [], []
     for words, case in assumptions_of(beside):
-        lives = case["life"].isel(loss_basis=basis).values
+        lives = case["life"].values
         limits = passed(case.isel(preload_method=method))
         if limits.startswith("not solved"):
             unknown.append(words)
@@ -415,8 +412,8 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
     said = []
     if int(found["verdict"]) == NEITHER_LONGER:
         said.append(
-            f"Neither method is preferred: a {100 * CLAIMED:g} % change in one assumption, or a "
-            "change in the assumed ball track, would reverse the order."
+            f"Neither method is preferred: a {100 * CLAIMED:g} % change in one assumption would "
+            "reverse the order."
         )
     if mine := spread[method]:
         uncertain = ", ".join(causes(scene))
@@ -439,20 +436,6 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
             )
     calibration = scene.get("calibrated")
     return [*said, CALIBRATED.format(**calibration)] if calibration else said
-
-
-def by_ball_track(found: xr.Dataset) -> list[str]:
-    """Which method is the better by each track of a ball, where grooves are followed."""
-    lives = found["life_by_ball_track"].values
-    if len(lives) < 2 or not np.isfinite(lives).all():
-        return []
-    sentences = []
-    tracks = flag_names(found["ball_track"])
-    for track, column in zip(tracks, lives.T.tolist(), strict=True):
-        hours = " and ".join(Rough(life).text for life in column)
-        sentences.append(f"{hours} h if the balls wear {TRACK_WORDS[track]}")
-    names, lived = " and ".join(method_names(found)), ", and ".join(sentences)
-    return [f"{names}: lives of {lived}.".capitalize()]
 
 
 def why_title(found: xr.Dataset) -> str:

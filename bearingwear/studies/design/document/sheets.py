@@ -17,7 +17,7 @@ import xarray as xr
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row, quantity_row
 from bearingwear.document.markdown import as_markdown
-from bearingwear.document.rows import COUNTED
+from bearingwear.document.rows import counted_words
 from bearingwear.document.study import by_wear_row, spread_rows
 from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -29,13 +29,12 @@ from bearingwear.results.quantiles import (
     Spread,
     causes_told,
     load_quantiles,
-    spreads_of,
+    spread_of,
 )
 from bearingwear.results.units import Estimated, Rough, in_ascii
 from bearingwear.results.warnings import WARNING, warning_line
 from bearingwear.results.words import in_words, methods, scene_of
-from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.studies.dataset import counted
+from bearingwear.scene.scene import Scene
 from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
 from bearingwear.studies.design.choice import (
     ACTIVE,
@@ -55,7 +54,6 @@ from bearingwear.studies.design.document.held import (
     worst_words,
 )
 from bearingwear.studies.design.document.sentences import (
-    by_ball_track,
     by_life,
     headline,
     how_sure,
@@ -187,13 +185,13 @@ def preload_document(
         "warnings": [warning_line(one).removeprefix(WARNING) for one in stated_warnings(found)],
     }
     where = f"{conditions_words(found)}; friction {scene['friction']['ball_race']:g}"
-    basis, known = counted(found), by_life(found)
+    known = by_life(found)
     spread = _spreads(found, uncertainty)
     blocks = [*_points(found, design, beside, spread)]
     blocks += [_recommended(found, spread), _new_and_worn(found)] if known else []
     blocks += machine_blocks(found)
-    blocks += [] if beside is None else [_beside(beside, found, basis)]
-    blocks += [] if design is None else [_over_preload(design, basis)]
+    blocks += [] if beside is None else [_beside(beside, found)]
+    blocks += [] if design is None else [_over_preload(design)]
     blocks += _room(found) if known else []
     blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
     blocks += [] if design is None else [_statuses(design)]
@@ -208,12 +206,11 @@ def preload_document(
 
 def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spread | None]:
     """Of the life at the recommended preload of each method, where it was sampled."""
-    scene, way = scene_of(found), COUNTS[counted(found)]
+    scene = scene_of(found)
     known = [] if uncertainty is None else [uncertainty]
     mu = scene["friction"]["ball_race"]
     return {
-        method: (spreads_of(known, scene, method, mu, RECOMMENDED) or {}).get(way)
-        for method, _ in methods(found)
+        method: spread_of(known, scene, method, mu, RECOMMENDED) for method, _ in methods(found)
     }
 
 
@@ -250,8 +247,7 @@ def _points(
 
 def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Block:
     """The preload to take by each method, and the bearing with it."""
-    basis, each = counted(found), [one for _, one in methods(found)]
-    lives = found["life"].values
+    scene, each = scene_of(found), [one for _, one in methods(found)]
     held = [
         held_words(ACTIVE[int(one["active_limit"])], lambda name, one=one: float(one[name]))  # type: ignore[misc]
         for one in each
@@ -261,19 +257,15 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
         *_setting_rows(found),
         Row("limited by", "", tuple(held), "active_limit"),
-        Row(f"life, {COUNTED[basis]}", "h", _lives(found, basis), "life"),
+        Row(f"life, wear of {counted_words(scene)}", "h", _lives(found), "life"),
         *(spread_rows([one.rows if one else {} for one in spread.values()])),
-        *(() if any(spread.values()) else by_wear_row(scene_of(found), _floats(lives[:, basis]))),
-        Row(
-            f"life, {COUNTED[1 - basis]}", "h", _lives(found, 1 - basis),
-            f"life.{COUNTS[1 - basis]}",
-        ),
+        *(() if any(spread.values()) else by_wear_row(scene, _floats(found["life"]))),
         Row("  groove model", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
     ]  # fmt: skip
     if "worn" in grooves:
-        hertzian = _floats(found["hertzian_life"].values[:, basis])
+        hertzian = _floats(found["hertzian_life"])
         rows.append(Row(f"  {HERTZIAN_LIFE_WORDS}", "h", hertzian, "hertzian_life"))
-    errors = tuple(Rough(100.0 * e) for e in found["life_error_estimate"].values[:, basis])
+    errors = tuple(Rough(100.0 * e) for e in found["life_error_estimate"].values)
     rows.append(Row("  its numerical error", "%", errors, "life_error_estimate"))
     for name, (label, shown) in RECOMMENDED_WORDS.items():
         # of a rotor without mass there is no frequency; an older file lacks newer measures
@@ -281,8 +273,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
     rows = [row._replace(note=_where_worst(found, row.name)) for row in rows]
     notes = [f"Minimum and maximum values are the worst {worst_words(found)}."]
-    notes += [causes_told(scene_of(found))] if any(spread.values()) else []
-    notes += by_ball_track(found)
+    notes += [causes_told(scene)] if any(spread.values()) else []
     return Block("recommended", tuple(method_names(found)), tuple(rows), tuple(notes), place="lead")
 
 
@@ -301,9 +292,9 @@ def _setting_rows(found: xr.Dataset) -> list[Row]:
     return [row for row in rows if any(value == value for value in row.values)]
 
 
-def _lives(found: xr.Dataset, basis: int) -> tuple[float, ...]:
+def _lives(found: xr.Dataset) -> tuple[float, ...]:
     """Lives [h], in the digits that their errors leave, three at most."""
-    columns = (found[name].values[:, basis] for name in ("life", "life_error_estimate"))
+    columns = (found[name].values for name in ("life", "life_error_estimate"))
     return tuple(
         Estimated.of(life, max(error * life, 10.0 ** (math.floor(math.log10(life)) - 2)))
         if life > 0.0 and error > 0.0
@@ -352,9 +343,9 @@ def _new_and_worn(found: xr.Dataset) -> Block:
     return Block(f"new and worn, {where}", tuple(columns), tuple(rows))
 
 
-def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
+def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
     """Life, the worst of each measure of short tables, and violated requirements, at points."""
-    life = Row("life", "h", tuple(float(one["life"][basis]) for one in points), "life")
+    life = Row("life", "h", tuple(float(one["life"]) for one in points), "life")
     rows = [
         quantity_row(one.short, one.si_unit, map(one.worst, points), one.key, one.shown_as)
         for one in SHORT_TABLE
@@ -363,7 +354,7 @@ def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
     return [life, *rows, end, Row("requirements violated", "", tuple(map(passed, points)))]
 
 
-def _over_preload(design: xr.Dataset, basis: int) -> Block:
+def _over_preload(design: xr.Dataset) -> Block:
     """Every preload of the map, by each method, at the scene's friction and speed."""
     points = [
         (float(preload), method, one.isel(preload=k))
@@ -374,7 +365,7 @@ def _over_preload(design: xr.Dataset, basis: int) -> Block:
     rows = [
         Row("preload", "N", tuple(preload for preload, _, _ in points), "preload", given=True),
         Row("preload method", "", names, "preload_method"),
-        *brief_rows([one for _, _, one in points], basis),
+        *brief_rows([one for _, _, one in points]),
     ]
     return Block(
         "Life and requirements against preload",
@@ -384,7 +375,7 @@ def _over_preload(design: xr.Dataset, basis: int) -> Block:
     )
 
 
-def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
+def _beside(beside: xr.Dataset, found: xr.Dataset) -> Block:
     """Lives at the recommended preloads, as studied and with other assumptions."""
     points = [
         (words, method_words(scene_of(found), method), one)
@@ -395,7 +386,7 @@ def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
     rows = [
         Row("assumption", "", tuple(words for words, _, _ in points)),
         Row("preload method", "", tuple(name for _, name, _ in points), "preload_method"),
-        *brief_rows([one for _, _, one in points], basis),
+        *brief_rows([one for _, _, one in points]),
     ]
     title = "Effect of other assumptions at the recommended preloads"
     return Block(title, rows=tuple(rows), axes=2)

@@ -97,5 +97,4 @@ GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "worn"}
 
 HERTZIAN_LIFE_WORDS = "with a Hertzian groove"
 
-TRACK_WORDS = {"spread": "evenly", "bands": "in bands"}
 """How balls wear."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.document.rows import counted_words
 from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.plotting.drawing import (
@@ -25,8 +26,6 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import display
 from bearingwear.results.words import methods, scene_of
-from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
@@ -45,7 +44,6 @@ LETTERS = {name: one.letter for name, one in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
 """What holds a preload, on a map."""
 
-LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 PALE = {"alpha": 0.6, "linewidth": 0.9}
 """Of lives that violate a requirement."""
@@ -69,35 +67,35 @@ def design_figure(
     """
     area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
     figure, panels = new_figure(2 if area else 1, 2, 7.2, 7.4 if area else 4.2)
-    basis, limits = counted(design), limits_of(design)
+    limits = limits_of(design)
     line = at_scene(design)
     followed = bool((line["groove"] == WORN_GROOVE).any())
     over_preload, over_stiffness = panels[0]
     failed = False
     for name, one in methods(line) if followed else ():
-        _hertzian(over_preload, name, one.isel(loss_basis=basis))
-    best = front(line, basis)
+        _hertzian(over_preload, name, one)
+    best = front(line)
     for k, (name, one) in enumerate(methods(line)):
         allowed = (one["status"] == OK) & (one["impractical"] == 0)
         for margin in limit_margins(one, limits):
             allowed &= margin >= 0.0
         _over_preload(over_preload, name, one, allowed)
         on_front = best.isel(preload_method=k).values
-        _over_stiffness(over_stiffness, name, one.isel(loss_basis=basis), allowed, on_front)
+        _over_stiffness(over_stiffness, name, one, allowed, on_front)
         failed |= mark_failed(over_preload, one["preload"], one["status"], COLOURS[name], k)
-        chosen = recommendation.isel(preload_method=k, loss_basis=basis)
+        chosen = recommendation.isel(preload_method=k)
         if np.isfinite(chosen["preload"]):
             _recommended(panels[0], name, chosen)
             if uncertainty is not None:
                 lives = at_recommended(uncertainty, int(chosen["preload_method"]))["life_quantile"]
-                _spread_bar(over_preload, name, chosen, lives.isel(loss_basis=basis))
+                _spread_bar(over_preload, name, chosen, lives)
     stiffness = stiffness_of(design)
     limit = limits.given.get(stiffness.key)
     if limit is not None:
         over_stiffness.axvline(limit, **_LIMIT_LINE)
     for panel in panels[0]:
         panel.set_ylabel("wear life (h)")
-        if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
+        if bool((line["life"] > 0.0).any()):
             _logarithmic(panel)
     over_preload.set(xlabel="initial preload (N)", title="life against preload")
     over_stiffness.set(
@@ -109,7 +107,7 @@ def design_figure(
         _choices(figure, panels[1], design)
     handles = [
         *method_keys([name for name, _ in methods(line)], scene_of(design)),
-        *_keys(limit is not None, uncertainty is not None),
+        *_keys(scene_of(design), limit is not None, uncertainty is not None),
         *_groove_keys(followed),
         *_end_keys(line),
         *(_letter_keys(design) if area else ()),
@@ -136,15 +134,14 @@ def as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
 
 
 def _over_preload(panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray) -> None:
-    """Lives of a method by both ways of counting, pale where a requirement is violated."""
-    for way, dash in LOSS_DASHES.items():
-        lives = one["life"].isel(loss_basis=COUNTS.index(way)).where(lambda h: h > 0.0)
-        look = {"color": COLOURS[name], "linestyle": dash}
-        panel.plot(one["preload"], lives, **PALE, **look)
-        panel.plot(one["preload"], lives.where(allowed), **look)
-        for k, end in new_ends(one):
-            mark = {"marker": ENDS[end].mark, "markersize": 5, "markerfacecolor": "white"}
-            panel.plot(one["preload"][k], lives[k], color=COLOURS[name], zorder=4, **mark)
+    """Lives of a method, pale where a requirement is violated."""
+    lives = one["life"].where(lambda h: h > 0.0)
+    look = {"color": COLOURS[name]}
+    panel.plot(one["preload"], lives, **PALE, **look)
+    panel.plot(one["preload"], lives.where(allowed), **look)
+    for k, end in new_ends(one):
+        mark = {"marker": ENDS[end].mark, "markersize": 5, "markerfacecolor": "white"}
+        panel.plot(one["preload"][k], lives[k], color=COLOURS[name], zorder=4, **mark)
 
 
 def new_ends(one: xr.Dataset) -> list[tuple[int, str]]:
@@ -243,19 +240,16 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
         bar.set_label("preload (N)")
 
 
-def counting_keys() -> list[Any]:
+def counting_key(scene: Mapping[str, Any]) -> Any:
     """Legend of what counts as wear."""
-    return [
-        key(f"wear of {COUNTED_WORDS[COUNTS.index(way)]}", color="0.3", linestyle=dash)
-        for way, dash in LOSS_DASHES.items()
-    ]
+    return key(f"wear of {counted_words(scene)}", color="0.3")
 
 
-def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
+def _keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[Any]:
     """Legend of the lives."""
     limit = key("required stiffness", **_LIMIT_LINE)
     return [
-        *counting_keys(),
+        counting_key(scene),
         key("a requirement is violated", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(

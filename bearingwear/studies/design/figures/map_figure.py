@@ -10,13 +10,12 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.document.rows import counted_words
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new_figure
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.results.words import methods, scene_of
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.document.held import lives_words, worst_words
 from bearingwear.studies.design.figures.choice import as_wide_as_it_is
 
@@ -50,13 +49,10 @@ def map_overview(design: xr.Dataset) -> Figure:
     figure, panels = new_figure(
         len(quantities), len(columns), 7.2, 1.75 * len(quantities) + 0.9, sharex=True, sharey=True
     )
-    basis = counted(design)
     zero = never = False
     for row, (quantity, look) in zip(panels, quantities.items(), strict=True):
         unit = display(look.units, plane[quantity])
         values = unit.of(plane[quantity])
-        if "loss_basis" in values.dims:
-            values = values.isel(loss_basis=basis)
         zero, never = zero or bool((values == 0.0).any()), never or bool((values == np.inf).any())
         _mapped(figure, row, plane, values, look.cmap, unit.label(look.label))
     for panel, (name, _) in zip(panels[0], columns, strict=True):
@@ -69,7 +65,7 @@ def map_overview(design: xr.Dataset) -> Figure:
     frame(
         figure,
         f"{scene['name']}: life {lives_words(design)} and the worst values {worst_words(design)}, "
-        f"against preload and friction; wear of {COUNTED_WORDS[basis]}",
+        f"against preload and friction; wear of {counted_words(scene)}",
         [
             *(blank if zero else []),
             *(grey if never else []),

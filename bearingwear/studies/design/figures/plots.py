@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.rows import COUNTED_WORDS
+from bearingwear.document.rows import counted_words
 from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
@@ -24,8 +24,6 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, preload_drawn, spread_at, spread_text
 from bearingwear.results.units import Rough, digits, display, span
 from bearingwear.results.words import methods, scene_of
-from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.held import decides_words, lives_words, worst_words
 from bearingwear.studies.design.document.sentences import method_names
@@ -48,12 +46,11 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     scene = scene_of(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     line = design.sel(shaft_speed=speed).isel(friction=0)
-    basis = counted(design)
     quantities = {name: look for name, look in MAPPED.items() if name in line}
     figure, panels = new_figure(1, len(quantities), 2.6 * len(quantities), 3.2)
     failed = False
     for panel, (name, look) in zip(panels[0], quantities.items(), strict=True):
-        values = line[name].isel(loss_basis=basis, missing_dims="ignore")
+        values = line[name]
         unit, known = display(look.units, values), values.where(np.isfinite(values))
         failed |= lines(panel, known, "preload", look.label, unit, line["status"], marker=".")
         from_zero(panel)
@@ -61,7 +58,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
         figure,
         f"{scene['name']}, friction {float(design['friction'][0]):g}: life {lives_words(design)}, "
         f"and the worst values {worst_words(design)}, against preload; wear of "
-        f"{COUNTED_WORDS[basis]}",
+        f"{counted_words(scene)}",
         [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(failed)],
         columns=3,
     )
@@ -74,7 +71,6 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         return uncertainty_figure(uncertainty)
     rows = methods(uncertainty)
     figure, panels = new_figure(1, len(rows), max(5.6, 4.2 * len(rows)), 3.6)
-    basis = counted(uncertainty)
     said = []
     for panel, (name, one) in zip(panels[0], rows, strict=True):
         words = method_words(scene_of(uncertainty), name)
@@ -83,41 +79,37 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         panel.set_title(f"{words}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")
         panel.set_ylabel("share of bearings worn out")
-        spread = spread_at(drawn.isel(loss_basis=basis))
+        spread = spread_at(drawn)
         if spread:
             panel.axvspan(*spread.bearings, color=COLOURS[name], alpha=0.12, linewidth=0.0)
         said.append(f"{words}, {spread_text(spread)}")
-    counting = COUNTED_WORDS[basis]
-    name = scene_of(uncertainty)["name"]
-    text = f"{name}: {'; '.join(said)}; wear of {counting}"
-    frame(figure, text, cumulated_keys(), columns=2)
+    scene = scene_of(uncertainty)
+    text = f"{scene['name']}: {'; '.join(said)}; wear of {counted_words(scene)}"
+    frame(figure, text, cumulated_keys(scene), columns=2)
     return figure
 
 
 def recommendation_plot(recommendation: xr.Dataset) -> Figure:
-    """Life at the recommended preload of each method, by both ways of counting wear."""
-    figure, panels = new_figure(1, len(COUNTS), 3.6 * len(COUNTS), 3.2)
-    rows = methods(recommendation)
-    for k, panel in enumerate(panels[0]):
-        for height, (name, one) in enumerate(rows):
-            life = float(one["life"].isel(loss_basis=k))
-            active = ACTIVE[int(one["active_limit"])]
-            held = LIMIT_WORDS[active]
-            where = ""
-            if active in LIMITED:
-                where = decides_words(recommendation, one, active, brief=True)
-            where = where and f"\n({where})"
-            text = f"{preload_text(one)} N, limited by\n{held}{where}"
-            panel.barh(height, np.nan_to_num(life), color=COLOURS[name], height=0.4)
-            said = f"{Rough(life).text} h at {text}" if np.isfinite(life) else held
-            panel.text(0.0, height + 0.24, said, va="bottom", fontsize=7)
-        panel.set_yticks(range(len(rows)), method_names(recommendation))
-        panel.set_ylim(-0.4, len(rows) - 0.1)
-        panel.set_xlabel("wear life (h)")
-        panel.set_title(f"wear of {COUNTED_WORDS[k]}")
-    names = [name for name, _ in rows]
-    counts = counted(recommendation)
-    lives = span(map(Rough, recommendation["life"].isel(loss_basis=counts).values))
-    text = f"{scene_of(recommendation)['name']}: life at the recommended preload, {lives} h"
-    frame(figure, text, method_keys(names, scene_of(recommendation)), columns=2)
+    """Life at the recommended preload of each method."""
+    figure, ((panel,),) = new_figure(1, 1, 5.4, 3.2)
+    rows, scene = methods(recommendation), scene_of(recommendation)
+    for height, (name, one) in enumerate(rows):
+        life = float(one["life"])
+        active = ACTIVE[int(one["active_limit"])]
+        held = LIMIT_WORDS[active]
+        where = ""
+        if active in LIMITED:
+            where = decides_words(recommendation, one, active, brief=True)
+        where = where and f"\n({where})"
+        text = f"{preload_text(one)} N, limited by\n{held}{where}"
+        panel.barh(height, np.nan_to_num(life), color=COLOURS[name], height=0.4)
+        said = f"{Rough(life).text} h at {text}" if np.isfinite(life) else held
+        panel.text(0.0, height + 0.24, said, va="bottom", fontsize=7)
+    panel.set_yticks(range(len(rows)), method_names(recommendation))
+    panel.set_ylim(-0.4, len(rows) - 0.1)
+    panel.set_xlabel("wear life (h)")
+    panel.set_title(f"wear of {counted_words(scene)}")
+    lives = span(map(Rough, recommendation["life"].values))
+    text = f"{scene['name']}: life at the recommended preload, {lives} h"
+    frame(figure, text, method_keys([name for name, _ in rows], scene), columns=2)
     return figure

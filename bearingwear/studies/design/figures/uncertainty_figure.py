@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,7 @@ from bearingwear.results.quantiles import (
     spread_text,
 )
 from bearingwear.results.words import methods, scene_of
-from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.figures.choice import LOSS_DASHES, counting_keys
+from bearingwear.studies.design.figures.choice import counting_key
 
 QUANTITY_WORDS = {
     "ball_diameter_mm": "ball diameter",
@@ -48,7 +47,6 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     """Spread of lives, the effect of each uncertain value, and the main one."""
     rows, scene = methods(uncertainty), scene_of(uncertainty)
     figure, panels = new_figure(len(rows), 3, 7.2, 2.9 * len(rows) + 0.9)
-    basis = counted(uncertainty)
     names = quantities_of(uncertainty)
     failed = 0
     for (cumulated, tornado, bars), (name, one) in zip(panels, rows, strict=True):
@@ -58,50 +56,47 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         cumulated.set_title(f"{method_words(scene, name)}, {float(drawn['preload']):.3g} N")
         cumulated.set_xlabel("wear life (h)")
         cumulated.set_ylabel("share of bearings worn out")
-        _tornado(tornado, drawn.isel(loss_basis=basis), names, colour)
-        _bars(bars, drawn.isel(loss_basis=basis), colour)
+        _tornado(tornado, drawn, names, colour)
+        _bars(bars, drawn, colour)
         failed += int(round(float(((1 - one["solved_share"]) * one["evaluations"]).sum())))
     for row in panels:
         row[2].set_yticks(row[1].get_yticks(), [])
         row[2].set_ylim(row[1].get_ylim())
     handles = [
         *method_keys([name for name, _ in rows], scene),
-        *cumulated_keys(),
+        *cumulated_keys(scene),
         key("all values uncertain", color="0.3", linewidth=6),
         key("wear coefficient and hardness as stated", color="0.7", linewidth=6),
     ]
-    frame(figure, _message(uncertainty, names, basis, failed), handles, columns=3)
+    frame(figure, _message(uncertainty, names, failed), handles, columns=3)
     return figure
 
 
 def draw_cumulated(panel: Any, one: xr.Dataset, colour: str) -> None:
     """Shares of the lives that are over, and their quantiles with the sampling error."""
-    for way, dash in LOSS_DASHES.items():
-        counted_so = one.isel(loss_basis=COUNTS.index(way))
-        lives = counted_so["life_sample"].values
-        lives = np.sort(lives[np.isfinite(lives)])
-        if lives.size:
-            share = (np.arange(lives.size) + 0.5) / lives.size
-            panel.plot(lives, share, color=colour, linestyle=dash)
-        low, mid, high = (counted_so[f"life_quantile{end}"].values for end in ("_low", "", "_high"))
-        panel.errorbar(
-            mid,
-            one["probability"].values,
-            xerr=np.stack([mid - low, high - mid]),
-            fmt="o",
-            color=colour,
-            markersize=3,
-            capsize=2,
-            linewidth=1.0,
-        )
+    lives = one["life_sample"].values
+    lives = np.sort(lives[np.isfinite(lives)])
+    if lives.size:
+        panel.plot(lives, (np.arange(lives.size) + 0.5) / lives.size, color=colour)
+    low, mid, high = (one[f"life_quantile{end}"].values for end in ("_low", "", "_high"))
+    panel.errorbar(
+        mid,
+        one["probability"].values,
+        xerr=np.stack([mid - low, high - mid]),
+        fmt="o",
+        color=colour,
+        markersize=3,
+        capsize=2,
+        linewidth=1.0,
+    )
     panel.set_xscale("log")
     panel.set_ylim(0.0, 1.0)
 
 
-def cumulated_keys() -> list[Any]:
+def cumulated_keys(scene: Mapping[str, Any]) -> list[Any]:
     """Legend of `draw_cumulated`."""
     text = "5, 10, 50, 90 and 95 % quantiles with sampling errors"
-    return [*counting_keys(), key(text, color="0.3", linestyle="none", marker="o")]
+    return [counting_key(scene), key(text, color="0.3", linestyle="none", marker="o")]
 
 
 def _ratios(one: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -153,9 +148,9 @@ def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
     panel.set_title("total Sobol index", fontsize=8)
 
 
-def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int) -> str:
+def _message(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
     method = uncertainty.isel(preload_method=0)
-    one = method.sel(preload_choice=preload_drawn(method)).isel(loss_basis=basis)
+    one = method.sel(preload_choice=preload_drawn(method))
     scene = scene_of(uncertainty)["name"]
     if not np.isfinite(one["total_index"]).any():
         return f"{scene}: too few lives could be computed to determine their spread"

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.rows import counted_words
 from bearingwear.plotting.drawing import (
     ABSCISSAE,
     Figure,
@@ -34,10 +35,11 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
     looks = [_nested_look(k, len(studies)) for k in range(len(studies))]
     power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
+    counted = " or ".join(dict.fromkeys(counted_words(scene_of(study)) for study in studies))
     rows = {
         "total_qv": ("QV of the bearing", power),
         "residual_preload": ("residual preload", display("N")),
-        "ball_diameter_loss_rate": ("loss rate, balls\nand races", _LOSS_RATE),
+        "ball_diameter_loss_rate": (f"loss rate,\n{counted}", _LOSS_RATE),
     }
     failed = False
     ratios: list[float] = []
@@ -47,9 +49,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
         for column, (name, state) in zip(panels.T, states, strict=False):
             for panel, (quantity, (label, unit)) in zip(column, rows.items(), strict=True):
                 if quantity in state:  # no rate if nothing at all was solved
-                    values = state[quantity]
-                    values = values.isel(counts=-1) if "counts" in values.dims else values
-                    lines(panel, values, "ball_diameter_loss", label, unit, **look)
+                    lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
                 failed |= mark_failed(panel, loss, state["status"], look["color"], number)
             column[0].set_title(in_words(name))
         ratio = float(state["total_qv"][-1] / state["total_qv"][0])
@@ -123,7 +123,7 @@ def _qv_of_a_life(
     """One life in the two panels of a column, marked at its end; its last QV over its first."""
     if "history_time" not in life:
         return float("nan")
-    time = life["history_time"].isel(counts=-1).values
+    time = life["history_time"].values
     qv, loss = life["history_total_qv"].values, 1e6 * life["history_ball_diameter_loss"].values
     lived = np.isfinite(qv) & np.isfinite(time)
     if not lived.any():

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.rows import counted_words
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import (
@@ -31,7 +32,7 @@ from bearingwear.plotting.drawing import (
     race_keys,
 )
 from bearingwear.results.pair_variables import is_pair, method_words
-from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spreads_of
+from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
 from bearingwear.results.units import Display, Interval, Rough, display
 from bearingwear.results.words import methods, mu_is, percent, scene_of
 
@@ -201,13 +202,12 @@ END_MARKS["none"] = ("x", "end of life not reached")
 def life_figure(
     lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset] = ()
 ) -> Figure:
-    """Interference loss and residual preload in hours, counted both ways, up to the end of life.
+    """Interference loss and residual preload in hours, up to the end of life.
 
     `known` are files of the study of uncertainty; the title says what they know of these lives.
     """
-    shown = _counts_shown(lives)
-    width = 3.6 * max(len(shown), 1.5)
-    figure, panels = new_figure(2, len(shown), width, 5.4, sharex="col", sharey="row")
+    figure, panels = new_figure(2, 1, 5.4, 5.4, sharex="col", sharey="row")
+    column = panels[:, 0]
     styles = dashes(frictions)
     ends = lives["end_criterion"].attrs["flag_meanings"].split()
     met: list[str] = []
@@ -220,18 +220,16 @@ def life_figure(
                 failed.append(f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
             elif end not in met:
                 met.append(end)
-            for k, column in zip(shown, panels.T, strict=True):
-                line = {"color": COLOURS[name], "linestyle": styles[mu]}
-                _life_column(column, one.isel(counts=k), line, END_MARKS[end][0])
-    for k, column in zip(shown, panels.T, strict=True):
-        column[0].set_title(f"wear of {('the balls alone', 'balls and races')[k]}")
-        column[1].set_xlabel("running time (h)")
-        for panel in column:
-            panel.set_xlim(left=0.0)
-            from_zero(panel)
-    list_failed(panels[0, 0], failed)
-    panels[0, 0].set_ylabel("total wear depth (µm)")
-    panels[1, 0].set_ylabel("residual preload (N)")
+            line = {"color": COLOURS[name], "linestyle": styles[mu]}
+            _life_column(column, one, line, END_MARKS[end][0])
+    column[0].set_title(f"wear of {counted_words(scene_of(lives))}")
+    column[1].set_xlabel("running time (h)")
+    for panel in column:
+        panel.set_xlim(left=0.0)
+        from_zero(panel)
+    list_failed(column[0], failed)
+    column[0].set_ylabel("total wear depth (µm)")
+    column[1].set_ylabel("residual preload (N)")
     frame(
         figure,
         f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
@@ -239,13 +237,13 @@ def life_figure(
         method_keys((name for name, _ in methods(lives)), scene_of(lives))
         + dash_keys(styles)
         + [
-            key(_INTERPOLATED[len(shown) > 1], color="0.3", **_OTHER_ROUTE)
+            key("interpolated, Hertzian grooves", color="0.3", **_OTHER_ROUTE)
             for _ in range(_is_interpolated(lives, frictions))
         ]
         + [
             key(END_MARKS[m][1], color="0.3", linestyle="none", marker=END_MARKS[m][0]) for m in met
         ],
-        columns=2 * len(shown),
+        columns=2,
     )
     return figure
 
@@ -257,16 +255,6 @@ def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
 
 
 _OTHER_ROUTE = {"linestyle": "none", "marker": ".", "markersize": 3}
-_INTERPOLATED = ("interpolated, Hertzian grooves", "interpolated from the study")
-"""What the dots are, by whether both ways of counting were followed."""
-
-
-def _counts_shown(lives: xr.Dataset) -> list[int]:
-    """The ways of counting wear to draw: both, but one where grooves are followed, for that way."""
-    ways = range(lives.sizes["counts"])
-    if "history_time" not in lives:
-        return list(ways)
-    return [k for k in ways if np.isfinite(lives["history_time"].isel(counts=k)).any()] or [*ways]
 
 
 def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str) -> None:
@@ -294,7 +282,7 @@ def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str)
 
 def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     found = [
-        (float(one["life"][-1]), f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
+        (float(one["life"]), f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
         for name, of_method in methods(lives)
         for mu in frictions
         if int((one := of_method.sel(friction=mu))["status"]) == OK
@@ -303,14 +291,15 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
         return "no end of life was found"
     (shortest, which), (longest, _) = min(found), max(found)
     ends = " to ".join(dict.fromkeys(Rough(life).text for life in (shortest, longest)))
-    return f"life {ends} h (wear of balls and races" + (f"; {which})" if len(found) == 1 else ")")
+    which = f"; {which}" if len(found) == 1 else ""
+    return f"life {ends} h (wear of {counted_words(scene_of(lives))}{which})"
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
-    """Between which lives bearings lie by the wear of balls and races, where that was computed."""
+    """Between which lives bearings lie, where that was computed."""
     points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
-    spreads = [spreads_of(known, scene_of(lives), *point) for point in points]
-    found = [one["ball_and_races"].bearings for one in spreads if one and "ball_and_races" in one]
+    spreads = [spread_of(known, scene_of(lives), *point) for point in points]
+    found = [one.bearings for one in spreads if one]
     if not found:
         return NO_QUANTILES
     every = Interval(min(one.low for one in found), max(one.high for one in found))
