@@ -13,10 +13,20 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.lives.follow import Life, Node
-from bearingwear.lives.grooves import STEP, WORN_CELLS, Grooves, Wears
-from bearingwear.lives.surfaces import Surfaces
+from bearingwear.lives.grooves import (
+    FEWER_CELLS,
+    LONGER_STEP,
+    STEP,
+    WORN_CELLS,
+    Grooves,
+    Wears,
+    follow_grooves,
+)
+from bearingwear.lives.surfaces import Surfaces, follow_surfaces
+from bearingwear.scene.accuracy import REGULARISATION
 from bearingwear.scene.duty import phase_scenes
 from bearingwear.scene.scene import Scene
+from bearingwear.scene.slip import LEAST_REGULARISATION, regularisation_is_given
 from bearingwear.solvers.compose import Remembered
 from bearingwear.solvers.condition import States
 from bearingwear.solvers.worn.depths import WornDepths
@@ -93,15 +103,20 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
 
 
 def at_speed(scene: Scene, share: float) -> Scene:
-    """The scene with both races at a share of their speeds."""
+    """The scene with both races at a share of their speeds.
+
+    A regularisation that the scene gives follows: its error depends on it over the slip.
+    """
     operation = scene.operation
-    return scene.with_(
-        {
-            "operation.shaft_speed_rpm": share * operation.shaft_speed_rpm,
-            "operation.outer_speed_rpm": share * operation.outer_speed_rpm,
-            "operation.lowest_speed_rpm": 0.0,
-        }
-    )
+    changes = {
+        "operation.shaft_speed_rpm": share * operation.shaft_speed_rpm,
+        "operation.outer_speed_rpm": share * operation.outer_speed_rpm,
+        "operation.lowest_speed_rpm": 0.0,
+    }
+    if regularisation_is_given(scene):
+        given = share * scene.friction.slip_regularisation_m_s
+        changes[REGULARISATION] = max(given, LEAST_REGULARISATION)
+    return scene.with_(changes)
 
 
 def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
@@ -189,6 +204,7 @@ class DutySurfaces(_Mixed):
         return rates
 
     def loss_rate(self, node: Node) -> float:
+        """Sum of the mean rates at which the bearings lose, as counted [m/s]."""
         return float(sum(share * way.loss_rate(one) for share, way, one in self.weighted(node)))
 
     def wears(self, node: Node) -> bool:
@@ -316,3 +332,34 @@ def ending_case(life: Life, cycle: Cycle) -> int:
         ramp = np.flatnonzero(cycle.starting[:, condition])[0]
         return cycle.case_of_phase[ramp]
     return 0
+
+
+@dataclass
+class DutyLife:
+    """A life over a duty, and its cycle."""
+
+    cycle: Cycle
+    life: Life
+
+    @property
+    def by_case(self) -> dict[str, Life]:
+        """The life as its bearings are in each case of the duty: one time, other states."""
+        each = enumerate(self.cycle.cases)
+        return {name: life_of_case(self.life, self.cycle, k) for k, name in each}
+
+
+def hertzian_duty_life(
+    cycle: Cycle, solvers: Sequence[Remembered], quick: bool = False
+) -> Life:
+    """The life over a cycle whose contacts stay Hertzian."""
+    scene = cycle.scenes[0]
+    life = follow_surfaces(DutySurfaces(cycle, solvers), DutyCriteria(cycle), scene, quick)
+    life.solves = sum(states.solves for states in solvers)
+    return life
+
+
+def worn_duty_life(cycle: Cycle, quick: bool = False, only_times: bool = False) -> Life:
+    """The life over a cycle with grooves as they wear."""
+    cells, step = (FEWER_CELLS, LONGER_STEP) if quick else (WORN_CELLS, STEP)
+    wearing = DutyGrooves(cycle, cells, step, only_times=only_times, rough=quick)
+    return follow_grooves(wearing, DutyCriteria(cycle))

@@ -65,7 +65,7 @@ class Grooves:
         if self.status == code.OK:
             self.sides = tuple(map(innermost, self.bearings.sides))
         self.start: Wears = tuple(side.bearing.unworn() for side in self.sides)
-        self._last: States = ()  # solved, not on the way
+        self.last: States = ()  # solved, not on the way
 
     def state(self, worn: Wears, on_the_way: bool = False) -> States:
         """The bearings with some wear; on the way, their answers alone."""
@@ -86,10 +86,10 @@ class Grooves:
         if on_the_way:
             return tuple(State(found.status, {}, one) for one in found.sides)
         self._found = found
-        self._last = states_of(self.bearings.sides, conditions, found)
+        self.last = states_of(self.bearings.sides, conditions, found)
         if self.by_stiffness:
-            self._last = self.with_stiffness()
-        return self._last
+            self.last = self.with_stiffness()
+        return self.last
 
     def elsewhere(self, scene: Scene, worn: Wears) -> States:
         """The bearings with some wear at another speed or temperature, with their stiffnesses.
@@ -110,14 +110,14 @@ class Grooves:
         of_rotor = self.bearings.arranged(sides, self._found).values
         return tuple(
             replace(state.with_values(one.stiffnesses | of_rotor), answer=one)
-            for state, one in zip(self._last, sides, strict=True)
+            for state, one in zip(self.last, sides, strict=True)
         )
 
     def completed(self, node: Node) -> Node:
         """A node that a life keeps, which has its stiffnesses; not if only times count."""
         if self.by_stiffness or self.only_times or node.status != code.OK:
             return node
-        states = node.states if node.states is self._last else self.state(node.worn)
+        states = node.states if node.states is self.last else self.state(node.worn)
         solved = all(state.is_solved for state in states)
         return node._replace(states=self.with_stiffness()) if solved else node
 
@@ -177,12 +177,15 @@ class Grooves:
         return False
 
 
-def follow_grooves(wearing: Grooves) -> Life:
-    """The life with grooves as they wear, and the rates at which its even losses grow."""
+def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
+    """The life with grooves as they wear, and the rates at which its even losses grow.
+
+    It ends by the criteria of the scene if there are no others.
+    """
     method = Adams()
     if wearing.rough:
         method.root = _ROUGH_END
-    life = follow(wearing, Criteria(wearing.scene), method)
+    life = follow(wearing, ends or Criteria(wearing.scene), method)
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)

@@ -5,10 +5,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from bearingwear.interrupt import Interrupt
+from bearingwear.lives.ends import Criteria
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.surfaces import steps_error, surface_life
+from bearingwear.lives.surfaces import Surfaces, steps_error, surface_life
 from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import lasting_growth
@@ -55,7 +56,7 @@ def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
     states = solver_of(scene, fidelity)
     found = surface_life(scene, states)
-    found.error = steps_error(scene, states, found)
+    found.error = steps_error(Surfaces(scene, states), Criteria(scene), scene, found)
     attrs = {"solves": states.solves}
     values = life_values(scene, found)
     if fidelity == "steady":
