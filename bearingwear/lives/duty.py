@@ -24,7 +24,7 @@ from bearingwear.lives.grooves import (
 )
 from bearingwear.lives.surfaces import Surfaces, follow_surfaces
 from bearingwear.scene.accuracy import REGULARISATION
-from bearingwear.scene.duty import phase_scenes
+from bearingwear.scene.duty import phase_cases
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import LEAST_REGULARISATION, regularisation_is_given
 from bearingwear.solvers.compose import Remembered
@@ -77,8 +77,7 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
     """The cycle of a scene's duty, with so many points of each ramp."""
     duty = scene.duty
     assert duty is not None
-    each = _solved_alike(phase_scenes(scene))
-    scene_of_case = {duty.case_of(name): one for name, one in each.items()}
+    scene_of_case = _solved_alike(phase_cases(scene))
     cases = [*scene_of_case]
     ramped = [
         case
@@ -120,7 +119,7 @@ def at_speed(scene: Scene, share: float) -> Scene:
 
 
 def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
-    """Scenes of phases, each of one bearing or each of two."""
+    """Scenes of cases, each of one bearing or each of two."""
     alone = {name: one.one_of_alike for name, one in scenes.items()}
     if len({len(one.sides) for one in alone.values()}) == 1:
         return alone

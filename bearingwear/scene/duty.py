@@ -16,26 +16,6 @@ if TYPE_CHECKING:
 _TIME = "[0, 1e9]"
 _HOUR = 3600.0
 
-SAME_IN_ALL_PHASES = (
-    "bearing",
-    "cage",
-    "wear",
-    "model",
-    "arrangement.tandem",
-    "arrangement.orientation",
-    "arrangement.second.bearing",
-    "friction.film",
-    "uncertainty",
-)
-"""Blocks and keys that the case of a phase must not change: one bearing wears in all of them."""
-
-_SURFACES = "film", "running_in"
-"""Blocks of a material that it must not change."""
-
-_VARIABLE_IN_FILM = "shear_strength_MPa", "pressure_coefficient"
-"""Keys of `friction.film` that it may: they go with the temperature, not with the film."""
-
-
 @keyed
 class Phase:
     """One phase of a cycle of use."""
@@ -105,37 +85,60 @@ class Duty:
 
 
 def check_duty(scene: Scene) -> None:
-    """Refuse a duty whose phases name no case, or a case that changes what wears."""
-    duty = scene.duty
-    if duty is None:
-        return
-    cases = scene.cases or {}
-    for name in duty.phases:
+    """Refuse a duty whose phases name no case."""
+    duty, cases = scene.duty, scene.cases or {}
+    for name in duty.phases if duty is not None else ():
         case = duty.case_of(name)
         if case != NOMINAL and case not in cases:
             key = f"duty.phases.{name}" + (".case" if duty.phases[name].case else "")
             names = ", ".join([NOMINAL, *cases])
             raise SceneError(key, f"got {shown(case)}, expected a case: {names}", ("cases",))
-        for changed in _changes_of_wear(cases.get(case, {})):
-            problem = (
-                f"got {shown(cases[case][changed])} in a case of the duty, expected a key that "
-                "leaves the bearing, its wear and its films as they are"
-            )
-            raise SceneError(f"cases.{case}.{changed}", problem, ("duty",))
 
 
-def _changes_of_wear(changes: Mapping[str, Any]) -> Iterator[str]:
-    """Those keys of a case that would make another bearing of it, or another wear of it."""
-    for key in changes:
-        *blocks, last = key.split(".")
-        if blocks == ["friction", "film"] and last in _VARIABLE_IN_FILM:
-            continue
-        is_surface = blocks[:1] == ["materials"] and (set(_SURFACES) & {*blocks[2:], last})
-        if is_surface or any(f"{key}.".startswith(f"{same}.") for same in SAME_IN_ALL_PHASES):
-            yield key
+def check_phases(scene: Scene) -> None:
+    """Refuse cases of a duty in which another bearing would wear, or another film."""
+    if scene.duty is None:
+        return
+    same = _what_wears(scene)
+    for case, one in phase_cases(scene).items():
+        for block, value in _what_wears(one).items():
+            if value != same[block]:
+                changes = (scene.cases or {})[case]
+                key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
+                problem = (
+                    f"got {shown(changes.get(key))} in a case of the duty, expected a key that "
+                    "leaves the bearing, its films and its criteria as they are"
+                )
+                raise SceneError(f"cases.{case}.{key}", problem, ("duty",))
 
 
-def phase_scenes(scene: Scene) -> dict[str, Scene]:
-    """The scene of each phase of the duty, by the name of the phase."""
+def _what_wears(scene: Scene) -> dict[str, Any]:
+    """What all phases of a duty have in common, by the blocks of a scene."""
+    arrangement, film = scene.arrangement, scene.friction.film
+    second = (arrangement.second if arrangement else {}).items()
+    surfaces = {
+        name: (
+            None if one.film is None else one.film.thickness_um,
+            None if one.running_in is None else one.running_in.depth_um,
+        )
+        for name, one in scene.materials.items()
+    }
+    return {
+        "bearing": scene.bearing,
+        "cage": scene.cage,
+        "wear": scene.wear,
+        "model": scene.model,
+        "friction.film": (film is None, None if film is None else film.thickness_um),
+        "materials": surfaces,
+        "arrangement": (
+            None if arrangement is None else (arrangement.orientation, arrangement.tandem),
+            [one for one in second if one[0].startswith(("bearing.", "wear."))],
+        ),
+    }
+
+
+def phase_cases(scene: Scene) -> dict[str, Scene]:
+    """The scene in each case of its duty, in the order of its phases."""
     assert scene.duty is not None
-    return {name: scene.in_cases[scene.duty.case_of(name)] for name in scene.duty.phases}
+    cases = map(scene.duty.case_of, scene.duty.phases)
+    return {case: scene.in_cases[case] for case in cases}
