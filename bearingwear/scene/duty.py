@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -16,15 +16,19 @@ if TYPE_CHECKING:
 _TIME = "[0, 1e9]"
 _HOUR = 3600.0
 
+
 @keyed
 class Phase:
     """One phase of a cycle of use."""
 
+    # fmt: off
     hours: float = setting("Time at the speed of the phase in each cycle", "h", _TIME, default=0.0)
     starts: float = setting("Starts from rest, each with a stop, in each cycle", "1", _TIME,
-        default=0.0)  # fmt: skip
+        default=0.0)
     case: str | None = setting("Case of the scene that applies during the phase (if omitted, the "
-        "case with the name of the phase; nominal is the scene itself)", pattern=NAME, default=None)  # fmt: skip
+        "case with the name of the phase; nominal is the scene itself)", pattern=NAME,
+        default=None)
+    # fmt: on
 
 
 @keyed

@@ -1,0 +1,145 @@
+"""Lives over a duty, exact and quick, and what phase ends them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.duty.cycle import Cycle, cycle_of
+from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
+from bearingwear.lives.ends import NO_CRITERION
+from bearingwear.lives.follow import Life
+from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.grooves import (
+    FEWER_CELLS,
+    LONGER_STEP,
+    STEP,
+    WORN_CELLS,
+    follow_grooves,
+)
+from bearingwear.lives.surfaces import follow_surfaces
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.compose import WELL_BALANCED, Remembered, solver_of
+from bearingwear.solvers.condition import Accuracy
+
+MOST_RAMP_POINTS = 5
+ENOUGH = 1e-3  # error of the mean wear rate by the points of the ramps
+
+
+@dataclass
+class DutyLife:
+    """A life over a duty, and its cycle."""
+
+    cycle: Cycle
+    life: Life
+    grooves: str  # whether they are followed, and why
+
+    @property
+    def by_case(self) -> dict[str, Life]:
+        """The life as its bearings are in each case of the duty: one time, other states."""
+        return {name: life_of_case(self, k) for k, name in enumerate(self.cycle.cases)}
+
+    @property
+    def ending_case(self) -> int:
+        """Index of the case that ends the life: that meets its criterion, or is not solved.
+
+        The first case of a life without an end of its own.
+        """
+        cycle, life = self.cycle, self.life
+        if life.status == code.OK and life.criterion < NO_CRITERION:
+            of_cases = DutyCriteria(cycle).of_cases(life.last.states)
+            return int(np.argmin([margins[life.criterion] for margins in of_cases]))
+        failed = life.tried[-1]
+        if failed.status == code.OK:
+            return 0
+        condition = (len(failed.states) - 1) // cycle.bearings
+        if condition < len(cycle.cases):
+            return condition
+        return cycle.case_of_phase[int(np.flatnonzero(cycle.starting[:, condition])[0])]
+
+
+def life_of_case(found: DutyLife, case: int) -> Life:
+    """The life over a duty as its bearings are in one of its cases."""
+    life, n = found.life, found.cycle.bearings
+    part = slice(case * n, (case + 1) * n)
+    nodes = [node._replace(states=node.states[part]) for node in life.nodes]
+    return Life(nodes, life.wearing, life.criterion, life.status, life.error, life.solves)
+
+
+def duty_life(
+    scene: Scene, fidelity: str = "steady", quick: bool = False, only_times: bool = False
+) -> DutyLife:
+    """The life of a scene over its duty, with grooves as they wear where any phase requires it.
+
+    A quick one takes longer steps and, along grooves, fewer cells. `only_times` is that of
+    `Grooves`.
+    """
+    cycle, sentence = cycle_with_enough_points(scene, fidelity), ""
+    is_worn = False
+    for one in cycle.scenes[: len(cycle.cases)]:
+        followed, why = grooves_followed(one, fidelity)
+        is_worn, sentence = is_worn or followed is not None, sentence or why
+        if followed is not None:
+            sentence = why
+            break
+    if is_worn:
+        return DutyLife(cycle, worn_duty_life(cycle, quick, only_times), sentence)
+    tolerance = WELL_BALANCED if quick else None
+    solvers = [solver_of(one, fidelity, tolerance=tolerance) for one in cycle.scenes]
+    return DutyLife(cycle, hertzian_duty_life(cycle, solvers, quick), sentence)
+
+
+def hertzian_duty_life(cycle: Cycle, solvers: Sequence[Remembered], quick: bool = False) -> Life:
+    """The life over a cycle whose contacts stay Hertzian."""
+    scene = cycle.scenes[0]
+    life = follow_surfaces(DutySurfaces(cycle, solvers), DutyCriteria(cycle), scene, quick)
+    life.solves = sum(states.solves for states in solvers)
+    return life
+
+
+def worn_duty_life(
+    cycle: Cycle, quick: bool = False, only_times: bool = False, step: float | None = None
+) -> Life:
+    """The life over a cycle with grooves as they wear."""
+    cells, length = (FEWER_CELLS, LONGER_STEP) if quick else (WORN_CELLS, step or STEP)
+    rough = quick or step is not None
+    wearing = DutyGrooves(cycle, cells, length, only_times=only_times, rough=rough)
+    return follow_grooves(wearing, DutyCriteria(cycle))
+
+
+def mean_loss_rate(cycle: Cycle, losses: Sequence[float], fidelity: str = "steady") -> float:
+    """Mean rate of loss over a cycle with even losses of the bearings [m/s]; NaN if not solved."""
+    total = 0.0
+    for share, scene in zip(cycle.shares.tolist(), cycle.scenes, strict=True):
+        states = solver_of(scene, fidelity, Accuracy.BRIEF)
+        start = zip(states.bearings.start, losses, strict=True)
+        found = states(tuple(one._replace(loss=loss) for one, loss in start))
+        if any(state.status != code.OK for state in found):
+            return np.nan
+        total += share * sum(state.rate for state in found)
+    return total
+
+
+def ramp_error(
+    scene: Scene, points: int, losses: Sequence[float] | None = None, fidelity: str = "steady"
+) -> float:
+    """Relative error of the mean rate of loss by so many points of each ramp; by more points.
+
+    With even losses of the bearings, else those of the scene. NaN where one is not solved.
+    """
+    cycle, finer = cycle_of(scene, points), cycle_of(scene, MOST_RAMP_POINTS)
+    if not cycle.starting.any():
+        return 0.0
+    if losses is None:
+        losses = [one.loss for one in solver_of(cycle.scenes[0], fidelity).bearings.start]
+    rate, fine = (mean_loss_rate(one, losses, fidelity) for one in (cycle, finer))
+    return abs(rate - fine) / fine if fine > 0.0 else np.nan
+
+
+def cycle_with_enough_points(scene: Scene, fidelity: str = "steady") -> Cycle:
+    """The cycle of a scene's duty, with as many points of its ramps as its wear needs when new."""
+    points = 2
+    while points < MOST_RAMP_POINTS and ramp_error(scene, points, None, fidelity) > ENOUGH:
+        points += 1
+    return cycle_of(scene, points)
