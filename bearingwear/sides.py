@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.measures import MEASURES
+
 SHARED = frozenset(
     {
         "system_axial_stiffness",
@@ -22,6 +24,16 @@ SHARED = frozenset(
         "history_system_axial_stiffness",
         "history_system_quasistatic_axial_stiffness",
         "history_rotor_axial_shift",
+        "life_cycles",
+        "ending_phase",
+        "phase_time_share",
+        "phase_life",
+        "phase_end_criterion",
+        "palmgren_miner_life",
+        "palmgren_miner_error",
+        "ramp_error_estimate",
+        "history_phase_residual_preload",
+        *(f"worst_{name}" for measure in MEASURES for name in measure.variables),
     }
 )
 """What of a case or life both bearings have in common."""

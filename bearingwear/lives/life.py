@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from bearingwear.interrupt import Interrupt
+from bearingwear.lives.duty.result import life_over_duty
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
@@ -23,13 +24,15 @@ from bearingwear.solvers.solve import result_of
 def life(
     scene: Scene, fidelity: str | None = None, progress: Callable[[str], None] | None = None
 ) -> Result:
-    """Wear life of a scene from its present loss of ball diameter on.
+    """Wear life of a scene from its present loss of ball diameter on, over its duty if it has one.
 
     Where no criterion was met, `status` says so and the life is a lower bound. `progress` is given
     one line of text at each step of a dynamic life. Raises SceneError where the scene has no
     criterion, or a preload fraction without a preload; NotAvailable as `choice_for_life`.
     """
-    chosen = choice_for_life(for_life(scene, scene.name), fidelity)
+    if for_life(scene, scene.name).duty is not None:
+        return life_over_duty(scene, fidelity)
+    chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
     followed, why = grooves_followed(scene, chosen.fidelity)
     if chosen.fidelity == "dynamic":

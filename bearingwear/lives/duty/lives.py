@@ -16,9 +16,10 @@ from bearingwear.lives.grooves import (
     LONGER_STEP,
     STEP,
     WORN_CELLS,
+    Grooves,
     follow_grooves,
 )
-from bearingwear.lives.surfaces import follow_surfaces
+from bearingwear.lives.surfaces import follow_surfaces, surface_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.compose import WELL_BALANCED, Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy
@@ -33,7 +34,8 @@ class DutyLife:
 
     cycle: Cycle
     life: Life
-    grooves: str  # whether they are followed, and why
+    grooves: str = ""  # whether they are followed, and why
+    is_worn: bool = False
 
     @property
     def by_case(self) -> dict[str, Life]:
@@ -84,10 +86,31 @@ def duty_life(
             sentence = why
             break
     if is_worn:
-        return DutyLife(cycle, worn_duty_life(cycle, quick, only_times), sentence)
+        life = worn_duty_life(cycle, quick, only_times)
+        if life.nodes[0].status == code.OK:
+            return DutyLife(cycle, life, sentence, is_worn=True)
+        # an end that is met when new needs no grooves
+        even = _even_duty_life(cycle, fidelity, quick)
+        is_met = even.status == code.OK and even.last.time == 0.0
+        return DutyLife(cycle, even if is_met else life, sentence, is_worn=not is_met)
+    return DutyLife(cycle, _even_duty_life(cycle, fidelity, quick), sentence)
+
+
+def _even_duty_life(cycle: Cycle, fidelity: str, quick: bool) -> Life:
     tolerance = WELL_BALANCED if quick else None
     solvers = [solver_of(one, fidelity, tolerance=tolerance) for one in cycle.scenes]
-    return DutyLife(cycle, hertzian_duty_life(cycle, solvers, quick), sentence)
+    return hertzian_duty_life(cycle, solvers, quick)
+
+
+def lives_alone(found: DutyLife, fidelity: str = "steady") -> dict[str, Life]:
+    """The life of each case of a duty alone, without starts, with the same contacts."""
+    cycle = found.cycle
+    if len(cycle.scenes) == 1:
+        return found.by_case
+    scenes = zip(cycle.cases, cycle.scenes, strict=False)
+    if found.is_worn:
+        return {case: follow_grooves(Grooves(one, only_times=True)) for case, one in scenes}
+    return {case: surface_life(one, solver_of(one, fidelity)) for case, one in scenes}
 
 
 def hertzian_duty_life(cycle: Cycle, solvers: Sequence[Remembered], quick: bool = False) -> Life:
