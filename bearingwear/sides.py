@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.measures import MEASURES
-
 SHARED = frozenset(
     {
         "system_axial_stiffness",
@@ -33,7 +31,21 @@ SHARED = frozenset(
         "palmgren_miner_error",
         "ramp_error_estimate",
         "history_phase_residual_preload",
-        *(f"worst_{name}" for measure in MEASURES for name in measure.variables),
+        "worst_residual_preload",
+        "worst_gyroscopic_slip_share",
+        "worst_skid_ratio",
+        "worst_ball_diameter_loss",
+        "worst_rotor_axial_shift",
+        "worst_system_axial_stiffness",
+        "worst_system_quasistatic_axial_stiffness",
+        "worst_axial_stiffness",
+        "worst_quasistatic_axial_stiffness",
+        "worst_friction_used_by_gyroscopic_moment",
+        "worst_film_worn_share",
+        "worst_maximum_pressure",
+        "worst_friction_power",
+        "worst_greatest_depth",
+        "worst_lowest_frequency",
     }
 )
 """What of a case or life both bearings have in common."""

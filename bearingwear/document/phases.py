@@ -9,8 +9,8 @@ import numpy as np
 
 from bearingwear.document.document import Block, Row, row_of
 from bearingwear.document.rows import values
-from bearingwear.measures import ENDS
-from bearingwear.results.life_variables import WORN_SURFACES, WORST
+from bearingwear.measures import ENDS, WORST
+from bearingwear.results.life_variables import WORN_SURFACES
 
 _HIDDEN = "ball_diameter_loss", "axial_stiffness", "quasistatic_axial_stiffness"
 """Worst values that other rows say."""

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 from bearingwear.interrupt import Interrupt
 from bearingwear.lives.duty.result import life_over_duty
-from bearingwear.lives.ends import Criteria
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.surfaces import Surfaces, steps_error, surface_life
+from bearingwear.lives.surfaces import surface_life, surface_steps_error
 from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import lasting_growth
@@ -59,7 +58,7 @@ def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
     states = solver_of(scene, fidelity)
     found = surface_life(scene, states)
-    found.error = steps_error(Surfaces(scene, states), Criteria(scene), scene, found)
+    found.error = surface_steps_error(scene, states, found)
     attrs = {"solves": states.solves}
     values = life_values(scene, found)
     if fidelity == "steady":

@@ -265,6 +265,11 @@ def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = Fa
     return follow(wearing, ends, method)
 
 
+def surface_steps_error(scene: Scene, states: Remembered, life: Life) -> float:
+    """Error by its steps of a life whose contacts stay Hertzian [s]."""
+    return steps_error(Surfaces(scene, states), Criteria(scene), scene, life)
+
+
 def steps_error(wearing: Any, ends: Criteria, scene: Scene, life: Life) -> float:
     """Error of a life by its steps [s]: of one integral its own, else by a life in looser ones.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.measures import MEASURES
+from bearingwear.measures import WORST
 from bearingwear.results.variable import DEGREE, ESTIMATE, HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 
@@ -43,14 +43,6 @@ GROWN = table(
 _PHASE, _PHASE_SURFACE = ("phase",), ("phase", "surface")
 _OF_DUTY = "in the order of the attribute phases"
 WORN_SURFACES = ("inner_race", "outer_race", "balls", "all")
-
-WORST = {
-    name: measure
-    for measure in MEASURES
-    if not measure.resting and measure.key not in OF_CAGE
-    for name in measure.variables
-}
-"""Variables of a state whose worst value in every phase of a duty is told, and their measures."""
 
 DUTY = table(
     Variable("life_cycles", (), "1", "number of cycles of the duty to the end of life",
@@ -93,6 +85,7 @@ DUTY = table(
             label=measure.words_of(name, short=True),
             shown="" if measure.over_preload else measure.shown_as)
         for name, measure in WORST.items()
+        if measure.key not in OF_CAGE
     ),
 )
 """Of a life over a duty alone."""

@@ -8,7 +8,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import Cycle, cycle_of
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
-from bearingwear.lives.ends import NO_CRITERION
+from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.grooves import (
@@ -20,12 +20,13 @@ from bearingwear.lives.grooves import (
     follow_grooves,
 )
 from bearingwear.lives.surfaces import follow_surfaces, surface_life
+from bearingwear.scene.duty import phase_cases
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.compose import WELL_BALANCED, Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy
 
 MOST_RAMP_POINTS = 5
-ENOUGH = 1e-3  # error of the mean wear rate by the points of the ramps
+RAMP_ENOUGH = 1e-3  # error of the mean wear rate by the points of the ramps
 
 
 @dataclass
@@ -62,11 +63,12 @@ class DutyLife:
 
 
 def life_of_case(found: DutyLife, case: int) -> Life:
-    """The life over a duty as its bearings are in one of its cases."""
+    """The life over a duty as its bearings are in one of its cases, with its way to wear there."""
     life, n = found.life, found.cycle.bearings
     part = slice(case * n, (case + 1) * n)
     nodes = [node._replace(states=node.states[part]) for node in life.nodes]
-    return Life(nodes, life.wearing, life.criterion, life.status, life.error, life.solves)
+    wearing = life.wearing.each[case]
+    return Life(nodes, wearing, life.criterion, life.status, life.error, life.solves)
 
 
 def duty_life(
@@ -77,14 +79,8 @@ def duty_life(
     A quick one takes longer steps and, along grooves, fewer cells. `only_times` is that of
     `Grooves`.
     """
-    cycle, sentence = cycle_with_enough_points(scene, fidelity), ""
-    is_worn = False
-    for one in cycle.scenes[: len(cycle.cases)]:
-        followed, why = grooves_followed(one, fidelity)
-        is_worn, sentence = is_worn or followed is not None, sentence or why
-        if followed is not None:
-            sentence = why
-            break
+    cycle = cycle_with_enough_points(scene, fidelity)
+    is_worn, sentence = duty_grooves(scene, fidelity)
     if is_worn:
         life = worn_duty_life(cycle, quick, only_times)
         if life.nodes[0].status == code.OK:
@@ -111,6 +107,24 @@ def lives_alone(found: DutyLife, fidelity: str = "steady") -> dict[str, Life]:
     if found.is_worn:
         return {case: follow_grooves(Grooves(one, only_times=True)) for case, one in scenes}
     return {case: surface_life(one, solver_of(one, fidelity)) for case, one in scenes}
+
+
+def duty_grooves(scene: Scene, fidelity: str = "steady") -> tuple[bool, str]:
+    """Whether a life over a duty follows the grooves, which any of its phases may require; why."""
+    each = [grooves_followed(one, fidelity) for one in phase_cases(scene).values()]
+    return max(((followed is not None, why) for followed, why in each), key=lambda one: one[0])
+
+
+def grooves_wear(scene: Scene) -> bool:
+    """Whether the steady life of a scene, over its duty if it has one, follows the grooves."""
+    if scene.duty is not None:
+        return duty_grooves(scene)[0]
+    return grooves_followed(scene, "steady")[0] is not None
+
+
+def criteria_of(scene: Scene) -> Criteria:
+    """End-of-life criteria of a scene, in all phases of its duty if it has one."""
+    return Criteria(scene) if scene.duty is None else DutyCriteria(cycle_of(scene))
 
 
 def hertzian_duty_life(cycle: Cycle, solvers: Sequence[Remembered], quick: bool = False) -> Life:
@@ -163,6 +177,6 @@ def ramp_error(
 def cycle_with_enough_points(scene: Scene, fidelity: str = "steady") -> Cycle:
     """The cycle of a scene's duty, with as many points of its ramps as its wear needs when new."""
     points = 2
-    while points < MOST_RAMP_POINTS and ramp_error(scene, points, None, fidelity) > ENOUGH:
+    while points < MOST_RAMP_POINTS and ramp_error(scene, points, None, fidelity) > RAMP_ENOUGH:
         points += 1
     return cycle_of(scene, points)

@@ -79,7 +79,7 @@ def _values(scene: Scene, found: DutyLife, fidelity: str) -> tuple[dict, dict[st
         k = cycle.cases.index(case)
         values = life_values(cycle.scenes[k], life)
         if found.is_worn and life.nodes[0].status == code.OK:
-            each = zip(found.life.wearing.each[k].sides, life.bearings, strict=True)
+            each = zip(life.wearing.sides, life.bearings, strict=True)
             values |= joined([groove_values(side, states) for side, states in each])
         of_cases[case] = values
     own = of_cases[cycle.cases[found.ending_case]]

@@ -15,7 +15,7 @@ from bearingwear.lives.follow import Life
 from bearingwear.lives.history import joined
 from bearingwear.lives.many import worse_states
 from bearingwear.lives.methods import QUARTERS
-from bearingwear.results.life_variables import WORST
+from bearingwear.measures import WORST
 from bearingwear.scene.duty import Duty
 from bearingwear.solvers.state import State
 
