@@ -13,7 +13,7 @@ from bearingwear.scene.checking.records import NAME, keyed, reduced, setting
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
 
-_TIME = "[0, 1e9]"
+_MOST, _RAMP = "[0, 1e6]", "[0, 1e5]"
 _HOUR = 3600.0
 
 
@@ -22,8 +22,8 @@ class Phase:
     """One phase of a cycle of use."""
 
     # fmt: off
-    hours: float = setting("Time at the speed of the phase in each cycle", "h", _TIME, default=0.0)
-    starts: float = setting("Starts from rest, each with a stop, in each cycle", "1", _TIME,
+    hours: float = setting("Time at the speed of the phase in each cycle", "h", _MOST, default=0.0)
+    starts: float = setting("Starts from rest, each with a stop, in each cycle", "1", _MOST,
         default=0.0)
     case: str | None = setting("Case of the scene that applies during the phase (if omitted, the "
         "case with the name of the phase; nominal is the scene itself)", pattern=NAME,
@@ -39,8 +39,8 @@ class Duty:
     phases: Mapping[str, Phase] = setting("Phases of one cycle, each under the name of its case",
         least=1, each="One phase")
     start_s: float = setting("Time of one start from rest to the speed of the phase (if it and "
-        "stop_s are 0, starts cause no wear)", "s", _TIME, default=0.0)
-    stop_s: float = setting("Time of one stop from the speed of the phase to rest", "s", _TIME,
+        "stop_s are 0, starts cause no wear)", "s", _RAMP, default=0.0)
+    stop_s: float = setting("Time of one stop from the speed of the phase to rest", "s", _RAMP,
         default=0.0)
     # fmt: on
 
