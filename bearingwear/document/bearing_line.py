@@ -155,7 +155,7 @@ def duty_lines(scene: Mapping[str, Any]) -> list[str]:
         words = [
             f"{plain(cases[case]['operation']['shaft_speed_rpm'], 6)} r/min",
             f"{plain(100.0 * times[name] / cycle)} % of the time",
-            *([f"{plain(phase['starts'])} starts a cycle"] if phase["starts"] else []),
+            *([f"{plain(phase['starts'])} start{'s' * (phase['starts'] != 1)} a cycle"] if phase["starts"] else []),
             *([f"case {case}"] if case != name else []),
         ]
         lines.append(f"  {name}: {', '.join(words)}")
