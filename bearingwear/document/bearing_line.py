@@ -152,10 +152,11 @@ def duty_lines(scene: Mapping[str, Any]) -> list[str]:
     lines = [f"duty: a cycle of {plain(cycle)} h, repeated until the life ends"]
     for name, phase in duty["phases"].items():
         case = phase.get("case") or name
+        rpm, n = cases[case]["operation"]["shaft_speed_rpm"], phase["starts"]
         words = [
-            f"{plain(cases[case]['operation']['shaft_speed_rpm'], 6)} r/min",
+            f"{plain(rpm, 6)} r/min",
             f"{plain(100.0 * times[name] / cycle)} % of the time",
-            *([f"{plain(phase['starts'])} start{'s' * (phase['starts'] != 1)} a cycle"] if phase["starts"] else []),
+            *([f"{plain(n)} start{'s' * (n != 1)} a cycle"] if n else []),
             *([f"case {case}"] if case != name else []),
         ]
         lines.append(f"  {name}: {', '.join(words)}")

@@ -77,8 +77,10 @@ def _of_both(file: Any) -> list[Block]:
         loss = loss._replace(label=EQUIVALENT)
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     ended_by = str(getattr(file, "ended_by", ""))
-    if (phase := str(getattr(file, "ended_in", ""))) and ended_by:
-        ended_by = f"in phase {phase}: {ended_by}"
+    if ended_by and (phase := str(getattr(file, "ended_in", ""))):
+        ended_by = f"in {phase}: {ended_by}"
+    elif phase := str(getattr(file, "unsolved_phase", "")):
+        ended_by = f"not solved in phase {phase}"
     lines = filter(None, [ended_by, *_calibrated(scene), taken, *film_lines(scene)])
     lives += [row_of(n, [values(file, n)]) for n in OF_DUTY if n in file.variables]
     return [Block("life", (), (*lives, ended, loss), tuple(lines)), *phase_blocks(file, scene)]

@@ -70,8 +70,7 @@ class Grooves:
     def state(self, worn: Wears, on_the_way: bool = False) -> States:
         """The bearings with some wear; on the way, their answers alone."""
         if self.status != code.OK:
-            losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.sides)
-            return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
+            return self.new_states()
         self.solves += 1
         rough = on_the_way or self.rough
         for side in self.sides:
@@ -90,6 +89,11 @@ class Grooves:
         if self.by_stiffness:
             self.last = self.with_stiffness()
         return self.last
+
+    def new_states(self) -> States:
+        """Whether the new bearings are solved, and no more."""
+        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
+        return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
     def elsewhere(self, scene: Scene, worn: Wears) -> States:
         """The bearings with some wear at another speed or temperature, with their stiffnesses.

@@ -26,6 +26,7 @@ from bearingwear.solvers.compose import WELL_BALANCED, Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy
 
 MOST_RAMP_POINTS = 5
+_AT_ONCE = 1e-9  # margin of a criterion that counts as met
 RAMP_ENOUGH = 1e-3  # error of the mean wear rate by the points of the ramps
 
 
@@ -42,6 +43,14 @@ class DutyLife:
     def by_case(self) -> dict[str, Life]:
         """The life as its bearings are in each case of the duty: one time, other states."""
         return {name: life_of_case(self, k) for k, name in enumerate(self.cycle.cases)}
+
+    @property
+    def ends_in_all_cases(self) -> bool:
+        """Whether its criterion is met in all cases at once, as that of an even loss."""
+        if self.life.status != code.OK:
+            return False
+        of_cases = DutyCriteria(self.cycle).of_cases(self.life.last.states)
+        return max(margins[self.life.criterion] for margins in of_cases) <= _AT_ONCE
 
     @property
     def ending_case(self) -> int:

@@ -56,11 +56,13 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
     phase = found.cycle.phases[found.cycle.case_of_phase.index(case)]
     attrs = {
         "phases": " ".join(found.cycle.phases),
-        "ended_in": phase,
+        "ended_in": "all phases" if found.ends_in_all_cases else f"phase {phase}",
         "contact": "worn" if found.is_worn else "hertz",
         "solves": found.life.solves,
         "wear_counts": scene.wear.counts,
     }
+    if found.life.status not in (code.OK, code.CRITERION_NOT_REACHED):
+        attrs["unsolved_phase"] = phase
     attrs |= end_attribute(scene.in_cases[name], values)
     warnings = in_phases(
         {c: warnings_of(scene.in_cases[c], chosen[c], one) for c, one in of_cases.items()}
@@ -75,6 +77,9 @@ def _values(scene: Scene, found: DutyLife, fidelity: str) -> tuple[dict, dict[st
     """Result variables of the life, and those of its bearings in each case."""
     assert scene.duty is not None
     cycle, of_cases = found.cycle, {}
+    if found.life.nodes[0].status != code.OK:
+        values = {"status": found.life.status, "end_criterion": found.life.criterion}
+        return values, {cycle.cases[found.ending_case]: values}
     for case, life in found.by_case.items():
         k = cycle.cases.index(case)
         values = life_values(cycle.scenes[k], life)

@@ -155,9 +155,9 @@ def acceleration_share(state: State, ramp_s: float) -> float:
     NaN where the model has no balance of friction.
     """
     solution = state.answer
-    motion = getattr(solution.answer, "u", None)
-    if motion is None or "friction_coefficient" not in state.values:
+    if solution is None or not hasattr(solution.answer, "u"):
         return math.nan
+    motion = solution.answer.u
     g = solution.problem.g
     D = g.D0 - state.loss
     m = ball_mass(g.rho, D)

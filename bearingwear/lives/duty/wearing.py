@@ -143,6 +143,8 @@ class DutyGrooves(_Mixed, Grooves):
         ]
 
     def state(self, worn: Wears, on_the_way: bool = False) -> States:
+        if self.status != code.OK:
+            return self.states_by(lambda way: way.new_states())
         return self.states_by(lambda way: way.state(worn, on_the_way))
 
     def completed(self, node: Node) -> Node:

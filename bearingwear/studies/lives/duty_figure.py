@@ -11,7 +11,7 @@ from bearingwear.studies.lives.tables import ended_by
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
-    """Residual preload in each phase, and the worn volume of all phases on each other, over time."""
+    """Residual preload in each phase over time, and the worn volume, stacked by phase."""
     time = life["history_time"].values
     names = str(life.attrs["phases"]).split()
     figure, panels = new_figure(1, 2, 7.6, 3.6)
@@ -43,5 +43,5 @@ def _title(life: xr.Dataset) -> str:
     when = hours_in_words(scene, hours)
     return (
         f"{scene['name']}: life over the duty {when}, {float(life['life_cycles']):.3g} cycles, "
-        f"ended by {ended_by(life)} in phase {life.attrs['ended_in']}"
+        f"ended by {ended_by(life)} in {life.attrs['ended_in']}"
     )
