@@ -91,7 +91,9 @@ class Duty:
 def check_duty(scene: Scene) -> None:
     """Refuse a duty whose phases name no case."""
     duty, cases = scene.duty, scene.cases or {}
-    for name in duty.phases if duty is not None else ():
+    if duty is None:
+        return
+    for name in duty.phases:
         case = duty.case_of(name)
         if case != NOMINAL and case not in cases:
             key = f"duty.phases.{name}" + (".case" if duty.phases[name].case else "")

@@ -78,7 +78,7 @@ def _values(scene: Scene, found: DutyLife, fidelity: str) -> tuple[dict, dict[st
     assert scene.duty is not None
     cycle, of_cases = found.cycle, {}
     if found.life.nodes[0].status != code.OK:
-        values = {"status": found.life.status, "end_criterion": found.life.criterion}
+        values: dict = {"status": found.life.status, "end_criterion": found.life.criterion}
         return values, {cycle.cases[found.ending_case]: values}
     for case, life in found.by_case.items():
         k = cycle.cases.index(case)
