@@ -242,11 +242,11 @@ def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
 
 
 def table_of_lives(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
-    """Each life counting balls and races [h] in both files, their difference, and its estimate."""
+    """Each life [h] in both files, their difference, and its estimate."""
     apart = []
-    for job in [job for job in a if job in b and np.ndim(a[job]["values"].get("life")) == 1]:
-        one, other = (np.asarray(found[job]["values"]["life"])[1] for found in (a, b))
-        estimate = np.asarray(a[job]["values"].get("life_error_estimate", [np.nan] * 2))[1]
+    for job in [job for job in a if job in b and isinstance(a[job]["values"].get("life"), float)]:
+        one, other = (found[job]["values"]["life"] for found in (a, b))
+        estimate = a[job]["values"].get("life_error_estimate", np.nan)
         apart.append(abs(other / one - 1.0))
         yield f"{one:11.6g} {other:11.6g} {other / one - 1.0:+9.1e} {estimate:9.1e}  {job}"
     yield f"median {np.median(apart):.1e}, largest {max(apart):.1e} of {len(apart)} lives"

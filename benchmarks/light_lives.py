@@ -22,7 +22,7 @@ import numpy as np
 
 import bearingwear
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.lives.grooves import FEWER_CELLS, LONGER_STEP, Grooves, follow_grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves, follow_grooves
 from bearingwear.scene.scene import Scene
 
 SEED, COUNT = 48, 300
@@ -110,11 +110,7 @@ def drawn_scene(draw: dict[str, Any], share: float = 1.0) -> Scene:
 def life_end(scene: Scene, way: str) -> tuple[str, float, int]:
     """Status and length of a life [s], and how many of its states are kept."""
     scene = scene.one_of_alike
-    if way == "exact":
-        wearing = Grooves(scene, only_times=True)
-    else:
-        wearing = Grooves(scene, FEWER_CELLS, LONGER_STEP, only_times=True, rough=True)
-    life = follow_grooves(wearing)
+    life = follow_grooves(Grooves(scene, EXACT_GROOVES if way == "exact" else QUICK_GROOVES))
     is_solved = life.nodes[0].status == 0
     return STATUS_NAMES[life.status], life.last.time, len(life.nodes) if is_solved else 0
 

@@ -58,7 +58,7 @@ def main():
                 *np.abs(v["qv"][0] / exact["qv"][0] - 1),
                 abs(v["total_qv"] / exact["total_qv"] - 1),
                 abs(v["ball_angular_velocity"][0, 1] / exact["ball_angular_velocity"][0, 1] - 1),
-                abs(v["ball_diameter_loss_rate"][1] / exact["ball_diameter_loss_rate"][1] - 1),
+                abs(v["ball_diameter_loss_rate"] / exact["ball_diameter_loss_rate"] - 1),
                 v["discretisation_error_qv"],
             ]
             print(

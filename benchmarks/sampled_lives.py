@@ -91,7 +91,7 @@ def errors(cases: Iterator[tuple[str, Scene, int]], beginning: str, rows_of: Row
         solve = grooves.followed_lives if found.followed else grooves.hertzian_lives
         true = np.array([one[0][-1] for one in solve((scene, names, places[some]))])
         with np.errstate(divide="ignore"):
-            each = relative_error(np.log(found.life[some, 1:]), np.log(true)[:, None])
+            each = relative_error(np.log(found.life[some, None]), np.log(true)[:, None])
         stated = found.worn if found.followed else found.known
         beyond = np.mean(each > stated.error)
         spread = (*np.quantile(each, [0.5, 0.95, 0.99]), each.max())

@@ -77,18 +77,17 @@ def told(value: float) -> str:
 
 
 def table() -> None:
-    """Hertzian and worn lives, balls worn evenly and in bands, films; also of a pair."""
-    head = ("bearing", "method", "Hertzian, h", "worn, h", "worn/Hertzian", "in bands, h")
-    print("| " + " | ".join((*head, "with film, h", "CPU, s")) + " |\n" + "| --- " * 8 + "|")
-    rows: dict[str, dict[str, tuple[float, float, float, float]]] = {}
+    """Hertzian and worn lives, with and without films; also of a pair."""
+    head = ("bearing", "method", "Hertzian, h", "worn, h", "worn/Hertzian")
+    print("| " + " | ".join((*head, "with film, h", "CPU, s")) + " |\n" + "| --- " * 7 + "|")
+    rows: dict[str, dict[str, tuple[float, float, float]]] = {}
     for name in BEARINGS:
         for method in METHODS:
             hertz, _ = hours(scene_of(name, method, "hertz"))
             worn, spent = hours(scene_of(name, method, "worn"))
-            bands, _ = hours(scene_of(name, method, "worn", "wear.ball_track=bands"))
             films, _ = hours(scene_of(name, method, "worn", *filmed(name)))
-            rows.setdefault(name, {})[method] = (hertz, worn, bands, films)
-            cells = (hertz, worn, worn / hertz, bands, films, spent)
+            rows.setdefault(name, {})[method] = (hertz, worn, films)
+            cells = (hertz, worn, worn / hertz, films, spent)
             print(
                 f"| {name} | {in_words(method)} | "
                 + " | ".join(told(cell) for cell in cells)
@@ -101,14 +100,13 @@ def table() -> None:
         name = "7008, mu 0.08"
         hertz, _ = hours(scene_of(name, method, "hertz", *kind))
         worn, spent = hours(scene_of(name, method, "worn", *kind))
-        bands, _ = hours(scene_of(name, method, "worn", *kind, "wear.ball_track=bands"))
-        cells = (hertz, worn, worn / hertz, bands, np.nan, spent)  # films: refused
+        cells = (hertz, worn, worn / hertz, np.nan, spent)  # films: refused
         print(f"| {name}, pair, 50 N | {in_words(method)} | " + " | ".join(map(told, cells)) + " |")
     print(
         "\nLife with constant force divided by life with fixed position:\n\n"
-        "| bearing | Hertzian | worn | in bands | with film |"
+        "| bearing | Hertzian | worn | with film |"
     )
-    print("| --- " * 5 + "|")
+    print("| --- " * 4 + "|")
     for name, found in rows.items():
         spring_lives, rigid_lives = (found[method] for method in METHODS)
         ratios = [a / b for a, b in zip(spring_lives, rigid_lives, strict=True)]

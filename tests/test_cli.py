@@ -523,7 +523,7 @@ def test_recommend_at_a_cliff(capsys):
     assert main(["recommend", str(SCENE), "--pressure", "2", *steep]) == 0
     told = capsys.readouterr().out
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
-    (hours,) = re.findall(r"life, wear of balls and races +h +([\d.]+) ", told)
+    (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
     assert re.search(r"limited by +a sudden drop in life +a switch to another end", told)
     assert re.search(
         r"^ +Constant force: at [\d.]+ N \([\d.]+ % less\), the life falls", told, re.M

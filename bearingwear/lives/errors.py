@@ -10,9 +10,8 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.grooves import (
-    FEWER_CELLS,
-    LONGER_STEP,
-    WORN_CELLS,
+    EXACT_GROOVES,
+    QUICK_GROOVES,
     Grooves,
     follow_grooves,
     point_of,
@@ -93,7 +92,7 @@ class _Compared(Grooves):
     """
 
     def __init__(self, scene: Scene):
-        super().__init__(scene, FEWER_CELLS, LONGER_STEP, only_times=True, rough=True)
+        super().__init__(scene, QUICK_GROOVES)
         self._kept = 0
         self.compared: list[tuple[Node, list[States]]] = []
 
@@ -121,7 +120,7 @@ class _Compared(Grooves):
         """Rate of loss of each bearing, from mean depths over the width when new [m/s]."""
         each, share = zip(self.sides, states, strict=True), 0.5 * ARC_STEP
         rates = [side.rate(point_of(state)) for side, state in each]
-        return np.array([w.ball + share * (w.grooves.sum() + 2.0 * w.band.sum()) for w in rates])
+        return np.array([w.ball + share * (w.grooves.sum()) for w in rates])
 
 
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
@@ -137,7 +136,7 @@ def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
         return {}
     wearing = _Compared(scene)
     lives = [
-        follow_grooves(Grooves(scene, WORN_CELLS, LONGER_STEP, only_times=True, rough=True)),
+        follow_grooves(Grooves(scene, QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells))),
         follow_grooves(wearing),
     ]
     coarse, few = (

@@ -11,7 +11,7 @@ from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.follow import Life
-from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
+from bearingwear.lives.grooves import StiffGrooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.checking.errors import NotAvailable
@@ -58,21 +58,17 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     Refuses what is impossible.
     """
     scene = scene.one_of_alike
-    ball = scene.materials[scene.bearing.ball_material]
-    in_bands = scene.wear.ball_track == "bands" and bool(ball.film or ball.running_in)
     obstacles = {
         f"model.fidelity {fidelity}": fidelity != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
-        "balls that wear in bands and have a film or run in": in_bands,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
                 f"{scene.name}: model.contact: got worn with {found[0]}, expected the steady "
-                f"model with wear.counts ball_and_races, slip evaluated over the ellipse, and even "
-                f"wear of balls that have a film or run in"
+                f"model with wear.counts ball_and_races and slip evaluated over the ellipse"
             )
         return scene, "grooves: worn profile, as requested by model.contact"
     if scene.model.contact != "auto" or found:
@@ -103,7 +99,7 @@ def met_when_new(scene: Scene) -> Life | None:
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves, of one bearing or of two."""
-    life = follow_grooves(Grooves(scene))
+    life = follow_grooves(StiffGrooves(scene))
     if life.nodes[0].status != code.OK and (ended := met_when_new(scene)):
         return life_values(scene, ended), {"solves": life.solves + ended.solves, "contact": "hertz"}
     values = life_values(scene, life)
@@ -126,13 +122,9 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
     volume[1:] = np.cumsum(np.diff(area, axis=0) * np.pi * (track[1:] + track[:-1]), axis=0)
     deepest = depth.max(axis=2)
     wide = depth > DEEP * np.maximum(deepest, 1e-300)[:, :, None]
-    bands = np.array([p.wear.band for p in points])
     ball = np.pi / 6.0 * (bearing.D**3 - D**3)
-    if bearing.bands:
-        ring = 2.0 * np.pi * np.cos(bearing.latitude) * (0.5 * bearing.D) ** 2
-        ball = (bands * ring).sum(axis=1) * bearing.band_step
     kept = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
-    values = {
+    return {
         "history_approach_loss": np.array([side.approach_loss(p) for p in points]),
         "history_equivalent_loss": np.array([state.loss for state in states]),
         "history_deepest_groove": deepest,
@@ -145,9 +137,6 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
         "groove_depth": depth[kept],
         "groove_pressure": np.array([pressures(bearing, points[k]) for k in kept]),
     }
-    if bearing.bands:
-        values |= {"band_latitude": bearing.latitude, "band_depth": bands[kept]}
-    return values
 
 
 def half_lengths(point: WornPoint) -> np.ndarray:

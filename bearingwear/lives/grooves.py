@@ -4,6 +4,7 @@ import copy
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,22 +17,32 @@ from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
 from bearingwear.solvers.compose import worn_bearings, worn_elsewhere
 from bearingwear.solvers.condition import innermost
-from bearingwear.solvers.rotor import states_of
+from bearingwear.solvers.rotor import RotorState, states_of
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 from bearingwear.solvers.worn.solver import Worn
 
-WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
-FEWER_CELLS = (32, 8)  # to see the error of the others
-STEP = 0.24  # deepest wear of a step, over the gap A a^2
+STEP = 0.24  # deepest wear of an exact step, over the gap A a^2
 TOO_DEEP = 2.0  # times the depth that a step is to wear
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
-LONGER_STEP = 1.5 * STEP  # of quick lives, and to see the error of the others
-ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
+ROUGHLY_BALANCED = 1e-4  # force left on a rotor where states are rough, over the larger one
 _ROUGH_END = 1e-2  # of the last step, to which the end of a rough life is found
 _SHORT = 0.3  # of the step before
 
 Wears = tuple[WornDepths, ...]
+
+
+class GrooveMode(NamedTuple):
+    """How exactly grooves are followed."""
+
+    cells: tuple[int, int]  # along the major axis, and on each side of it
+    step: float  # deepest wear of a step, over the gap A a^2
+    rough: bool  # whether states are balanced roughly, as in the middle of a step, and unchecked
+
+
+EXACT_GROOVES = GrooveMode(cells=(48, 10), step=STEP, rough=False)
+QUICK_GROOVES = GrooveMode(cells=(32, 8), step=1.5 * STEP, rough=True)
+"""The two modes of a life with worn grooves."""
 
 
 def point_of(state: State) -> WornPoint:
@@ -41,50 +52,32 @@ def point_of(state: State) -> WornPoint:
 class Grooves:
     """The wear of the grooves and balls of a bearing, or of two on a rotor.
 
-    Where `only_times` count, states have no stiffness unless the life ends by it. Those of a
-    `rough` life are balanced as on the way, and unchecked.
+    States have no stiffness unless the life ends by it.
     """
 
     origin, range = 0.0, math.inf
 
-    def __init__(
-        self,
-        scene: Scene,
-        cells: tuple[int, int] = WORN_CELLS,
-        step: float = STEP,
-        only_times: bool = False,
-        rough: bool = False,
-    ):
-        self.scene, self.depth, self.rough = scene, step, rough
+    def __init__(self, scene: Scene, mode: GrooveMode = EXACT_GROOVES):
+        self.scene, self.mode = scene, mode
         end = scene.wear.end_of_life
         self.by_stiffness = end is not None and end.system_axial_stiffness_N_um is not None
-        self.only_times = only_times
         self.solves = 0
-        self.status, self.bearings = worn_bearings(scene, cells)
+        self.status, self.bearings = worn_bearings(scene, mode.cells)
         self.sides: tuple[Worn, ...] = ()
         if self.status == code.OK:
             self.sides = tuple(map(innermost, self.bearings.sides))
         self.start: Wears = tuple(side.bearing.unworn() for side in self.sides)
-        self.last: States = ()  # solved, not on the way
+        self.last: States = ()  # solved, not in the middle of a step
 
-    def state(self, worn: Wears, on_the_way: bool = False) -> States:
-        """The bearings with some wear; on the way, their answers alone."""
+    def state(self, worn: Wears) -> States:
+        """The bearings with some wear."""
         if self.status != code.OK:
             return self.new_states()
-        self.solves += 1
-        rough = on_the_way or self.rough
-        for side in self.sides:
-            side.bearing.on_the_way = rough
-        conditions = tuple(map(Worn.condition, worn))
-        tolerance = ON_THE_WAY_BALANCED if rough else None
-        found = self.bearings.solve(conditions, tolerance=tolerance)
+        found = self._solved(worn, self.mode.rough)
         if found.status != code.OK:
             return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
-        for side, one in zip(self.sides, found.sides, strict=True):
-            side.bearing.count_from(one.answer)
-        if on_the_way:
-            return tuple(State(found.status, {}, one) for one in found.sides)
         self._found = found
+        conditions = tuple(map(Worn.condition, worn))
         self.last = states_of(self.bearings.sides, conditions, found)
         if self.by_stiffness:
             self.last = self.with_stiffness()
@@ -94,6 +87,24 @@ class Grooves:
         """Whether the new bearings are solved, and no more."""
         losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
+
+    def middle_state(self, worn: Wears) -> States:
+        """Rough answers of the bearings in the middle of a step, without values."""
+        found = self._solved(worn, True)
+        if found.status != code.OK:
+            return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
+        return tuple(State(found.status, {}, one) for one in found.sides)
+
+    def _solved(self, worn: Wears, rough: bool) -> RotorState:
+        self.solves += 1
+        for side in self.sides:
+            side.bearing.on_the_way = rough
+        tolerance = ROUGHLY_BALANCED if rough else None
+        found = self.bearings.solve(tuple(map(Worn.condition, worn)), tolerance=tolerance)
+        if found.status == code.OK:
+            for side, one in zip(self.sides, found.sides, strict=True):
+                side.bearing.count_from(one.answer)
+        return found
 
     def elsewhere(self, scene: Scene, worn: Wears) -> States:
         """The bearings with some wear at another speed or temperature, with their stiffnesses.
@@ -118,25 +129,19 @@ class Grooves:
         )
 
     def completed(self, node: Node) -> Node:
-        """A node that a life keeps, which has its stiffnesses; not if only times count."""
-        if self.by_stiffness or self.only_times or node.status != code.OK:
-            return node
-        states = node.states if node.states is self.last else self.state(node.worn)
-        solved = all(state.is_solved for state in states)
-        return node._replace(states=self.with_stiffness()) if solved else node
+        """A node that a life keeps."""
+        return node
 
     def rates(self, node: Node) -> Wears:
         """Wear per second of each bearing."""
         each = zip(self.sides, node.states, strict=True)
         return tuple(side.rate(point_of(state)) for side, state in each)
 
-    def moved(
-        self, worn: Wears, spans: Sequence[tuple[float, Wears]], on_the_way: bool = False
-    ) -> tuple[Wears, States]:
-        """Wear after some times at a rate each, and the bearings with it."""
+    def worn_on(self, worn: Wears, spans: Sequence[tuple[float, Wears]]) -> Wears:
+        """Wear after some times at a rate each."""
         for dt, rates in spans:
             worn = tuple(wear.plus(dt, rate) for wear, rate in zip(worn, rates, strict=True))
-        return worn, self.state(worn, on_the_way)
+        return worn
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
         """Start the next solves so many times the last step ahead."""
@@ -147,13 +152,13 @@ class Grooves:
         """Time in which the deepest place wears by a part of the gap at the edge [s]."""
         lengths = []
         for side, state, rate in zip(self.sides, now.states, rates, strict=True):
-            deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
+            deepest = rate.grooves.max(axis=1) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
             fastest = (deepest / gap).max()  # 0 at rest
-            lengths.append(self.depth / fastest if fastest else math.inf)
+            lengths.append(self.mode.step / fastest if fastest else math.inf)
             if (films := side.bearing.films) is not None:
                 through = films.time_through(point_of(state).wear.deepest, rate.deepest)
-                lengths.append(FILM_STEP * self.depth / STEP * through)
+                lengths.append(FILM_STEP * self.mode.step / STEP * through)
         return float(min(lengths))
 
     def is_too_deep(self, now: Node, new: Node) -> bool:
@@ -163,7 +168,7 @@ class Grooves:
                 continue
             before, after = map(point_of, states)
             worn = (after.wear.grooves - before.wear.grooves).max(axis=1)
-            if (worn / side.bearing.gap_at_edge(before)).max() > TOO_DEEP * self.depth:
+            if (worn / side.bearing.gap_at_edge(before)).max() > TOO_DEEP * self.mode.step:
                 return True
         return False
 
@@ -181,13 +186,24 @@ class Grooves:
         return False
 
 
+class StiffGrooves(Grooves):
+    """Grooves whose nodes along a life all know their stiffnesses."""
+
+    def completed(self, node: Node) -> Node:
+        if self.by_stiffness or node.status != code.OK:
+            return node
+        states = node.states if node.states is self.last else self.state(node.worn)
+        solved = all(state.is_solved for state in states)
+        return node._replace(states=self.with_stiffness()) if solved else node
+
+
 def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
     """The life with grooves as they wear, and the rates at which its even losses grow.
 
     It ends by the criteria of the scene if there are no others.
     """
     method = Adams()
-    if wearing.rough:
+    if wearing.mode.rough:
         method.root = _ROUGH_END
     life = follow(wearing, ends or Criteria(wearing.scene), method)
     life.solves = wearing.solves
@@ -206,7 +222,8 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[floa
     if len(states) < 2:
         first, point = states[0], point_of(states[0])
         worn_by = first["qv"][None], first["semi_major_axis"][None], point.track[None]
-        return [wear_values(side.scene, np.array([point.D]), *worn_by)["ball_diameter_loss_rate"]]
+        values = wear_values(side.scene, np.array([point.D]), *worn_by)
+        return [float(values["ball_diameter_loss_rate"])]
     loss = np.array([state.loss for state in states])
     # A last step that is short says nothing of a rate.
     steps = np.diff(times)

@@ -105,7 +105,7 @@ def life_of(scene: Scene) -> Life | None:
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         return None
-    return worn_life(scene, only_times=True) or HertzianLives(scene)(scene)
+    return worn_life(scene) or HertzianLives(scene)(scene)
 
 
 def losses_of(states: Sequence[State]) -> Losses:

@@ -225,8 +225,8 @@ class Adams(InTime):
             if stretched <= MOST_STRETCHED:
                 ratio, older = stretched, self.older
         predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, older)
-        worn, states = wearing.moved(now.worn, predictor, on_the_way=True)
-        ahead = Node(x, worn, states, x)
+        worn = wearing.worn_on(now.worn, predictor)
+        ahead = Node(x, worn, wearing.middle_state(worn), x)
         if ahead.status != code.OK:
             return ahead
         share = h / (6.0 * (1.0 + ratio))
@@ -235,8 +235,8 @@ class Adams(InTime):
             (h * (3.0 + ratio) / 6.0, rates),
             (-share * ratio * ratio, older),
         )
-        worn, states = wearing.moved(now.worn, corrector)
-        return Node(x, worn, states, x)
+        worn = wearing.worn_on(now.worn, corrector)
+        return Node(x, worn, wearing.state(worn), x)
 
 
 class Trapezoid(InTime):

@@ -182,10 +182,6 @@ LIFE = table(
     Variable("groove_pressure", _PROFILE, "Pa",
         "contact pressure across the groove, at the centre of the contact in the rolling "
         "direction"),
-    Variable("band_latitude", ("band_place",), "degree",
-        "latitude on the ball, relative to its axis of rotation", scale=DEGREE),
-    Variable("band_depth", ("groove_state", "band_place"), "m",
-        "wear depth of the bands on the balls"),
     # of a dynamic life alone
     Variable("history_status", _STEP, "", "whether the dynamic run succeeded", "i1",
         flags=STATUS_NAMES),

@@ -16,7 +16,6 @@ from bearingwear.scene.friction import Film, RunningIn
 from bearingwear.scene.new.catalogue import MAKERS
 
 COUNTS = ("ball", "ball_and_races")
-BALL_TRACKS = ("spread", "bands")
 """What a life may count as loss: the wear of the ball alone, or that of the races as well."""
 
 PRELOAD_METHODS = ("constant_force", "fixed_position")
@@ -233,10 +232,6 @@ class Wear:
     counts: str = setting(
         "Wear included in the total wear depth, and therefore in the life",
         choices=COUNTS, default=COUNTS[1])
-    ball_track: str = setting("Ball wear if the life is computed with worn grooves: even, because "
-        "the ball axes wander (spread), or in bands, because the ball axes are fixed (bands)",
-        choices=BALL_TRACKS,
-        default=BALL_TRACKS[0])
     track_wander: float = setting("RMS wander of a ball's track in a worn groove, relative to the "
         "semi-major axis of the new contact (assumed)", "1", "[0, 1]", default=0.1)
     end_of_life: EndOfLife | None = setting(

@@ -49,7 +49,7 @@ def test_a_case_says_what_was_solved(capsys):
         r"dynamic axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
-        r"total wear depth, mean of tracks +um/1000 h +29\.7 +528",
+        r"total wear depth, mean of tracks +um/1000 h +528",
     ):
         assert re.search(rf"^  {line}$", text, re.M), line
     assert "residual  " not in text and "source_hash" not in text
@@ -86,7 +86,7 @@ def test_two_losses_have_two_labels(capsys):
         return [float(one) for one in found.split()], text
 
     loss = "wear.end_of_life.ball_diameter_loss_um=0.3"
-    (_, state), _ = rates("solve", "mean of tracks", loss, "model.contact=hertz")
+    (state,), _ = rates("solve", "mean of tracks", loss, "model.contact=hertz")
     (start, _), text = rates("life", "mean of tracks", loss, "model.contact=hertz")
     assert start == pytest.approx(state, rel=1e-6) and "equivalent" not in text
     (start, _), text = rates("life", "equivalent", loss, "model.contact=worn")

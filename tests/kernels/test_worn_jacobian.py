@@ -25,7 +25,7 @@ def test_derivative_of_worn_friction(scene, changes):
     bearing = WornBearing(problem, problem.solve(problem.g.D0), 0.0, (32, 8))
     wear = bearing.unworn()
     gap = 0.2e-6 * np.exp(-((bearing.arc / bearing.major[:, None] - 0.3) ** 2) / 0.2)
-    point = bearing.solve(type(wear)(wear.ball, gap, wear.band))
+    point = bearing.solve(type(wear)(wear.ball, gap))
     assert point.status == code.OK
     g, op, rule = problem.g, problem.op, problem.rule
     work = bearing._friction_work(problem, bearing.worn_races)

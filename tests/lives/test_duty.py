@@ -16,7 +16,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed, cycle_of, ramp_points
 from bearingwear.lives.duty.lives import DutyLife, hertzian_duty_life, worn_duty_life
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
-from bearingwear.lives.grooves import Grooves, follow_grooves
+from bearingwear.lives.grooves import StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives, lives_by_case, lives_by_end, worn_life
 from bearingwear.lives.surfaces import surface_life
@@ -130,7 +130,7 @@ def test_one_phase_lives_as_the_scene_itself(scene, changes):
 @pytest.mark.parametrize("changes", [{}, POSITION | NETWORK], ids=["spring", "heat"])
 def test_one_phase_wears_its_grooves_as_the_scene_itself(scene, changes):
     alone = scene("gyro_s1", WORN | changes)
-    found = follow_grooves(Grooves(alone))
+    found = follow_grooves(StiffGrooves(alone))
     other = worn_duty_life(cycle_of(alone.with_(NOMINAL_ALONE)))
     assert found.status == code.OK and len(found.nodes) > 2
     assert (other.last.time, other.criterion) == (found.last.time, found.criterion)
@@ -470,7 +470,7 @@ def test_many_lives_follow_the_duty(scene):
     for contact, rtol in ((HERTZ, 1e-3), (WORN, 2e-2)):
         made = scene("gyro_s1", contact | SLOW_WEAR | POSITION | {"cases": CASES} | duty(MIXED))
         exact = life(made).values["life"]
-        quick = worn_life(made, only_times=True) or HertzianLives(made, quick=True)(made)
+        quick = worn_life(made) or HertzianLives(made, quick=True)(made)
         assert quick.last.time == pytest.approx(exact, rel=rtol)
         by_case = lives_by_case(made, quick=True)
         assert {*by_case} == {"idle", "nominal", "fast"}

@@ -9,7 +9,7 @@ from lives.test_worn_pair import NETWORK, RIGID
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
+from bearingwear.lives.grooves import EXACT_GROOVES, Grooves, StiffGrooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.lives.motion import Motion
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
@@ -22,7 +22,7 @@ SLOPE = 1e-3  # to which a quasi-static stiffness is that of further solves
 STEP = 1e-4  # of the approach: longer ones pass kinks, where slip reverses at a cell
 LOST = EndOfLife(ball_diameter_loss_um=0.2)
 SYSTEM = "history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness"
-FEW = {"cells": (32, 8), "step": 0.24}
+FEW = EXACT_GROOVES._replace(cells=(32, 8))
 SPRING = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1")
 LOADED = ("arrangement.external_axial_N=1",)
 
@@ -46,10 +46,9 @@ def further_solves(side, now):
 
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
-@pytest.mark.parametrize("track", ["spread", "bands"])
-def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance, track):
-    scene = scene_of(method, balance=balance, ball_track=track, end_of_life=LOST)
-    course = Grooves(scene, **FEW)
+def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance):
+    scene = scene_of(method, balance=balance, end_of_life=LOST)
+    course = StiffGrooves(scene, FEW)
     found = follow_grooves(course)
     assert found.status == code.OK
     now = course.completed(found.last._replace(states=course.state(found.last.worn)))
@@ -60,20 +59,20 @@ def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balan
 
 
 @pytest.mark.parametrize(
-    ("limit", "lesser", "how"),
+    ("limit", "lesser", "apart"),
     [
-        (8.8, "dynamic", {"balance": "frictionless", "ball_track": "bands"}),
-        (7.0, "quasi-static", {"balance": "with_traction"}),
+        (9.46, "dynamic", 1e-3),  # it is the lesser by 0.12 % while the grooves are shallow
+        (7.0, "quasi-static", 0.1),
     ],
     ids=["dynamic", "quasi-static"],
 )
-def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, how):
+def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, apart):
     end = EndOfLife(system_axial_stiffness_N_um=limit)
-    ended = life(scene_of("fixed_position", end_of_life=end, **how))
+    ended = life(scene_of("fixed_position", balance="with_traction", end_of_life=end))
     assert ended.values["status"] == code.OK
     last = [ended.values[name][-1] for name in SYSTEM]
     assert min(last) == pytest.approx(limit * 1e6, rel=SLOPE)
-    assert max(last) > (1.0 + 5.0 * SLOPE) * min(last)
+    assert max(last) > (1.0 + apart) * min(last)
     assert ("dynamic", "quasi-static")[int(np.argmin(last))] == lesser
     assert f"{lesser} axial stiffness of the arrangement" in ended.attrs["ended_by"]
 
@@ -105,7 +104,7 @@ def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind)
 
 def test_a_life_without_a_limit_on_stiffness_may_leave_it_out():
     scene = scene_of("fixed_position", balance="with_traction", end_of_life=LOST)
-    bare, told = (follow_grooves(Grooves(scene, only_times=one, **FEW)) for one in (True, False))
+    bare, told = (follow_grooves(one(scene, FEW)) for one in (Grooves, StiffGrooves))
     assert np.isnan([state[QUASISTATIC] for state in bare.states]).all()
     assert np.isfinite([state[QUASISTATIC] for state in told.states]).all()
     assert bare.times[-1] == pytest.approx(told.times[-1], rel=1e-6)

@@ -6,7 +6,7 @@ from support import ROOT, benchmark
 
 import bearingwear
 from bearingwear.kernels.status import NOT_CONVERGED, OK, STATUS_NAMES
-from bearingwear.lives.grooves import FEWER_CELLS, LONGER_STEP, Grooves, follow_grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves, follow_grooves
 from bearingwear.lives.life import life as solved_life
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.solvers.worn.bearing import WornBearing
@@ -14,7 +14,6 @@ from bearingwear.solvers.worn.depths import WornPoint
 
 SOURCE = ROOT / "tests" / "lives" / "found_light_lives.yaml"
 FOUND = data_of(text_of(SOURCE), SOURCE.name)
-QUICK = {"cells": FEWER_CELLS, "step": LONGER_STEP, "rough": True}
 LIGHT = benchmark("light_lives")
 
 
@@ -23,7 +22,7 @@ def test_a_life_found_at_random_ends_by_its_criterion(found):
     """At the loss that ends it, of the worse bearing of a pair."""
     scene = LIGHT.drawn_scene(found["draw"]).one_of_alike
     for way in found["once"]:
-        wearing = Grooves(scene, only_times=True, **(QUICK if way == "quick" else {}))
+        wearing = Grooves(scene, QUICK_GROOVES if way == "quick" else EXACT_GROOVES)
         life = follow_grooves(wearing)
         assert STATUS_NAMES[life.status] == "ok", way
         limit = scene.wear.end_of_life.ball_diameter_loss_um
@@ -47,7 +46,7 @@ def test_lives_over_light_preloads_have_no_gaps(designation):
     lives = []  # preload [N] and time [s]
     for preload in (8.0, 10.57, 12.14, 14.96, 17.2, 19.76, 22.71, 26.0, 30.0):
         scene = made.with_(changes | {"operation.preload_N": preload})
-        life = follow_grooves(Grooves(scene, only_times=True))
+        life = follow_grooves(Grooves(scene))
         assert life.status == OK
         lives.append((preload, life.last.time))
     p, hours = np.log(lives).T
@@ -59,7 +58,7 @@ def test_lives_over_light_preloads_have_no_gaps(designation):
 def test_a_bearing_that_wears_itself_free_says_so():
     """A slow one at a fixed position loses its preload before it reaches the loss that ends it."""
     scene = LIGHT.drawn_scene(LIGHT.drawn(np.random.default_rng((LIGHT.SEED, 54))))
-    life = follow_grooves(Grooves(scene, only_times=True, **QUICK))
+    life = follow_grooves(Grooves(scene, QUICK_GROOVES))
     assert STATUS_NAMES[life.status] == "preload_gone" and life.solves < 300
     assert life.last.states[0]["residual_preload"] < 0.01 * scene.operation.preload_N
 

@@ -110,7 +110,7 @@ def test_a_lightly_preloaded_pair_wears_to_its_criterion():
     spindle, lives = bearingwear.new(designation="7008C", speed=18000.0), []
     for preload in (17.5, 22.0, 28.0):
         scene = variant(spindle, pair | {"operation.preload_N": preload})
-        found = follow_grooves(Grooves(scene, only_times=True))
+        found = follow_grooves(Grooves(scene))
         assert found.status == code.OK
         limit = scene.wear.end_of_life.ball_diameter_loss_um
         assert 1e6 * max(one.loss for one in found.last.states) == pytest.approx(limit, rel=1e-3)

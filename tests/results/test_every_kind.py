@@ -91,7 +91,7 @@ def kinds(tmp_path_factory):
         ("life", r"ended by +residual preload"),
         ("dynamic life", r"steady, the scene without cage"),
         ("study", r"friction +1  0\.08\n(.|\n)*total_qv +mW +\d+ +\d+"),
-        ("wear life", r"fixed_position +0\.08 +[\d.]+ +[\d.]+ +0\.49\d+ +preload_fraction"),
+        ("wear life", r"fixed_position +0\.08 +[\d.]+ +0\.49\d+ +preload_fraction"),
         ("sweep", r"wall_time +[mu]?s +[\d.]+ +[\d.]+"),
         ("trade study", r"total_qv +mW"),
     ],

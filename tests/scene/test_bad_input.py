@@ -43,6 +43,9 @@ CAGE = GOOD[GOOD.index("cage:") : GOOD.index("operation:")]
 BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     # keys
     "unknown key": (put("bearing", "ball_cuont: 9"), "bearing.ball_cuont", ("ball_count",)),
+    "key of an earlier version": (
+        put("wear", "ball_track: bands"), "wear.ball_track", ("no longer exists", "delete the key"),
+    ),
     "missing key": (edited(("  preload_N: 7.0\n", "")), "operation.preload_N", ("nothing",)),
     "duplicate key": (put("bearing", "ball_count: 8"), "bearing.ball_count", ("second time",)),
     "list as a key": (GOOD + "? [a, b]\n: 1\n", "", ("as a key",)),

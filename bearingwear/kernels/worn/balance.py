@@ -20,7 +20,7 @@ from bearingwear.kernels.worn.pressure import worn_pressure
 
 
 class Arc(NamedTuple):
-    """A depth as a cubic spline over equal steps of an arc or a latitude."""
+    """A depth as a cubic spline over equal steps of an arc."""
 
     first: float
     step: float
@@ -38,7 +38,6 @@ class WornRace(NamedTuple):
     bare: np.ndarray  # (n,) share of the cells along the major axis that has no film [1]
     rise: np.ndarray  # (n,) of the pressed surface from the ball's centre, by wear [m]
     groove: Arc  # over S [m]
-    band: Arc  # of the ball, over latitude; no intervals: the ball wears evenly
     alpha_ref: float  # contact angle at which S = x [rad]
     uncovered: Arc  # share without film, over S [1]
     without: float  # friction coefficient there, below zero as with film [1]
@@ -81,16 +80,15 @@ def spline_pieces(step, depth, c):
 
 @jit
 def arc_depth(arc, s):
-    """Depth and slope at a place; beyond the ends those at the ends."""
+    """Depth at a place; beyond the ends that at the ends."""
     n = arc.c.shape[1]
     if n == 0:
-        return 0.0, 0.0
+        return 0.0
     place = (s - arc.first) / arc.step
     i = min(max(int(math.floor(place)), 0), n - 1)
     x = min(max(place - i, 0.0), 1.0) * arc.step
     c = arc.c
-    depth = ((c[0, i] * x + c[1, i]) * x + c[2, i]) * x + c[3, i]
-    return depth, (3.0 * c[0, i] * x + 2.0 * c[1, i]) * x + c[2, i]
+    return ((c[0, i] * x + c[1, i]) * x + c[2, i]) * x + c[3, i]
 
 
 @jit
@@ -100,13 +98,7 @@ def arc_shift(race, r_g, sigma, alpha):
 
 
 @jit
-def latitude(sigma, alpha, beta):
-    """Latitude of a contact's middle on a ball whose axis is pitched by beta [rad]."""
-    return sigma * (beta - alpha)
-
-
-@jit
-def worn_force(g, D, race, sigma, reference, y1, y2, beta):
+def worn_force(g, D, race, sigma, reference, y1, y2):
     """Force of a worn contact.
 
     Parameters
@@ -120,8 +112,6 @@ def worn_force(g, D, race, sigma, reference, y1, y2, beta):
     y1, y2 : float
         Axial and radial distance of the ball's centre from the outer groove's, or of the inner
         groove's centre from the ball's [m].
-    beta : float
-        Pitch of the ball's axis; matters where the ball wears in bands [rad].
 
     Returns
     -------
@@ -137,27 +127,26 @@ def worn_force(g, D, race, sigma, reference, y1, y2, beta):
         return no_force(CONTACT_LOST, alpha, hertz)
     Q = contact_load(hertz.K, d)
     a, b = semi_axis(hertz.c_a, Q), semi_axis(hertz.c_b, Q)
-    shift, middle = arc_shift(race, r_g, sigma, alpha), latitude(sigma, alpha, beta)
+    shift = arc_shift(race, r_g, sigma, alpha)
     X = race.cells.X
     for i in range(X.size):
         x = a * X[i]
-        w_groove, _ = arc_depth(race.groove, x + shift)
-        w_band, _ = arc_depth(race.band, middle - x / R)
+        depth = arc_depth(race.groove, x + shift)
         race.x[i] = x
-        race.wear[i] = (w_groove + w_band - reference) / d
-        race.rise[i] = 0.5 * (w_groove - w_band - reference)
+        race.wear[i] = (depth - reference) / d
+        race.rise[i] = 0.5 * (depth - reference)
         if race.without >= 0.0:
-            bare, _ = arc_depth(race.uncovered, x + shift)
+            bare = arc_depth(race.uncovered, x + shift)
             race.bare[i] = min(max(bare, 0.0), 1.0)
     status, _ = worn_pressure(race.cells, race.wear, race.work, race.pressure)
-    load, centre, slope, peak = cell_sums(race, R, a, middle)
+    load, centre, peak = cell_sums(race)
     if status == OK and not load > 0.0:
         status = CONTACT_LOST
     p_0 = 1.5 * Q / (math.pi * a * b)
     return WornForce(
         status=status,
         Q=Q * load,
-        T=-Q * load * (a * centre / R + slope),
+        T=-Q * load * (a * centre / R),
         alpha=alpha,
         approach=d,
         a=a,
@@ -168,23 +157,15 @@ def worn_force(g, D, race, sigma, reference, y1, y2, beta):
 
 
 @jit
-def cell_sums(race, R, a, middle):
+def cell_sums(race):
     """Sums over the cells of a solved contact.
-
-    Parameters
-    ----------
-    a : float
-        Semi-major axis, the unit of the cells [m].
-    middle : float
-        Latitude of the contact's middle [rad].
 
     Returns
     -------
-    load, centre, slope, peak : float
-        Load and largest pressure over those unworn; centre of the load over a; mean slope of the
-        ball's band along the major axis, weighted by load.
+    load, centre, peak : float
+        Load and largest pressure over those unworn; centre of the load over the semi-major axis.
     """
-    load = unworn = centre = slope = peak = highest = 0.0
+    load = unworn = centre = peak = highest = 0.0
     m, n = race.pressure.shape
     for i in range(n):
         q = 0.0
@@ -195,11 +176,9 @@ def cell_sums(race, R, a, middle):
             highest = max(highest, race.cells.fresh[j, i])
         load += q
         centre += q * race.cells.X[i]
-        if race.band.c.shape[1] > 0:
-            slope -= q * arc_depth(race.band, middle - race.x[i] / R)[1] / R
     if load > 0.0:
-        centre, slope = centre / load, slope / load
-    return load / unworn, centre, slope, peak / highest
+        centre /= load
+    return load / unworn, centre, peak / highest
 
 
 @jit

@@ -1,9 +1,8 @@
 """Steady state of a ball between two worn grooves (theory.md section 21).
 
-The unknowns are the places of ball and race and, where the ball wears in bands, the pitch of its
-axis. Each trial solves both contacts at the places and the ball's motion under their loads. The
-residuals are the forces on ball and race, and the motion's own pitch less the one tried. Their
-derivatives are kept from trial to trial and from state to state, and improved by each step.
+The unknowns are the places of ball and race. Each trial solves both contacts there and the ball's
+motion under their loads. The residuals are the forces on ball and race. Their derivatives are kept
+from trial to trial and from state to state, and improved by each step.
 """
 
 import math
@@ -22,20 +21,14 @@ from bearingwear.kernels.steady.level_solver import SHORTENING
 from bearingwear.kernels.worn.balance import WornForce, race_parts, worn_force
 from bearingwear.kernels.worn.friction import place_cells, settled_motion, worn_dissipation
 
-UNKNOWNS = 4  # X1, X2, delta_a, pitch, in this order; some states have fewer
+UNKNOWNS = 3  # X1, X2, delta_a, in this order; of a race that is held the last one is none
 MOST_SEATS = 60
 MOST_POOR = 20  # of them that leave much, though the derivatives are new: the state lies far off
-MOST_POOR_IN_BANDS = 3  # likewise; `relaxed_seat` knows which way the axis turns
 PLACES_TRIED = 5  # along a step with new derivatives
 SLOW_BALANCE = 0.3  # share of what was left, above which a step calls for derivatives found anew
 WORN_BALANCE = 1e-8  # force left, as a share of the load, of states that are kept [1]
-PITCH_WEIGHT = 0.1  # that of the pitch left [1/rad]
 QUOTIENT_PLACE = 3e-6  # of the approach: derivatives are found with; near a fold they turn fast
 LONGEST_MOVE = 0.5  # of the approach, in one step
-LARGEST_TURN = 0.02  # of the axis, in one step [rad]
-TURN_BY_HAND = 5e-4  # where it is turned by hand [rad]
-MOST_TURNS = 100
-NARROW = 1e-7  # bracket of the pitch that is none [rad]
 
 
 class WornSeat(NamedTuple):
@@ -45,7 +38,6 @@ class WornSeat(NamedTuple):
     X1: float  # ball centre from the outer groove centre [m]
     X2: float
     delta_a: float  # axial displacement of the race [m]
-    beta: float  # pitch of the ball's axis that its bands are worn about [rad]
     inner: WornForce
     outer: WornForce
     F_i: float  # friction of the races along their first axes that the balance counts [N]
@@ -55,12 +47,12 @@ class WornSeat(NamedTuple):
 class StateWork(NamedTuple):
     """Buffers of a state; its derivatives serve the next one too."""
 
-    slope: np.ndarray  # (4, 4) of what is left by the unknowns [1/m, 1/rad]; [0, 0] zero: not known
-    left: np.ndarray  # (4,) forces over the load, and the pitch by its weight
-    shifted: np.ndarray  # (4,)
-    step: np.ndarray  # (4,) [m, rad]
-    matrix: np.ndarray  # (4, 4)
-    active: np.ndarray  # (4,) which of the unknowns there are
+    slope: np.ndarray  # (3, 3) of what is left by the unknowns [1/m]; [0, 0] zero: not known
+    left: np.ndarray  # (3,) forces over the load
+    shifted: np.ndarray  # (3,)
+    step: np.ndarray  # (3,) [m]
+    matrix: np.ndarray  # (3, 3)
+    active: np.ndarray  # (3,) which of the unknowns there are
     u: np.ndarray  # (4,) motion at the place tried [rad/s]
     balance: float  # largest force left, as a share of the load [1]
 
@@ -80,12 +72,6 @@ def state_work():
 
 
 @jit
-def pitch(u):
-    """Pitch of the ball's axis from the bearing's [rad]."""
-    return math.atan2(u[2], u[3] - u[0])
-
-
-@jit
 def moved_seat(seat, step, share):
     """A seat whose places are moved by a share of a step; its forces stay."""
     return WornSeat(
@@ -93,7 +79,6 @@ def moved_seat(seat, step, share):
         X1=seat.X1 + share * step[0],
         X2=seat.X2 + share * step[1],
         delta_a=seat.delta_a + share * step[2],
-        beta=seat.beta + share * step[3],
         inner=seat.inner,
         outer=seat.outer,
         F_i=seat.F_i,
@@ -109,7 +94,6 @@ def seat_with(at, status, inner, outer, F_i, F_o):
         X1=at.X1,
         X2=at.X2,
         delta_a=at.delta_a,
-        beta=at.beta,
         inner=inner,
         outer=outer,
         F_i=F_i,
@@ -135,9 +119,9 @@ def worn_seat(bearing, races, reference, rule, work, state, at, u, left):
         Of which the places are taken.
     u : ndarray (4,)
         Start of the motion; improved in place [rad/s].
-    left : ndarray (4,)
-        Filled: axial and radial force on the ball and axial force on the race, over the load; the
-        pitch of the motion less that of the seat, by its weight. Zero for what is no unknown.
+    left : ndarray (3,)
+        Filled: axial and radial force on the ball and axial force on the race, over the load. Zero
+        for what is no unknown.
 
     Returns
     -------
@@ -145,8 +129,8 @@ def worn_seat(bearing, races, reference, rule, work, state, at, u, left):
     """
     g, D, op, preload = bearing.g, bearing.D, bearing.op, bearing.preload
     A1, A2 = groove_distance(g, 0.0, at.delta_a, 0.0, 0.0, 0.0)
-    inner = worn_force(g, D, races[0], INNER, reference[0], A1 - at.X1, A2 - at.X2, at.beta)
-    outer = worn_force(g, D, races[1], OUTER, reference[1], at.X1, at.X2, at.beta)
+    inner = worn_force(g, D, races[0], INNER, reference[0], A1 - at.X1, A2 - at.X2)
+    outer = worn_force(g, D, races[1], OUTER, reference[1], at.X1, at.X2)
     status = inner.status if inner.status != OK else outer.status
     if status == OK and max(inner.a, outer.a) >= LARGEST_AXIS * 0.5 * D:
         status = OUTSIDE_HERTZ_RANGE
@@ -164,7 +148,6 @@ def worn_seat(bearing, races, reference, rule, work, state, at, u, left):
     left[0] = (i_x + o_x) / load
     left[1] = (i_r + o_r + ball_mass(g.rho, D) * (g.R_o + at.X2) * u[3] * u[3]) / load
     left[2] = (i_x - preload.F_x / g.n_balls) / load if state.active[2] else 0.0
-    left[3] = PITCH_WEIGHT * (pitch(u) - at.beta) if state.active[3] else 0.0
     return seat_with(at, status, inner, outer, F_i, F_o)
 
 
@@ -191,7 +174,7 @@ def find_slope(bearing, races, reference, rule, work, state, seat, u):
         for i in range(UNKNOWNS):
             state.slope[i, j] = 1.0 if i == j else 0.0
         if state.active[j]:
-            h = QUOTIENT_PLACE * (size if j < 3 else size / seat.inner.a)
+            h = QUOTIENT_PLACE * size
             for i in range(UNKNOWNS):
                 state.step[i] = h if i == j else 0.0
             copy(u, state.u)
@@ -219,26 +202,22 @@ def newton_step(state, seat):
     d1, d2, dd = state.step[0], state.step[1], state.step[2]
     longest = LONGEST_MOVE * max(seat.inner.approach, seat.outer.approach)
     length = max(math.hypot(d1, d2), math.hypot(dd - d1, d2))
-    share = longest / length if length > longest else 1.0
-    turn = abs(state.step[3])
-    return min(share, LARGEST_TURN / turn if turn > LARGEST_TURN else 1.0)
+    return longest / length if length > longest else 1.0
 
 
 @jit
-def improve_slope(state, share, arm):
-    """Broyden's update by the step that was taken; the pitch counts as a length by `arm` [m]."""
+def improve_slope(state, share):
+    """Broyden's update by the step that was taken."""
     size = 0.0
     for j in range(UNKNOWNS):
         state.step[j] *= share
-        length = state.step[j] * (arm if j == 3 else 1.0)
-        size += length * length
+        size += state.step[j] * state.step[j]
     for i in range(UNKNOWNS):
         unexplained = state.shifted[i] - state.left[i]
         for j in range(UNKNOWNS):
             unexplained -= state.slope[i, j] * state.step[j]
         for j in range(UNKNOWNS):
-            scale = arm * arm if j == 3 else 1.0
-            state.slope[i, j] += unexplained * state.step[j] * scale / size
+            state.slope[i, j] += unexplained * state.step[j] / size
 
 
 @jit
@@ -268,7 +247,7 @@ def shortened_step(bearing, races, reference, rule, work, state, seat, u, share,
 def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
     """`worn_seat` with nothing left, by Broyden's method; u is improved in place."""
     seat = worn_seat(bearing, races, reference, rule, work, state, seat, u, state.left)
-    poor, most_poor = 0, MOST_POOR_IN_BANDS if state.active[3] else MOST_POOR
+    poor = 0
     for _ in range(MOST_SEATS):
         size = largest(state.left)
         if seat.status != OK or size <= state.balance:
@@ -286,54 +265,16 @@ def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
                 break
             state.slope[0, 0] = 0.0
             continue
-        improve_slope(state, share, 0.5 * bearing.D * seat.inner.approach / seat.inner.a)
+        improve_slope(state, share)
         copy(state.shifted, state.left)
         copy(state.u, u)
         if largest(state.left) > SLOW_BALANCE * size:
             poor += 1 if fresh else 0
             state.slope[0, 0] = 0.0
-            if poor > most_poor:
+            if poor > MOST_POOR:
                 break
     state.slope[0, 0] = 0.0
     return seat_with(seat, NOT_CONVERGED, seat.inner, seat.outer, seat.F_i, seat.F_o)
-
-
-@jit
-def relaxed_seat(bearing, races, reference, rule, work, state, seat, u):
-    """`balanced_seat` of a ball whose axis turns until it lies as its bands have it.
-
-    The bands turn the axis, and the axis turns the bands. Where no state is left nearby, the axis
-    continues in the direction it is turned, until it is turned back.
-    """
-    state.active[3] = False
-    seat = balanced_seat(bearing, races, reference, rule, work, state, seat, u)
-    way = 1.0 if pitch(u) > seat.beta else -1.0
-    turn, low, high = TURN_BY_HAND, 0.0, math.inf  # from the start, and bracket of the end
-    start, at = seat.beta, 0.0
-    for _ in range(MOST_TURNS):
-        if seat.status != OK or abs(pitch(u) - seat.beta) * PITCH_WEIGHT <= state.balance:
-            break
-        if way * (pitch(u) - seat.beta) > 0.0:
-            low = at
-        else:
-            high = at
-        if high < math.inf:
-            at = 0.5 * (low + high)
-            if high - low <= NARROW:
-                break
-        else:
-            at += turn
-            turn = min(2.0 * turn, LARGEST_TURN)
-        for i in range(3):
-            state.step[i] = 0.0
-        state.step[3] = start + way * at - seat.beta
-        seat = moved_seat(seat, state.step, 1.0)
-        seat = balanced_seat(bearing, races, reference, rule, work, state, seat, u)
-    state.active[3] = True
-    state.slope[0, 0] = 0.0
-    if seat.status == OK and not high < math.inf:
-        return seat_with(seat, NOT_CONVERGED, seat.inner, seat.outer, seat.F_i, seat.F_o)
-    return seat
 
 
 @jit
@@ -360,11 +301,11 @@ def find_force_changes(bearing, races, reference, rule, work, state, seat, u, mo
 
     Parameters
     ----------
-    moves : ndarray (n, 4)
-        Of X1, X2, delta_a and pitch.
-    changes : ndarray (n, 2, 4)
+    moves : ndarray (n, 3)
+        Of X1, X2 and delta_a.
+    changes : ndarray (n, 2, 3)
         Filled: with the motion held and without friction, and with both following. Columns: those
-        of `add_ball_forces`, and the pitch of the motion less that of the seat.
+        of `add_ball_forces`.
     """
     g, D = bearing.g, bearing.D
     changes[:, :, :] = 0.0
@@ -378,8 +319,6 @@ def find_force_changes(bearing, races, reference, rule, work, state, seat, u, mo
         add_ball_forces(g, D, seat, u, 0.0, 0.0, -1.0, changes[j, 0])
         add_ball_forces(g, D, near, state.u, near.F_i, near.F_o, 1.0, changes[j, 1])
         add_ball_forces(g, D, seat, u, seat.F_i, seat.F_o, -1.0, changes[j, 1])
-        changes[j, 0, 3] = -moves[j, 3]
-        changes[j, 1, 3] = pitch(state.u) - pitch(u) - moves[j, 3]
     return OK
 
 
@@ -395,7 +334,7 @@ def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, cha
         Of which the places are the start.
     u : ndarray (4,)
         The start of the motion; improved in place [rad/s].
-    moves, changes : ndarray (n, 4), (n, 2, 4)
+    moves, changes : ndarray (n, 3), (n, 2, 3)
         As in `find_force_changes`, of a state that is solved; none: it is solved.
 
     Returns
@@ -407,13 +346,8 @@ def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, cha
             bearing, races, reference, rule, work, state, seat, u, moves, changes
         )
         return seat_with(seat, status, seat.inner, seat.outer, seat.F_i, seat.F_o)
-    banded = races[0].band.c.shape[1] > 0
-    state.active[2], state.active[3] = bearing.preload.constant_force, banded
-    first = u.copy()
+    state.active[2] = bearing.preload.constant_force
     found = balanced_seat(bearing, races, reference, rule, work, state, seat, u)
-    if found.status == NOT_CONVERGED and banded:
-        copy(first, u)
-        found = relaxed_seat(bearing, races, reference, rule, work, state, seat, u)
     if found.status == OK:
         worn_dissipation(bearing.g, bearing.op, bearing.D, races, found, rule, work, u)
     return found

@@ -15,7 +15,7 @@ from bearingwear.lives.duty.lives import (
 from bearingwear.lives.duty.wearing import DutyCriteria, DutySurfaces
 from bearingwear.lives.errors import WEIGHTS, changed_by
 from bearingwear.lives.follow import Life
-from bearingwear.lives.grooves import LONGER_STEP
+from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves
 from bearingwear.lives.surfaces import is_one_integral, steps_error
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.compose import solver_of
@@ -48,7 +48,8 @@ def duty_errors(scene: Scene, found: DutyLife, fidelity: str) -> dict[str, float
 
 def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
     """Bound on the error of the steps [s], and estimate of that of steps and cells."""
-    lives = worn_duty_life(cycle, only_times=True, step=LONGER_STEP), worn_duty_life(cycle, True)
+    modes = QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells), QUICK_GROOVES
+    lives = [worn_duty_life(cycle, mode, Grooves) for mode in modes]
     coarse, few = (
         one.last.time if (one.status, one.criterion) == (life.status, life.criterion) else math.nan
         for one in lives

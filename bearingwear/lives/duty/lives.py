@@ -12,11 +12,11 @@ from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.grooves import (
-    FEWER_CELLS,
-    LONGER_STEP,
-    STEP,
-    WORN_CELLS,
+    EXACT_GROOVES,
+    QUICK_GROOVES,
+    GrooveMode,
     Grooves,
+    StiffGrooves,
     follow_grooves,
 )
 from bearingwear.lives.surfaces import follow_surfaces, surface_life
@@ -81,17 +81,20 @@ def life_of_case(found: DutyLife, case: int) -> Life:
 
 
 def duty_life(
-    scene: Scene, fidelity: str = "steady", quick: bool = False, only_times: bool = False
+    scene: Scene,
+    fidelity: str = "steady",
+    quick: bool = False,
+    kind: type[Grooves] = StiffGrooves,
 ) -> DutyLife:
     """The life of a scene over its duty, with grooves as they wear where any phase requires it.
 
-    A quick one takes longer steps and, along grooves, fewer cells. `only_times` is that of
-    `Grooves`.
+    A quick one takes longer steps and, along grooves, fewer cells. The states of the `kind`
+    `Grooves` have no stiffness unless the life ends by it, which saves time.
     """
     cycle = cycle_with_enough_points(scene, fidelity)
     is_worn, sentence = duty_grooves(scene, fidelity)
     if is_worn:
-        life = worn_duty_life(cycle, quick, only_times)
+        life = worn_duty_life(cycle, QUICK_GROOVES if quick else EXACT_GROOVES, kind)
         if life.nodes[0].status == code.OK:
             return DutyLife(cycle, life, sentence, is_worn=True)
         # an end that is met when new needs no grooves
@@ -114,7 +117,7 @@ def lives_alone(found: DutyLife, fidelity: str = "steady") -> dict[str, Life]:
         return found.by_case
     scenes = zip(cycle.cases, cycle.scenes, strict=False)
     if found.is_worn:
-        return {case: follow_grooves(Grooves(one, only_times=True)) for case, one in scenes}
+        return {case: follow_grooves(Grooves(one)) for case, one in scenes}
     return {case: surface_life(one, solver_of(one, fidelity)) for case, one in scenes}
 
 
@@ -145,13 +148,10 @@ def hertzian_duty_life(cycle: Cycle, solvers: Sequence[Remembered], quick: bool 
 
 
 def worn_duty_life(
-    cycle: Cycle, quick: bool = False, only_times: bool = False, step: float | None = None
+    cycle: Cycle, mode: GrooveMode = EXACT_GROOVES, kind: type[Grooves] = StiffGrooves
 ) -> Life:
     """The life over a cycle with grooves as they wear."""
-    cells, length = (FEWER_CELLS, LONGER_STEP) if quick else (WORN_CELLS, step or STEP)
-    rough = quick or step is not None
-    wearing = DutyGrooves(cycle, cells, length, only_times=only_times, rough=rough)
-    return follow_grooves(wearing, DutyCriteria(cycle))
+    return follow_grooves(DutyGrooves(cycle, mode, kind), DutyCriteria(cycle))
 
 
 def mean_loss_rate(cycle: Cycle, losses: Sequence[float], fidelity: str = "steady") -> float:

@@ -12,7 +12,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import Cycle
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Node
-from bearingwear.lives.grooves import STEP, WORN_CELLS, Grooves, Wears
+from bearingwear.lives.grooves import EXACT_GROOVES, GrooveMode, Grooves, StiffGrooves, Wears
 from bearingwear.lives.surfaces import Surfaces
 from bearingwear.solvers.compose import Remembered
 from bearingwear.solvers.condition import States
@@ -110,15 +110,10 @@ class DutyGrooves(_Mixed, Grooves):
     """
 
     def __init__(
-        self,
-        cycle: Cycle,
-        cells: tuple[int, int] = WORN_CELLS,
-        step: float = STEP,
-        only_times: bool = False,
-        rough: bool = False,
+        self, cycle: Cycle, mode: GrooveMode = EXACT_GROOVES, kind: type[Grooves] = StiffGrooves
     ):
-        self.cycle, self.rough = cycle, rough
-        self.each = [Grooves(one, cells, step, only_times, rough) for one in cycle.scenes]
+        self.cycle, self.mode = cycle, mode
+        self.each = [kind(one, mode) for one in cycle.scenes]
         self.scene = self.each[0].scene
         self.status = next((one.status for one in self.each if one.status != code.OK), code.OK)
         self.sides = tuple(side for one in self.each for side in one.sides)
@@ -142,10 +137,13 @@ class DutyGrooves(_Mixed, Grooves):
             for way, one in zip(self.each, super().nodes(node), strict=True)
         ]
 
-    def state(self, worn: Wears, on_the_way: bool = False) -> States:
+    def state(self, worn: Wears) -> States:
         if self.status != code.OK:
             return self.states_by(lambda way: way.new_states())
-        return self.states_by(lambda way: way.state(worn, on_the_way))
+        return self.states_by(lambda way: way.state(worn))
+
+    def middle_state(self, worn: Wears) -> States:
+        return self.states_by(lambda way: way.middle_state(worn))
 
     def completed(self, node: Node) -> Node:
         if node.status != code.OK:
@@ -160,7 +158,7 @@ class DutyGrooves(_Mixed, Grooves):
 
     def rates(self, node: Node) -> Wears:
         each = self.weighted(node)
-        mean = [WornDepths(0.0, 0.0 * w.grooves, 0.0 * w.band) for w in self.start]
+        mean = [WornDepths(0.0, 0.0 * w.grooves) for w in self.start]
         for share, way, one in each:
             rates = way.rates(one)
             mean = [total.plus(share, rate) for total, rate in zip(mean, rates, strict=True)]

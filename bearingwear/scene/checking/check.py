@@ -143,10 +143,16 @@ def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
     return rank, SceneError(path, problem)
 
 
+FORMER_KEYS = {"wear.ball_track": "balls always wear evenly (spread); delete the key"}
+"""Keys of earlier versions, and what to do."""
+
+
 def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
     unknown = [name for name in given if name not in block.below]
     for name in unknown:
         problem = f"got an unknown key; {_meant(name, given, block, file)}"
+        if (gone := key_path(path, name)) in FORMER_KEYS:
+            problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[gone]}"
         yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
     for name, below in block.below.items():
         if below.required and name not in given and not unknown:  # not a mistyped one

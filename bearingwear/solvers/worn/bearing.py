@@ -1,6 +1,6 @@
 """States of a bearing with its grooves as worn (theory.md section 21).
 
-Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
+Depths of grooves stand on fixed grids, each along its own arc. Balls wear evenly.
 """
 
 from dataclasses import replace
@@ -15,11 +15,11 @@ from bearingwear.kernels.contact.summary import ANGLE, LOAD, MAJOR
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
-from bearingwear.kernels.worn.balance import Arc, WornRace, latitude
+from bearingwear.kernels.worn.balance import Arc, WornRace
 from bearingwear.kernels.worn.cells import contact_buffers
 from bearingwear.kernels.worn.friction import FrictionWork, friction_work
 from bearingwear.kernels.worn.pressure import FULL_WIDTH, contact_cells
-from bearingwear.kernels.worn.state import WornSeat, pitch, state_work, worn_state
+from bearingwear.kernels.worn.state import WornSeat, state_work, worn_state
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.check import WornCheck
 from bearingwear.solvers.worn.depths import (
@@ -36,7 +36,6 @@ from bearingwear.solvers.worn.films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 SIDES = (INNER, OUTER)
 ARC_STEP = 0.05  # of the initial semi-major axis
 ARC_END = 5.0  # initial semi-major axes from where the contact was, new
-BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
@@ -47,14 +46,14 @@ _MOST_WIDENINGS = 6
 _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
-_RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
+_RACE, _NOT_RACE = 2, [0, 1]  # of the unknowns, the axial place of the race; and the others
 _ACROSS = np.linspace(-0.95, 0.95, 20)
 _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
 """Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
 _FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
 """Steps from an even groove to one as it is worn, over what they differ by, and how many."""
 _ROUNDS = 3  # in which the depth of the grooves at a contact is found
-_NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
+_NO_MOVES = np.empty((0, 3)), np.empty((0, 2, 3))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
 SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
 
@@ -74,14 +73,13 @@ class WornBearing:
         case: ThrustCase,
         loss: float,
         cells: tuple[int, int] = (48, 10),
-        bands: bool = False,
         wander: float = 0.1,
         films: WornFilms | None = None,
     ):
         self.films, self.on_the_way = films, False
         self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
-        self.bands, self.wander = bands, wander
+        self.wander = wander
         self.D = problem.g.D0 - loss
         self.status, c = case.status, case.contacts  # of the cells, too
         self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
@@ -90,9 +88,6 @@ class WornBearing:
         self.arc_step = ARC_STEP * self.major
         steps = round(ARC_END / ARC_STEP)
         self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
-        self.band_step = float(ARC_STEP * self.major.min() / (0.5 * self.D))
-        count = round(BAND_END / self.band_step) if self.bands else 0
-        self.latitude = self.band_step * np.arange(-count, count + 1)[: 2 * count + self.bands]
         self.ends = np.full(2, CELLS_END)
         self.rows_added = [0, 0]  # to the cells on each side of the major axes
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
@@ -124,7 +119,6 @@ class WornBearing:
             x=np.zeros(n),
             rise=np.zeros(n),
             groove=UNWORN_ARC,
-            band=UNWORN_ARC,
             alpha_ref=float(self.angle[k]),
             bare=np.zeros(n),
             uncovered=UNWORN_ARC,
@@ -133,20 +127,15 @@ class WornBearing:
 
     def lie_on(self, other: "WornBearing") -> None:
         """Count depths on the grids of this bearing in another condition, whose wear it shares."""
-        self.major, self.angle, self.arc_step, self.arc = (
-            other.major,
-            other.angle,
-            other.arc_step,
-            other.arc,
-        )
-        self.band_step, self.latitude = other.band_step, other.latitude
+        self.major, self.angle = other.major, other.angle
+        self.arc_step, self.arc = other.arc_step, other.arc
         self.races = tuple(
             race._replace(alpha_ref=float(angle))
             for race, angle in zip(self.races, other.angle, strict=True)
         )
 
     def unworn(self) -> WornDepths:
-        return WornDepths(0.0, np.zeros_like(self.arc), np.zeros_like(self.latitude))
+        return WornDepths(0.0, np.zeros_like(self.arc))
 
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
@@ -182,7 +171,7 @@ class WornBearing:
         forces = (seat.inner, seat.outer)
         if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
             return WornPoint(code.PRELOAD_GONE, wear, p)
-        if self.wears and not self._within(seat, D):
+        if self.wears and not self._within(seat):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
@@ -326,7 +315,7 @@ class WornBearing:
         return status
 
     def _mean_depth(
-        self, p: ThrustProblem, arcs: tuple[Arc, Arc, Arc], even: ThrustCase, k: int
+        self, p: ThrustProblem, arcs: tuple[Arc, Arc], even: ThrustCase, k: int
     ) -> float:
         """Depth of groove k in a contact, by the load of Hertz [m]."""
         major, angle = even.contacts[k, [MAJOR, ANGLE]].tolist()
@@ -341,7 +330,6 @@ class WornBearing:
                 X1=new.X1 + share * (new.X1 - old.X1),
                 X2=new.X2 + share * (new.X2 - old.X2),
                 delta_a=new.delta_a + share * (new.delta_a - old.delta_a),
-                beta=new.beta + share * (new.beta - old.beta),
             )
             self.u = now.u + share * (now.u - before.u)
 
@@ -356,7 +344,7 @@ class WornBearing:
             bare = list(map(depth_spline, self.arc, self.arc_step, shares))
         for _ in range(_MOST_WIDENINGS):
             races = tuple(
-                race._replace(groove=arcs[k], band=arcs[2], uncovered=bare[k], without=without)
+                race._replace(groove=arcs[k], uncovered=bare[k], without=without)
                 for k, race in enumerate(self.races)
             )
             work = self._friction_work(p, races)
@@ -395,23 +383,19 @@ class WornBearing:
                 break
         return seat, u
 
-    def _within(self, seat: WornSeat, D: float) -> bool:
+    def _within(self, seat: WornSeat) -> bool:
         """Whether all that wears lies on the grids."""
         for k, (ends, force) in enumerate(zip(self.loaded, (seat.inner, seat.outer), strict=True)):
             reach = force.a * ends
             if np.abs(reach + self.shift(k, force.alpha, self.problem.g)).max() > self.arc[k, -1]:
                 return False
-            if self.bands:
-                places = latitude(SIDES[k], force.alpha, seat.beta) - reach / (0.5 * D)
-                if np.abs(places).max() > self.latitude[-1]:
-                    return False
         return True
 
-    def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc, Arc]:
+    def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc]:
         inner, outer = (
             depth_spline(*arc) for arc in zip(self.arc, self.arc_step, wear.grooves, strict=True)
         )
-        return inner, outer, depth_spline(self.latitude, self.band_step, wear.band)
+        return inner, outer
 
     def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
         n, rows = (max(race.pressure.shape[k] for race in races) for k in (1, 0))
@@ -462,10 +446,8 @@ class WornBearing:
         By K_s/H of ball and race [1/Pa], where films and running in do not decide them.
         """
         g, D = point.problem.g, point.D
-        R = 0.5 * D
-        grooves, band = np.zeros_like(self.arc), np.zeros_like(self.latitude)
-        beta, off_ball = pitch(point.u), point.slip[:, 0].copy()
-        for k, (force, sigma) in enumerate(zip(point.forces, SIDES, strict=True)):
+        grooves, off_ball = np.zeros_like(self.arc), point.slip[:, 0].copy()
+        for k, force in enumerate(point.forces):
             x, qv = point.x[k], point.qv_along[k]
             places = x + self.shift(k, force.alpha, g)
             wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
@@ -481,13 +463,7 @@ class WornBearing:
                 qv = qv * (there / ball)
                 off_ball[k] *= qv.sum() / point.qv_along[k].sum()
             grooves[k] = g.n_balls * factor * wear / (2.0 * np.pi * point.track[k])
-            if self.bands:
-                places = latitude(sigma, force.alpha, beta) - x / R
-                wander = self.wander * self.major[k] / R
-                wear = wandering(self.latitude, places[::-1], qv[::-1] * R, wander) / R
-                band += ball * wear / (2.0 * np.pi * R * np.cos(self.latitude))
-        even = 0.0 if self.bands else 2.0 * ball * off_ball.sum() / (np.pi * D * D)
-        return WornDepths(float(even), grooves, band)
+        return WornDepths(float(2.0 * ball * off_ball.sum() / (np.pi * D * D)), grooves)
 
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
@@ -514,15 +490,12 @@ class WornBearing:
         Differences along the ways that small moves of the places lead to; longer ones, in which the
         cells that come into contact do not show. NaN where a place nearby has no state.
         """
-        seat, n = point.seat, 4 if self.bands else 3
+        seat = point.seat
         size = max(seat.inner.approach, seat.outer.approach)
-        small = SMALL * size * np.array([1.0, 1.0, 1.0, 1.0 / seat.inner.a])[:n]
-        slopes = np.tile(np.eye(4), (2, 1, 1))
-        slopes[:, :, :n] = (
-            np.moveaxis(self._force_changes(point, np.eye(n, 4) * small[:, None]), 0, 2) / small
-        )
+        small = SMALL * size
+        slopes = np.moveaxis(self._force_changes(point, small * np.eye(3)), 0, 2) / small
         others = slopes[:, _NOT_RACE][:, :, _NOT_RACE]
-        ways = np.ones((2, 4))
+        ways = np.ones((2, 3))
         ways[:, _NOT_RACE] = -_solutions(others, slopes[:, _NOT_RACE, _RACE])
         along = self._force_changes(point, NEARBY * size * ways) / (NEARBY * size)
         along = along[[0, 1], [0, 1]]  # each by its own way
@@ -531,8 +504,8 @@ class WornBearing:
         return point.problem.g.n_balls * axial
 
     def _force_changes(self, point: WornPoint, moves: np.ndarray) -> np.ndarray:
-        """What moves (n, 4) of the places of a state do to its forces, (n, 2, 4)."""
-        p, changes = point.problem, np.empty((len(moves), 2, 4))
+        """What moves (n, 3) of the places of a state do to its forces, (n, 2, 3)."""
+        p, changes = point.problem, np.empty((len(moves), 2, 3))
         work = self._friction_work(p, self.worn_races)
         seat = worn_state(
             p.bearing(point.D), self.worn_races, self.worn_reference, p.rule, work, self.state,

@@ -12,24 +12,23 @@ from bearingwear.kernels.contact.summary import ANGLE, LOAD
 from bearingwear.kernels.params import Geometry, Hertz
 from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.kernels.worn.balance import Arc, WornForce, spline_pieces
-from bearingwear.kernels.worn.state import WornSeat, pitch
+from bearingwear.kernels.worn.state import WornSeat
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
 _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
 NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
-NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
+NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
 """Of a point that was not solved."""
 _TAILS = 6.0  # times its rms, how far a Gaussian reaches
 
 
 @dataclass(frozen=True, eq=False)
 class WornDepths:
-    """Wear: even shares, and depths over the grids."""
+    """Wear: even loss of the balls, and depths of the grooves over their grids."""
 
     ball: float  # even loss of ball diameter [m]
     grooves: np.ndarray  # (2, arcs) depth [m]
-    band: np.ndarray  # (latitudes,) of the balls, empty where they wear evenly [m]
 
     @property
     def deepest(self) -> np.ndarray:
@@ -41,7 +40,6 @@ class WornDepths:
         return WornDepths(
             self.ball + dt * rate.ball,
             self.grooves + dt * rate.grooves,
-            self.band + dt * rate.band,
         )
 
 
@@ -74,9 +72,7 @@ def seat_force(g: Geometry, seat: WornSeat) -> float:
 
 
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
-    """A depth over equally spaced places; none is an even one."""
-    if not depth.size:
-        return UNWORN_ARC
+    """A depth over equally spaced places."""
     c = np.empty((4, depth.size - 1))
     spline_pieces(float(step), depth, c)
     return Arc(float(places[0]), float(step), c)
@@ -129,7 +125,6 @@ def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSe
         X1=float(length * np.sin(alpha)),
         X2=float(length * np.cos(alpha)),
         delta_a=float(case.delta_a),
-        beta=float(pitch(case.u)),
         inner=NO_FORCE,
         outer=NO_FORCE,
         F_i=float(case.T_i),

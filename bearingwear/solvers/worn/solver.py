@@ -52,7 +52,6 @@ class Worn(Steady):
             unworn.answer,
             self.start.loss,
             cells,
-            bands=scene.wear.ball_track == "bands",
             wander=scene.wear.track_wander,
             films=WornFilms.of(scene) if filmed else None,
         )
@@ -171,10 +170,8 @@ class Worn(Steady):
             shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
         rate = self.rate(point)
         area = rate.grooves.sum(axis=1) * self.bearing.arc_step
-        ring = 2.0 * np.pi * np.cos(self.bearing.latitude) * (0.5 * D) ** 2
-        bands = float((rate.band * ring).sum() * self.bearing.band_step)
         return {
-            "ball_wear_rate": 0.5 * np.pi * D * D * rate.ball + bands,
+            "ball_wear_rate": 0.5 * np.pi * D * D * rate.ball,
             "race_wear_rate": 2.0 * np.pi * point.track * area,
             "film_left": films.films.thickness - point.wear.deepest,
             "film_worn_share": np.array(shares),

@@ -22,7 +22,12 @@ from bearingwear.lives.ends import NO_CRITERION, Criteria, with_end
 from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.many import HertzianLives, worn_life, worse_state, worse_states
+from bearingwear.lives.many import (
+    HertzianLives,
+    worn_life_with_stiffness,
+    worse_state,
+    worse_states,
+)
 from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -221,7 +226,7 @@ def _followed_life(
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
     if even is not None and hertzian == 0.0:
         return found, even  # beyond a limit when new, whatever the groove
-    worn = worn_life(scene, quick)
+    worn = worn_life_with_stiffness(scene, quick)
     if worn is None:
         assert even is not None
         return found, even
@@ -250,11 +255,11 @@ def _still_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
     if status != OK:
         return found | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
     met = np.flatnonzero(Criteria(scene).margins(states) <= 0.0)
-    life = np.full(2, 0.0 if met.size else np.inf)
+    life = 0.0 if met.size else math.inf
     found |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
     if limits.gyroscopic_slip_share is not None:
-        found["time_to_slip_limit"] = np.full(2, np.inf)
+        found["time_to_slip_limit"] = math.inf
     found |= gone_through(scene, [worse_state(states, scene)] * 2)
     node = Node(0.0, None, states, life)
     return _everywhere(scene, found, Life([node], None, status=OK), limits, exactly=True)

@@ -375,7 +375,7 @@ def printed_life(scene: Scene, quick: bool = False) -> float:
     if scene.cases:
         each = [printed_life(one, quick) for one in cases_that_wear(scene).values()]
         return float(np.min(each))
-    life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
+    life = worn_life(scene, quick) or HertzianLives(scene)(scene)
     return life.last.time if life.status == OK else math.nan
 
 

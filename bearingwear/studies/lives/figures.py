@@ -124,9 +124,8 @@ def _message(life: xr.Dataset) -> str:
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Pressure and profile of both grooves at five states of a life; of banded balls, too."""
-    banded = "band_depth" in life
-    figure, panels = new_figure(3 if banded else 2, 2, 7.6, 7.4 if banded else 5.4)
+    """Pressure and profile of both grooves at five states of a life."""
+    figure, panels = new_figure(2, 2, 7.6, 5.4)
     steps = life["groove_step"].values
     colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
     hours = life["history_time"].values
@@ -138,7 +137,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         for k, colour in enumerate(colours):
             panels[0, race].plot(arc, pressure[k], color=colour)
             panels[1, race].plot(arc, -depth[k], color=colour)
-        for panel in panels[:2, race]:
+        for panel in panels[:, race]:
             panel.set_xlim(seen.min(), seen.max())
             panel.set_xlabel("position across the groove, towards +X (mm)")
             panel.xaxis.set_major_locator(MaxNLocator(6))
@@ -150,22 +149,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         key(f"after {digits(hours[step])} h" if step else "new", color=colour)
         for step, colour in zip(steps, colours, strict=True)
     ]
-    if banded:
-        _draw_bands(panels[2, 0], life, colours)
-        panels[2, 1].axis("off")
-        panels[2, 1].legend(handles=keys, loc="center", fontsize="large")
     lost = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
     title = f"{scene_of(life)['name']}: groove profiles up to a total wear depth of {lost:.2g} µm"
-    frame(figure, title, [] if banded else keys, columns=5)
+    frame(figure, title, keys, columns=5)
     return figure
-
-
-def _draw_bands(panel: Any, life: xr.Dataset, colours: list[np.ndarray]) -> None:
-    """Depth worn off the balls over their latitude."""
-    latitude, depth = life["band_latitude"].values, 1e6 * life["band_depth"].values
-    worn = latitude[(depth > 1e-3 * depth.max()).any(axis=0)]
-    for k, colour in enumerate(colours):
-        panel.plot(latitude, -depth[k], color=colour)
-    panel.set_xlim(worn.min(), worn.max())
-    panel.set_xlabel("latitude on the ball (°)")
-    panel.set_ylabel("worn ball profile (µm)")

@@ -149,7 +149,7 @@ def followed_lives(job: LivesAsked) -> list[tuple[tuple[float], int, int, bool]]
     found = []
     for scene in _scenes(job):
         assert scene is not None
-        worn = worn_life(scene, only_times=True)
+        worn = worn_life(scene)
         if worn is None:
             found.append(((np.nan,), OK, _NO_CRITERION, False))
         else:

@@ -188,7 +188,7 @@ def test_a_longer_life_found_for_the_range_of_the_preload_is_taken(monkeypatch):
     made = MadeUp(bump(519.0, 8.0), lambda p: 1e9)
     monkeypatch.setattr(Search, "_new", lambda *_: None)
     monkeypatch.setattr(Search, "_solve", lambda _, kind, requests: made.solve(requests))
-    recommend = Search(None, STIFF, 1, map, print, TimeLeft({}))
+    recommend = Search(None, STIFF, map, print, TimeLeft({}))
     rows = [_row(made.line, made.found(), STIFF)]
     assert rows[0]["life"] < 0.9 * made.best_of_all()
     recommend._set_ranges([made.line], rows)
@@ -216,7 +216,7 @@ def test_a_search_goes_beyond_the_map_while_that_lengthens_the_life(
 ):
     monkeypatch.setattr(Search, "_new", lambda *_: None)
     made = MadeUp(life, stiffness)
-    recommend = Search(None, STIFF, 1, map, print, TimeLeft({}))
+    recommend = Search(None, STIFF, map, print, TimeLeft({}))
     found = answered([recommend._searched(made.line)], made.solve)[0]
     assert found.best.preload == pytest.approx(preload, rel=0.01)
     assert ACTIVE[held_back_by(made.line, found, STIFF)] == held_by_what

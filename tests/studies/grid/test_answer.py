@@ -36,8 +36,7 @@ def plain(text):
 
 
 def life(method, friction, hours, error=0.01, scene="a", end="x"):
-    both = {"ball": 10.0 * hours, "ball_and_races": hours}
-    return MethodLife(scene, method, friction, both, "ball_and_races", error, end)
+    return MethodLife(scene, method, friction, hours, error, end)
 
 
 CONSTANT, FIXED = PRELOAD_METHODS

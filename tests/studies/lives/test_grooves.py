@@ -1,18 +1,15 @@
 """A life with worn grooves from the command line: its sheet and its figure."""
 
-import pytest
 from support import only_line, scene_file
 
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
 
 
-@pytest.mark.parametrize("track", ["spread", "bands"])
-def test_sheet_and_figure(track, tmp_path, capsys):
+def test_sheet_and_figure(tmp_path, capsys):
     file = tmp_path / "life.nc"
     changes = {
         "model.contact": "worn",
-        "wear.ball_track": track,
         "wear.end_of_life.ball_diameter_loss_um": 0.1,
     }
     sets = [f"--set={key}={value}" for key, value in changes.items()]
@@ -22,11 +19,10 @@ def test_sheet_and_figure(track, tmp_path, capsys):
     assert "in a Hertzian contact" not in shown.err
     assert main(["plot", str(file), "-o", str(tmp_path / "life.svg")]) == 0
     drawn = (tmp_path / "life.svg").read_text()
-    assert "inner groove" in drawn and ("latitude" in drawn) == (track == "bands")
+    assert "inner groove" in drawn
     made = load(file)
     assert made["groove_depth"].dims == ("groove_state", "race", "arc")
     assert made["groove_depth"].sizes["groove_state"] >= 3  # of as few steps as a short life has
-    assert ("band_depth" in made) == (track == "bands")
 
 
 def test_what_cannot_follow_grooves_is_refused_in_one_line(tmp_path, capsys):

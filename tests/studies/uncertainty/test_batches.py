@@ -78,7 +78,7 @@ def test_l10_of_a_batch_scales_with_what_is_not_known():
     nominal = life(scene).values["life"] * HOURS_PER_SECOND / scene.nominal("brinell_hardness_GPa")
     of_bearings = 5.0 + 3.0 * np.array([0.05, 0.1, 0.5, 0.9, 0.95])
     of_batches = 2.0 ** stats.norm.ppf([0.05, 0.5, 0.95])
-    exact = of_batches[:, None, None] * of_bearings[:, None] * nominal
+    exact = of_batches[:, None] * of_bearings * nominal
     assert_allclose(found, exact, rtol=1e-3)  # no life but one is needed
     assert_allclose(error, 0.0)
     # with nothing but scatter all batches are alike

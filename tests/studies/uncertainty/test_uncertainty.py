@@ -55,12 +55,12 @@ def test_life_is_inverse_to_the_wear_coefficient():
     # quantiles need one life: their intervals are those of the numbers of the wear factor
     found = own_quantiles(scene, ["constant_force"], replace(PLAN, samples=64))
     low, middle, high = (
-        found[f"life_quantile{end}"].values[0, 0, 0, :, 1] for end in ("_low", "", "_high")
+        found[f"life_quantile{end}"].values[0, 0, 0] for end in ("_low", "", "_high")
     )
     exact = constant / (8e-6 - np.array([0.05, 0.1, 0.5, 0.9, 0.95]) * 6e-6)
     assert_allclose(middle, exact, rtol=2e-4)
     assert_allclose([low, high], [exact, exact], rtol=1e-3)
-    members = found["life_sample"].values[0, 0, 0, :, 1]
+    members = found["life_sample"].values[0, 0, 0]
     even = (np.arange(len(members)) + 0.5) / len(members)
     assert_allclose(members, constant / (8e-6 - even * 6e-6), rtol=5e-4)
 

@@ -15,7 +15,6 @@ from workflow.studies.accuracy.plan import CELL_COUNTS
 
 _SWEEPS = (("grooves_spring", "cells_spring"), ("grooves_held", "cells_held"))
 _TITLES = ("constant force", "fixed position")
-_TRACKS = {"worn": "-", "bands": "--"}
 _MARKERS = dict(zip(CELL_COUNTS, "v^oD", strict=True))
 _LEAST = 1e-5  # smaller errors are drawn there
 _AUTO = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
@@ -42,12 +41,6 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
         f"{span(ratios['life'])} and QV at the end of life by a factor of {span(ratios['end_qv'])}"
     )
     handles = [key(in_words(scene), color=colour, linewidth=3) for scene, colour in colours.items()]
-    handles += [
-        key("balls worn evenly", color="0.3", marker="o", markersize=3),
-        key(
-            "balls worn in bands", color="0.3", linestyle="--", marker="o", markerfacecolor="white"
-        ),
-    ]
     handles.append(key("auto: worn grooves above this loss", **_AUTO))
     cell_keys = [
         key(f"{cells} cells", color="0.3", marker=mark, linestyle="none")
@@ -63,10 +56,9 @@ def _ratio_panel(axes: Any, points: xr.Dataset, name: str, colours: dict[str, st
     for scene, colour in colours.items():
         lives = [one for _, one in by_end(points, scene)]
         loss = [float(one["worn"]["wear_over_gap"]) for one in lives]
-        for track, dash in _TRACKS.items():
-            ratio = [float(one[track][name] / one["hertz"][name]) for one in lives]
-            axes.plot(loss, ratio, color=colour, linestyle=dash, marker="o", markersize=3)
-            found += ratio
+        ratio = [float(one["worn"][name] / one["hertz"][name]) for one in lives]
+        axes.plot(loss, ratio, color=colour, marker="o", markersize=3)
+        found += ratio
     axes.axhline(1.0, color="0.8", linewidth=0.8, zorder=0)
     axes.axvline(REQUIRED, **_AUTO)
     axes.set_xscale("log")
@@ -74,15 +66,14 @@ def _ratio_panel(axes: Any, points: xr.Dataset, name: str, colours: dict[str, st
 
 
 def _cost_panel(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
-    """Errors against the finest cells and steps; open marks are of balls that wear in bands."""
+    """Errors against the finest cells and steps."""
     for scene in names(points, "scene"):
-        for track, settings, point in against_finest(points_where(points, scene=scene)):
+        for settings, point in against_finest(points_where(points, scene=scene)):
             cells = settings.partition(", ")[2]
             error, time = float(point["error_life"]), float(point["life_processor_time"])
             if error > 0.0:  # not the finest itself
-                fill = {} if track == "worn" else {"markerfacecolor": "white"}
                 look = {"color": colours[scene], "marker": _MARKERS[cells], "linestyle": "none"}
-                axes.plot(time, max(error, _LEAST), markersize=4.5, **look, **fill)
+                axes.plot(time, max(error, _LEAST), markersize=4.5, **look)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -17,7 +17,7 @@ _LEAST_ERROR = 0.01  # percent
 
 
 def by_end(points: xr.Dataset, scene: str) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
-    """Lives of a scene that end at the same loss: `hertz`, `worn`, `bands` at each end."""
+    """Lives of a scene that end at the same loss: `hertz`, `worn` at each end."""
     here = points_where(points, scene=scene)
     ends = dict.fromkeys(label.partition(", ")[0] for label in here["label"].values)
     for end in ends:
@@ -25,7 +25,7 @@ def by_end(points: xr.Dataset, scene: str) -> Iterator[tuple[str, dict[str, xr.D
             end,
             {
                 groove: points_where(here, label=f"{end}, {groove}").isel(point=0)
-                for groove in ("hertz", "worn", "bands")
+                for groove in ("hertz", "worn")
             },
         )
 
@@ -35,42 +35,38 @@ def groove_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
     points, rows = points_where(trade, sweep=sweep), []
     for scene in names(points, "scene"):
         for end, one in by_end(points, scene):
-            ratios = [
-                float(one[groove][name] / one["hertz"][name])
-                for name in _RATIOS.values()
-                for groove in ("worn", "bands")
-            ]
+            life, qv, time = (
+                float(one["worn"][name] / one["hertz"][name]) for name in _RATIOS.values()
+            )
             followed = "yes" if float(one["worn"]["wear_over_gap"]) > REQUIRED else "no"
-            row = [f"loss of {end} A a²", scene, *ratios[:4], *map(Rough, ratios[4:]), followed]
+            row = [f"loss of {end} A a²", scene, life, qv, Rough(time), followed]
             rows.append(row)
     agreements = {name: Agreement() for name in _RATIOS} | {
         "time": Agreement(plan["tolerance"]["time"])
     }
-    columns = {name + track: one for name, one in agreements.items() for track in ("", ", bands")}
-    columns["worn profile"] = Agreement()
+    columns = agreements | {"worn profile": Agreement()}
     return CheckedTable(title=plan["sweeps"][sweep]["title"], columns=columns, rows=rows)
 
 
-def against_finest(points: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
-    """Track, settings and point of each life, its `error_*` and `faster` against the finest."""
+def against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """Settings and point of each life, its `error_*` and `faster` against the finest."""
     for scene in names(points, "scene"):
         here = points_where(points, scene=scene)
-        finest: dict[str, xr.Dataset] = {}
+        first = here.isel(point=0)
         for k in range(here.sizes["point"]):
             point = here.isel(point=k)
-            track, _, settings = str(point["label"].values).partition(", ")
-            first = finest.setdefault(track, point)
+            settings = str(point["label"].values)
             errors = {
                 f"error_{name}": abs(point[name] / first[name] - 1.0) for name in ("life", "end_qv")
             }
             faster = first["life_processor_time"] / point["life_processor_time"]
-            yield track, settings, point.assign(errors | {"faster": faster})
+            yield settings, point.assign(errors | {"faster": faster})
 
 
 def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
-    """The worst error of all scenes and tracks, and the median of how much faster."""
+    """The worst error of all scenes, and the median of how much faster."""
     found: dict[str, list[xr.Dataset]] = {}
-    for _, settings, point in against_finest(points_where(trade, sweep=sweep)):
+    for settings, point in against_finest(points_where(trade, sweep=sweep)):
         found.setdefault(settings, []).append(point)
     rows = []
     for settings, points in found.items():
@@ -91,8 +87,7 @@ def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
 
 def what_auto_saves(trade: xr.Dataset, plan: Plan) -> str:
     """What lives lose and save whose grooves `auto` does not follow."""
-    errors: dict[str, list[float]] = {"worn": [], "bands": []}
-    saved, lives = [], 0
+    errors, saved, lives = [], [], 0
     for sweep in groove_sweeps(plan):
         points = points_where(trade, sweep=sweep)
         for scene in names(points, "scene"):
@@ -102,17 +97,14 @@ def what_auto_saves(trade: xr.Dataset, plan: Plan) -> str:
                     continue
                 times = [float(one[of]["life_processor_time"]) for of in ("worn", "hertz")]
                 saved.append(float(f"{times[0] / times[1]:.2g}"))
-                for track, found in errors.items():
-                    found.append(abs(float(one["hertz"]["life"] / one[track]["life"]) - 1.0))
+                errors.append(abs(float(one["hertz"]["life"] / one["worn"]["life"]) - 1.0))
     if not saved:
         return "`auto` selects worn grooves in all of these life calculations."
-    even, bands = (digits(100.0 * max(found)) for found in errors.values())
     return (
         f"In {len(saved)} of these {lives} life calculations, the loss at the end of life is below "
         f"{REQUIRED:g} times the gap, so `auto` selects Hertzian contact. This choice reduces the "
         f"computing time by a factor of {span(saved)}. The resulting lives differ from those "
-        f"computed with worn grooves by up to {even} % if the balls wear evenly, and by up to "
-        f"{bands} % if they wear in bands."
+        f"computed with worn grooves by up to {digits(100.0 * max(errors))} %."
     )
 
 
@@ -123,13 +115,12 @@ def grooves_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
         "edit. The life ends when the loss reaches the specified multiple of A a² (the gap between "
         "ball and groove at the edge of the unworn contact), or when the preload falls to 40 % of "
         "its initial value. The first two tables list values relative to those for Hertzian "
-        "contact with the same criterion, for balls that wear evenly and for balls that wear in "
-        'bands. The column "worn profile" states whether `auto` uses the worn profile. "End QV" is '
-        "QV at the end of life. Times are CPU times of life calculations that include all error "
-        "estimates. The last two tables list the largest errors over all scenes and wear patterns, "
-        "relative to results with the finest cells and steps. These life calculations exclude "
-        "error estimates, and step sizes are given as fractions of the gap. The study fails if a "
-        "result differs from its value in these tables by more than "
+        'contact with the same criterion. The column "worn profile" states whether `auto` uses the '
+        'worn profile. "End QV" is QV at the end of life. Times are CPU times of life calculations '
+        "that include all error estimates. The last two tables list the largest errors over all "
+        "scenes, relative to results with the finest cells and steps. These life calculations "
+        "exclude error estimates, and step sizes are given as fractions of the gap. The study "
+        "fails if a result differs from its value in these tables by more than "
         f"{answers_agree_within()}, if an error differs by more than a factor of "
         f"{plan['tolerance']['error']:g}, or if a time differs by more than a factor of "
         f"{plan['tolerance']['time']:g}.",

@@ -55,9 +55,8 @@ _NUMBERS = ("end", "step")
 GROOVE_KEYS: dict[str, Mapping[str, Any]] = {
     "hertz": {"model.contact": "hertz"},
     "worn": {"model.contact": "worn"},
-    "bands": {"model.contact": "worn", "wear.ball_track": "bands"},
 }
-"""What `groove` stands for: what a life takes the grooves for, and how balls wear."""
+"""What `groove` stands for: what a life takes the grooves for."""
 
 PRESET_KEYS: dict[str, Mapping[str, Any]] = {
     name: preset.keys("line") for name, preset in NAMED_PRESETS.items()

@@ -5,7 +5,7 @@ from typing import Any
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.groove_life import wear_over_gap
-from bearingwear.lives.grooves import STEP, WORN_CELLS, Grooves, follow_grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, StiffGrooves, follow_grooves
 from bearingwear.lives.history import life_values
 from bearingwear.lives.life import life
 from bearingwear.scene.arrangement import PAIRS, Arrangement
@@ -98,6 +98,8 @@ def lived_through(fresh: Scene, point: SweepPoint) -> dict:
     """Values of a life: as `life` has it, or once with the cells and steps of a point."""
     if not (point.cells or point.step):
         return life(fresh, point.fidelity).values
-    along, across = map(int, point.cells.split(" x ")) if point.cells else WORN_CELLS
-    wearing = Grooves(fresh, (along, across), float(point.step or STEP))
-    return life_values(fresh, follow_grooves(wearing))
+    along, across = map(int, point.cells.split(" x ")) if point.cells else EXACT_GROOVES.cells
+    mode = EXACT_GROOVES._replace(
+        cells=(along, across), step=float(point.step or EXACT_GROOVES.step)
+    )
+    return life_values(fresh, follow_grooves(StiffGrooves(fresh, mode)))

@@ -17,7 +17,6 @@ import xarray as xr
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row, quantity_row
 from bearingwear.document.markdown import as_markdown
-from bearingwear.document.rows import counted_words
 from bearingwear.document.study import by_wear_row, spread_rows
 from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -248,6 +247,7 @@ def _points(
 def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Block:
     """The preload to take by each method, and the bearing with it."""
     scene, each = scene_of(found), [one for _, one in methods(found)]
+    counts = scene["wear"]["counts"]
     held = [
         held_words(ACTIVE[int(one["active_limit"])], lambda name, one=one: float(one[name]))  # type: ignore[misc]
         for one in each
@@ -257,7 +257,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
         *_setting_rows(found),
         Row("limited by", "", tuple(held), "active_limit"),
-        Row(f"life, wear of {counted_words(scene)}", "h", _lives(found), "life"),
+        Row(f"life, {counts.replace('_and_', ' + ')}", "h", _lives(found), "life"),
         *(spread_rows([one.rows if one else {} for one in spread.values()])),
         *(() if any(spread.values()) else by_wear_row(scene, _floats(found["life"]))),
         Row("  groove model", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
