@@ -148,3 +148,8 @@ def phase_cases(scene: Scene) -> dict[str, Scene]:
     assert scene.duty is not None
     cases = map(scene.duty.case_of, scene.duty.phases)
     return {case: scene.in_cases[case] for case in cases}
+
+
+def cases_of_use(scene: Scene) -> dict[str, Scene]:
+    """The scene in each case in which requirements hold: those of its duty, else all of them."""
+    return scene.in_cases if scene.duty is None else phase_cases(scene)

@@ -1,6 +1,6 @@
 """One cycle of a duty: its conditions, and how much each adds to the mean rate of wear.
 
-theory.md section 29.
+theory.md section 27.
 """
 
 from dataclasses import dataclass
