@@ -212,7 +212,8 @@ def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> d
 
 def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:
     """`followed_point` over a duty: the worst of its cases along one life."""
-    over_duty, each = duty_life(scene, quick=quick), {}
+    over_duty = duty_life(scene, quick=quick)
+    each: dict[str, dict[str, Any]] = {}
     for name, life in over_duty.by_case.items():
         one = scene.in_cases[name]
         found: dict[str, Any] = NO_LIFE | {
