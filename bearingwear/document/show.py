@@ -70,6 +70,7 @@ BEARING = (
     "shaft_torque",
 )
 LOSSES = ("drag_power", "ball_wear_rate", "cage_frequency", "ball_spin_frequency")
+LOSS_PER_TIME = "ball_diameter_loss_rate"
 TURN_COUNTS = ("simulated_turns", "evaluated_turns")
 RUN = (
     *TURN_COUNTS,
@@ -95,7 +96,17 @@ CAGE_MEANS = (
 
 def _further(*dims: tuple[str, ...]) -> tuple[str, ...]:
     """Variables with a label that have no row of their own above."""
-    placed = {*CONTACT, *BEARING, *LOSSES, *RUN, *CAGE_MEANS, *WARMTH, *RINGS, *SYSTEM}
+    placed = {
+        *CONTACT,
+        *BEARING,
+        *LOSSES,
+        *RUN,
+        *CAGE_MEANS,
+        *WARMTH,
+        *RINGS,
+        *SYSTEM,
+        LOSS_PER_TIME,
+    }
     return tuple(
         name
         for name, one in CASE.items()
@@ -214,8 +225,8 @@ def _case_of(file: Any) -> list[Block]:
         Block(f"contact{mean_of}", RACES, marked(contact, file)),
         Block(f"bearing{mean_of}", (), marked(bearing, file)),
     ]
-    if "ball_diameter_loss_rate" in file.variables:
-        rate = row_of("ball_diameter_loss_rate", [values(file, "ball_diameter_loss_rate")])
+    if LOSS_PER_TIME in file.variables:
+        rate = row_of(LOSS_PER_TIME, [values(file, LOSS_PER_TIME)])
         words = counted_words(json.loads(getattr(file, "scene", "{}")))
         blocks.append(Block(f"wear of {words}", (), (rate,)))
     blocks += _grown(file)

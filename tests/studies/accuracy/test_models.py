@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels.contact.hertz import point_contact
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.lives.groove_life import wear_over_gap
-from bearingwear.lives.grooves import EXACT_GROOVES, Grooves, follow_grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, StiffGrooves, follow_grooves
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.solvers.solve import solve
@@ -98,6 +98,7 @@ def test_a_life_ends_at_so_many_gaps_with_the_cells_asked_for(scene):
     small = ended_scene(s, "0.05")
     assert_allclose(wear_over_gap(small), 0.05, rtol=1e-12)
     lived = lived_through(small, replace(point, step="0.02"))
-    right = follow_grooves(Grooves(small, EXACT_GROOVES._replace(cells=(32, 8), step=0.02))).times
+    mode = EXACT_GROOVES._replace(cells=(32, 8), step=0.02)
+    right = follow_grooves(StiffGrooves(small, mode)).times
     assert_allclose(lived["history_time"], right, rtol=1e-12)
     assert len(right) > len(lived_through(small, point)["history_time"])
