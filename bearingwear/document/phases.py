@@ -30,14 +30,15 @@ def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
         rows += _rows(file, "acceleration_friction_share")
     elif any(phase.get("starts") for phase in scene["duty"]["phases"].values()):
         lines.append("duty.start_s and duty.stop_s are 0: starts and stops cause no wear")
-    rows += _rows(file, "phase_life")
+    alone = _rows(file, "phase_life")
     codes = file["phase_end_criterion"]
     criteria = np.array(codes.flag_meanings.split())[np.asarray(codes[...], dtype=int)]
     words = tuple(ENDS[one].short if one in ENDS else one for one in criteria)
-    rows.append(Row("phase alone ended by", "", words, "phase_end_criterion"))
+    alone.append(Row("ended by", "", words, "phase_end_criterion"))
     worst = [row for name in WORST if name not in _HIDDEN for row in _rows(file, f"worst_{name}")]
     return [
         Block("phases of the duty", names, tuple(rows), tuple(lines)),
+        Block("each phase alone, without starts", names, tuple(alone)),
         Block("worst in each phase", names, tuple(worst)),
     ]
 

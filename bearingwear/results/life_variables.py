@@ -55,9 +55,9 @@ DUTY = table(
         "during the phase, at its speed", comment=_OF_DUTY, label="share of wear", shown="%"),
     Variable("start_wear_share", _PHASE_SURFACE, "1", "share of the volume worn off a surface "
         "during the starts and stops of the phase", comment=_OF_DUTY,
-        label="share of wear, starts and stops", shown="%"),
+        label="wear at starts and stops", shown="%"),
     Variable("phase_life", _PHASE, "h", "life in the condition of the phase alone",
-        scale=HOURS_PER_SECOND, comment=_OF_DUTY, label="life of the phase alone"),
+        scale=HOURS_PER_SECOND, comment=_OF_DUTY, label="life"),
     Variable("phase_end_criterion", _PHASE, "", "first criterion met in the condition of the phase "
         "alone", "i1", flags=CRITERIA, comment=_OF_DUTY),
     Variable("palmgren_miner_life", (), "h", "life that the linear rule of Palmgren and Miner "

@@ -150,7 +150,7 @@ NOT_SOLVED_AT = "unsolved"
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
-    """One life by the steady model at the scene's own speed, and the extremes along it.
+    """One life by the steady model at the scene's own speed, or over its duty, and its extremes.
 
     slip_limit: gyroscopic slip share whose passing is timed.
 
@@ -158,6 +158,9 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
         `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite where
         the share stays below its limit.
     """
+    if scene.duty is not None:
+        limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
+        return _duty_point(scene, limits, quick=False)
     return _hertzian_life(scene, slip_limit)[0]
 
 
