@@ -67,7 +67,7 @@ COORDINATES = (
         Variable("groove_state", ("groove_state",), "1", "index of the stored profile", "i4"),
         Variable("arc", ("arc",), "1", "index of the position across a groove", "i4"),
         Variable("band_place", ("band_place",), "1", "index of the latitude on a ball", "i4"),
-        Variable("phase", ("phase",), "1", "index of the phase of the duty", "i4"),
+        Variable("phase", ("phase",), "", "phase of the duty", "i1"),
         Variable("surface", ("surface",), "", "worn surface", "i1", flags=WORN_SURFACES),
         Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),
         Variable("dof_column", ("dof_column",), "", "displacement or tilt of the inner race", "i1",

@@ -37,7 +37,7 @@ class Duty:
 
     # fmt: off
     phases: Mapping[str, Phase] = setting("Phases of one cycle, each under the name of its case",
-        least=1, each="One phase")
+        least=1, most=100, each="One phase")
     start_s: float = setting("Time of one start from rest to the speed of the phase (if it and "
         "stop_s are 0, starts cause no wear)", "s", _RAMP, default=0.0)
     stop_s: float = setting("Time of one stop from the speed of the phase to rest", "s", _RAMP,

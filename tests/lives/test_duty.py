@@ -19,6 +19,7 @@ from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfac
 from bearingwear.lives.grooves import StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives, lives_by_case, lives_by_end, worn_life
+from bearingwear.lives.margin import torque_corners
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.measures import WORST
 from bearingwear.results.life_variables import DUTY
@@ -27,6 +28,8 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.sides import SHARED
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
+from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.plan import DesignLimits
 
 HOUR = 3600.0
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -501,3 +504,61 @@ def test_the_sheet_and_the_figure_name_the_phases(scene, tmp_path, capsys):
 def test_both_bearings_share_what_a_duty_asks_of_them():
     names = {f"worst_{name}" for name in WORST} & {*DUTY}
     assert names and names <= SHARED
+
+
+def test_phases_have_names_in_python_and_files(scene, tmp_path):
+    made = scene("gyro_s1", HERTZ | SLOW_WEAR | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    found = bearingwear.life(made)
+    bearingwear.save(found, tmp_path / "life.nc")
+    for one in (found, bearingwear.load(tmp_path / "life.nc")):
+        assert one["phase"].values.tolist() == ["idle", "nominal"]
+        assert float(one["phase_life"].sel(phase="idle")) > float(found["life"])
+        assert float(one["phase_time_share"].sel(phase="nominal")) > 0.8
+    other = bearingwear.life(made.with_(duty({"fast": {"hours": 1.0}, "nominal": {"hours": 1.0}})))
+    assert other["phase"].values.tolist() == ["fast", "nominal"]
+
+
+def test_a_pair_with_a_duty_is_checked_and_solved(scene, tmp_path, capsys):
+    path = tmp_path / "pair.yaml"
+    bearingwear.save(scene("gyro_s1", HERTZ | RIGID | {"cases": CASES} | duty(RAMPED)), path)
+    for command in ("check", "solve"):
+        assert main([command, str(path)]) == 0
+    assert "starts and stops cause no wear" in capsys.readouterr().out
+
+
+def test_requirements_hold_in_every_phase_along_one_life(scene):
+    """Extremes are the worst of the phases, not of cases that the duty does not name."""
+    made = scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    limits = DesignLimits(system_axial_stiffness_N_um=1.0, at_speed_only=True)
+    point = followed_point(made, limits)
+    values = life(made).values
+    assert point["life"] == pytest.approx(values["life"], rel=1e-6)
+    worst = values["worst_system_quasistatic_axial_stiffness"].min()
+    assert point["system_quasistatic_axial_stiffness"] == pytest.approx(worst, rel=1e-3)
+    assert set(point["points"]) == {"idle", "nominal"}
+    kept = values["worst_residual_preload"].min() / made.operation.preload_N
+    assert point["preload_kept"] == pytest.approx(kept, rel=1e-3)
+
+
+def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
+    """So a spread over one phase has the quantiles of the scene itself."""
+    alone = scene("gyro_s1", HERTZ | POSITION)
+    made = alone.with_(NOMINAL_ALONE)
+    lives = [HertzianLives(one, quick=True)(one).last.time for one in (alone, made)]
+    assert lives[0] == lives[1]
+    alone, made = (one.with_({"model.contact": "worn"}) for one in (alone, made))
+    lives = [worn_life(one).last.time for one in (alone, made)]
+    assert lives[0] == lives[1]
+
+
+def test_torque_margin_is_of_bearings_worn_by_the_duty(scene):
+    drive = {"drive": {"torque_Nm": 0.01}}
+    made = scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | drive | {"cases": CASES} | duty(RAMPED))
+    corners = torque_corners(made)
+    assert {corner.case for corner in corners} == {"idle", "nominal"}
+    alone = torque_corners(scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | drive))
+
+    def worn(of_case):
+        return next(c.torque for c in of_case if c.case == "nominal" and c.wear == "worn")
+
+    assert worn(corners) > 1.05 * worn(alone)  # the idle phase ends the life before
