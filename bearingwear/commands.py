@@ -120,6 +120,13 @@ def check(args: argparse.Namespace) -> int:
     if scene.cases:
         names = ", ".join(scene.in_cases)
         print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
+    if scene.duty is not None:
+        from bearingwear.document.bearing_line import duty_lines
+        from bearingwear.lives.duty.result import choices_of_phases
+
+        for line in duty_lines(scene.to_dict()):
+            print(f"  {line}")
+        choices_of_phases(scene, args.fidelity)
     data = scene.to_dict()
     if line := minimum_preload_line(data["bearing"], data["operation"]):
         print(f"  {line}")

@@ -141,6 +141,32 @@ def _warmth_of(cases: Mapping[str, Mapping[str, Any]]) -> str:
     return f"temperatures given in {', '.join(given)}"
 
 
+def duty_lines(scene: Mapping[str, Any]) -> list[str]:
+    """Lines on the duty of a scene: its cycle, and speed, time and starts of each phase."""
+    duty, cases = scene["duty"], scenes_by_case(scene)
+    ramp_s = duty["start_s"] + duty["stop_s"]
+    times = {
+        name: phase["hours"] + phase["starts"] * ramp_s / 3600.0
+        for name, phase in duty["phases"].items()
+    }
+    cycle = sum(times.values())
+    lines = [f"duty: a cycle of {plain(cycle)} h, repeated until the life ends"]
+    for name, phase in duty["phases"].items():
+        case = phase.get("case") or name
+        rpm, n = cases[case]["operation"]["shaft_speed_rpm"], phase["starts"]
+        words = [
+            f"{plain(rpm, 6)} r/min",
+            f"{plain(100.0 * times[name] / cycle)} % of the time",
+            *([f"{plain(n)} start{'s' * (n != 1)} a cycle"] if n else []),
+            *([f"case {case}"] if case != name else []),
+        ]
+        lines.append(f"  {name}: {', '.join(words)}")
+    starts = any(phase["starts"] for phase in duty["phases"].values())
+    if starts and not ramp_s:
+        lines.append("  start_s and stop_s are 0: starts and stops cause no wear")
+    return lines
+
+
 def matched_pair(a: Mapping[str, Any], preload: float) -> float:
     """Preload [N] of a pair of the same bearings as a rigid set, which has `preload` on a side."""
     return preload / set_over_pair(a["tandem"])

@@ -10,6 +10,7 @@ import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Row, row_of
 from bearingwear.document.pair import bearings_of, of_bearings
+from bearingwear.document.phases import phase_blocks
 from bearingwear.document.rows import (
     counted_words,
     film_lines,
@@ -26,6 +27,7 @@ from bearingwear.results.quantiles import BY_WEAR, band_by_wear
 from bearingwear.results.units import display
 from bearingwear.results.variables import RACES
 
+OF_DUTY = ("life_cycles", "palmgren_miner_life", "palmgren_miner_error")
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
@@ -75,8 +77,13 @@ def _of_both(file: Any) -> list[Block]:
         loss = loss._replace(label=EQUIVALENT)
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     ended_by = str(getattr(file, "ended_by", ""))
+    if ended_by and (phase := str(getattr(file, "ended_in", ""))):
+        ended_by = f"in {phase}: {ended_by}"
+    elif phase := str(getattr(file, "unsolved_phase", "")):
+        ended_by = f"not solved in phase {phase}"
     lines = filter(None, [ended_by, *_calibrated(scene), taken, *film_lines(scene)])
-    return [Block("life", (), (*lives, ended, loss), tuple(lines))]
+    lives += [row_of(n, [values(file, n)]) for n in OF_DUTY if n in file.variables]
+    return [Block("life", (), (*lives, ended, loss), tuple(lines)), *phase_blocks(file, scene)]
 
 
 def _of_each(file: Any) -> list[Block]:

@@ -26,7 +26,7 @@ from bearingwear.solvers.worn.bearing import ARC_STEP
 
 SCATTER = 2.0  # standard errors
 EVERY = 4  # states of worn grooves that are compared
-_WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
+WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
 def surface_error(scene: Scene, life: Life) -> dict:
@@ -35,7 +35,7 @@ def surface_error(scene: Scene, life: Life) -> dict:
     if life.status != code.OK or not now > 0.0:
         return {}
     total = ROUNDING + life.error / now
-    for accuracy, weight in _WEIGHTS.items():
+    for accuracy, weight in WEIGHTS.items():
         states = solver_of(scene, "steady", accuracy)
         if is_one_integral(scene):
             change = _changed_along(life, states, Criteria(scene))
@@ -58,11 +58,11 @@ def _changed_along(life: Life, states: Remembered, ends: Criteria) -> float | No
         return None
     each = zip(nodes, others, strict=True)
     longer = np.array([node.states[0].rate / one.rate - 1.0 for node, one in each])
-    change = _changed_by(life, longer, nodes, others[-1:], ends)
+    change = changed_by(life, longer, nodes, others[-1:], ends)
     return None if change is None else float(change)
 
 
-def _changed_by(
+def changed_by(
     life: Life,
     longer: np.ndarray,
     nodes: Sequence[Node],
@@ -161,9 +161,9 @@ def _of_accuracies(wearing: _Compared, life: Life, ends: Criteria) -> float:
         return math.nan
     rates = np.array([[wearing.worn_off(states) for states in each] for each in found])
     total = 0.0
-    for k, weight in enumerate(_WEIGHTS.values(), 1):
+    for k, weight in enumerate(WEIGHTS.values(), 1):
         longer = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
-        change = _changed_by(life, longer, nodes, found[-1][k], ends)
+        change = changed_by(life, longer, nodes, found[-1][k], ends)
         total += math.nan if change is None else weight * change.max()
     return total
 

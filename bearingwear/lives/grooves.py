@@ -68,22 +68,26 @@ class Grooves:
         if self.status == code.OK:
             self.sides = tuple(map(innermost, self.bearings.sides))
         self.start: Wears = tuple(side.bearing.unworn() for side in self.sides)
-        self._last: States = ()  # solved, not in the middle of a step
+        self.last: States = ()  # solved, not in the middle of a step
 
     def state(self, worn: Wears) -> States:
         """The bearings with some wear."""
         if self.status != code.OK:
-            losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.sides)
-            return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
+            return self.new_states()
         found = self._solved(worn, self.mode.rough)
         if found.status != code.OK:
             return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
         self._found = found
         conditions = tuple(map(Worn.condition, worn))
-        self._last = states_of(self.bearings, conditions, found)
+        self.last = states_of(self.bearings, conditions, found)
         if self.by_stiffness:
-            self._last = self.with_stiffness()
-        return self._last
+            self.last = self.with_stiffness()
+        return self.last
+
+    def new_states(self) -> States:
+        """Whether the new bearings are solved, and no more."""
+        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
+        return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
     def middle_state(self, worn: Wears) -> States:
         """Rough answers of the bearings in the middle of a step, without values."""
@@ -122,7 +126,7 @@ class Grooves:
         of_rotor = self.bearings.arranged(sides, self._found).values
         return tuple(
             replace(state.with_values(one.stiffnesses | of_rotor), answer=one)
-            for state, one in zip(self._last, sides, strict=True)
+            for state, one in zip(self.last, sides, strict=True)
         )
 
     def completed(self, node: Node) -> Node:
@@ -189,17 +193,20 @@ class StiffGrooves(Grooves):
     def completed(self, node: Node) -> Node:
         if self.by_stiffness or node.status != code.OK:
             return node
-        states = node.states if node.states is self._last else self.state(node.worn)
+        states = node.states if node.states is self.last else self.state(node.worn)
         solved = all(state.is_solved for state in states)
         return node._replace(states=self.with_stiffness()) if solved else node
 
 
-def follow_grooves(wearing: Grooves) -> Life:
-    """The life with grooves as they wear, and the rates at which its even losses grow."""
+def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
+    """The life with grooves as they wear, and the rates at which its even losses grow.
+
+    It ends by the criteria of the scene if there are no others.
+    """
     method = Adams()
     if wearing.mode.rough:
         method.root = _ROUGH_END
-    life = follow(wearing, Criteria(wearing.scene), method)
+    life = follow(wearing, ends or Criteria(wearing.scene), method)
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)

@@ -5,10 +5,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from bearingwear.interrupt import Interrupt
+from bearingwear.lives.duty.result import life_over_duty
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.surfaces import steps_error, surface_life
+from bearingwear.lives.surfaces import surface_life, surface_steps_error
 from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import lasting_growth
@@ -22,13 +23,15 @@ from bearingwear.solvers.solve import result_of
 def life(
     scene: Scene, fidelity: str | None = None, progress: Callable[[str], None] | None = None
 ) -> Result:
-    """Wear life of a scene from its present loss of ball diameter on.
+    """Wear life of a scene from its present loss of ball diameter on, over its duty if it has one.
 
     Where no criterion was met, `status` says so and the life is a lower bound. `progress` is given
     one line of text at each step of a dynamic life. Raises SceneError where the scene has no
     criterion, or a preload fraction without a preload; NotAvailable as `choice_for_life`.
     """
-    chosen = choice_for_life(for_life(scene, scene.name), fidelity)
+    if for_life(scene, scene.name).duty is not None:
+        return life_over_duty(scene, fidelity)
+    chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
     followed, why = grooves_followed(scene, chosen.fidelity)
     if chosen.fidelity == "dynamic":
@@ -55,7 +58,7 @@ def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
     states = solver_of(scene, fidelity)
     found = surface_life(scene, states)
-    found.error = steps_error(scene, states, found)
+    found.error = surface_steps_error(scene, states, found)
     attrs = {"solves": states.solves}
     values = life_values(scene, found)
     if fidelity == "steady":

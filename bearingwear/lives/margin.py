@@ -13,12 +13,13 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
-from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.lives.many import HertzianLives, lives_by_case, worn_life
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
+from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.requirements import Launch
-from bearingwear.scene.scene import Distribution, Scene
+from bearingwear.scene.scene import Distribution, Scene, once
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
 from bearingwear.solvers.bearing.launch import Launched, launched, wear_at_launch
@@ -108,6 +109,18 @@ def life_of(scene: Scene) -> Life | None:
     return worn_life(scene) or HertzianLives(scene)(scene)
 
 
+def life_in_case(scene: Scene, name: str) -> Life | None:
+    """The life as bearings are in a case: over the duty if there is one, else in it alone."""
+    if scene.duty is None or scene.wear.end_of_life is None:
+        return life_of(scene.in_cases[name])
+    return _life_over_duty(scene)[name]
+
+
+@once
+def _life_over_duty(scene: Scene) -> dict[str, Life]:
+    return lives_by_case(scene)
+
+
 def losses_of(states: Sequence[State]) -> Losses:
     return tuple(state.loss for state in states)
 
@@ -192,8 +205,8 @@ def torque_corners(scene: Scene) -> list[Corner]:
     """
     return [
         corner
-        for name, one in scene.in_cases.items()
-        for corner in corners_of_case(one, name, wear_of(one, life_of(one)))
+        for name, one in cases_of_use(scene).items()
+        for corner in corners_of_case(one, name, wear_of(one, life_in_case(scene, name)))
     ]
 
 
@@ -221,12 +234,13 @@ def launched_by_wear(scene: Scene) -> dict[str, Launched]:
     life was not computed.
     """
     found = {}
-    for case, one in scene.in_cases.items():
-        where = "" if case == NOMINAL and len(scene.in_cases) == 1 else f" ({case})"
+    cases = cases_of_use(scene)
+    for case, one in cases.items():
+        where = "" if case == NOMINAL and len(cases) == 1 else f" ({case})"
         found[f"{_NEW}{where}"] = launched(one)
         new = tuple(UM * float(np.max(side.wear.ball_diameter_loss_um)) for side in one.sides)
         try:
-            life = life_of(one)
+            life = life_in_case(scene, case)
         except NotAvailable:
             life = None
         end = None

@@ -65,7 +65,7 @@ class Simpson(Method):
         if failed:
             solved = takewhile(lambda node: node.status == code.OK, nodes)
             return LifeStep(end=end, nodes=[*solved, failed[-1]])
-        y = np.array([1.0 / node.states[0].rate for node in (start, *nodes)])
+        y = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *nodes)])
         *times, whole = (h / 48.0 * np.dot(SIMPSON, y)).tolist()
         # The finer rule is about 15 times better than this difference of the two.
         error = abs(times[-1] - whole)
@@ -85,7 +85,7 @@ class Simpson(Method):
     def _part(self, start: Node, step: LifeStep, end: float) -> LifeStep:
         """A solved step up to an end within it."""
         h, powers = step.end - start.x, np.arange(1, 6)
-        y = np.array([1.0 / node.states[0].rate for node in (start, *step.nodes)])
+        y = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *step.nodes)])
         weights = np.linalg.solve(_AT_NODES.T, ((end - start.x) / h) ** powers / powers)
         last = self.at(end)._replace(time=start.time + h * float(weights @ y))
         nodes = [node for node in step.nodes if node.x < end]
@@ -93,7 +93,7 @@ class Simpson(Method):
 
     def error_of_end(self, life: Life) -> float:
         passed = life.last.x - life.nodes[0].x
-        return self.root * passed / life.last.states[0].rate
+        return self.root * passed / self.wearing.loss_rate(life.last)
 
 
 class RungeKutta(Method):
@@ -124,7 +124,7 @@ class RungeKutta(Method):
         node = self.node(s, y[:-1], float(y[-1]))
         if node.status != code.OK:
             raise Unsolved(node)
-        return np.append(self.wearing.rates(node), 1.0) / _loss_rate(node)
+        return np.append(self.wearing.rates(node), 1.0) / self.wearing.loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
@@ -134,7 +134,7 @@ class RungeKutta(Method):
             if self.solver is None or self.solver.t_bound != bound:
                 y = np.append(start.worn, start.time)
                 atol = np.full(y.size, self.tolerance * self.initial)
-                atol[-1] /= _loss_rate(start)
+                atol[-1] /= self.wearing.loss_rate(start)
                 first = min(self.length, bound - start.x)
                 how = {"rtol": self.tolerance, "atol": atol, "first_step": first}
                 self.solver = RK45(self._derivative, start.x, y, bound, **how)
@@ -155,11 +155,6 @@ class RungeKutta(Method):
         if self.solver is not None:
             self.tried, self.solver = self.solver.h_abs, None
         return super().shorten()
-
-
-def _loss_rate(node: Node) -> float:
-    """Sum of the rates at which the bearings lose [m/s]."""
-    return sum(one.rate for one in node.states)
 
 
 class InTime(Method):

@@ -207,6 +207,10 @@ class Surfaces:
         each = zip(self.each, node.states, strict=True)
         return np.concatenate([wear.rates(one) for wear, one in each])
 
+    def loss_rate(self, node: Node) -> float:
+        """Sum of the rates at which the bearings lose, as counted [m/s]."""
+        return sum(one.rate for one in node.states)
+
     def wears(self, node: Node) -> bool:
         return min(one.rate for one in node.states) > 0.0
 
@@ -249,8 +253,14 @@ def surface_life(scene: Scene, states: Remembered, quick: bool = False) -> Life:
     it is one integral, and fewer states between them where it is not.
     """
     scene = scene.one_of_alike
-    ends, (tolerance, first) = Criteria(scene), _steps(scene)
-    wearing = Surfaces(scene, states)
+    life = follow_surfaces(Surfaces(scene, states), Criteria(scene), scene, quick)
+    life.solves = states.solves
+    return life
+
+
+def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = False) -> Life:
+    """The life by a way to wear whose contacts stay Hertzian, of one bearing or of two."""
+    tolerance, first = _steps(scene)
     if is_one_integral(scene):
         wearing.origin = float(wearing.start[0])
         if quick:
@@ -258,20 +268,24 @@ def surface_life(scene: Scene, states: Remembered, quick: bool = False) -> Life:
         method: Method = Simpson(tolerance, first, _largest_permitted(scene), quick)
     else:
         method = RungeKutta(tolerance, first, (0.5,) if quick else QUARTERS)
-    life = follow(wearing, ends, method)
-    life.solves = states.solves
-    return life
+    return follow(wearing, ends, method)
 
 
-def steps_error(scene: Scene, states: Remembered, life: Life) -> float:
-    """Error of a life by its steps [s]: of one integral its own, else by a life in looser ones."""
-    scene = scene.one_of_alike
+def surface_steps_error(scene: Scene, states: Remembered, life: Life) -> float:
+    """Error by its steps of a life whose contacts stay Hertzian [s]."""
+    return steps_error(Surfaces(scene, states), Criteria(scene), scene, life)
+
+
+def steps_error(wearing: Any, ends: Criteria, scene: Scene, life: Life) -> float:
+    """Error of a life by its steps [s]: of one integral its own, else by a life in looser ones.
+
+    `wearing` is a way to wear of the life, at its start.
+    """
     if is_one_integral(scene):
         return life.error
     tolerance, first = _steps(scene)
     looser = RungeKutta(min(_LOOSER * tolerance, _LOOSEST), _UNLIKE * first, ())
-    loose = follow(Surfaces(scene, states), Criteria(scene), looser)
-    return abs(loose.last.time - life.last.time)
+    return abs(follow(wearing, ends, looser).last.time - life.last.time)
 
 
 def _steps(scene: Scene) -> tuple[float, float]:

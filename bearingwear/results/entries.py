@@ -100,13 +100,16 @@ def contents_of(result: Result) -> Contents:
     table = _table(is_life, is_pair(scene))
     require_known(values, table)
     given = {name: stored_data(table[name], value) for name, value in values.items()}
-    layout = _layout(
-        is_life=is_life,
-        of_two=is_pair(scene),
-        over_turns=fidelity == "dynamic" and not is_life,
-        shapes=tuple((name, data.shape) for name, data in given.items()),
-        strips=scene.get("model", {}).get("strips", STANDARD.strips),
-        balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
+    layout = _with_phases(
+        result.attrs.get("phases"),
+        _layout(
+            is_life=is_life,
+            of_two=is_pair(scene),
+            over_turns=fidelity == "dynamic" and not is_life,
+            shapes=tuple((name, data.shape) for name, data in given.items()),
+            strips=scene.get("model", {}).get("strips", STANDARD.strips),
+            balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
+        ),
     )
     data = {
         name: given[name] if name in given else entry.default.copy()
@@ -116,6 +119,16 @@ def contents_of(result: Result) -> Contents:
     title = {"title": f"{kind} of {scene['name']}" if "name" in scene else kind}
     attrs = common_attributes() | title | result.attrs
     return Contents(layout, data, {key: _attribute(value) for key, value in attrs.items()})
+
+
+def _with_phases(names: str | None, layout: Layout) -> Layout:
+    """A layout whose coordinate of phases names those of a duty, as flags."""
+    if names is None or "phase" not in layout.coordinates:
+        return layout
+    phase = layout.coordinates["phase"]
+    codes = np.arange(layout.sizes["phase"], dtype=phase.default.dtype)
+    named = phase._replace(attrs=phase.attrs | {"flag_values": codes, "flag_meanings": names})
+    return layout._replace(coordinates={**layout.coordinates, "phase": named})
 
 
 def stacked_contents(results: Sequence[Result], dim: str) -> Contents:

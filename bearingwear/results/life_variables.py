@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.measures import WORST
 from bearingwear.results.variable import DEGREE, ESTIMATE, HOURS_PER_SECOND, STATUS, Variable, table
-from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 
 _STEP, _STEP_RACE = ("step",), ("step", "race")
 _STEP_BALL = ("step", "ball")
@@ -41,6 +42,56 @@ GROWN = table(
         "temperature of the part at each step", label="temperature"),
 )
 """Of a bearing that does not run as it was mounted."""
+
+_PHASE, _PHASE_SURFACE = ("phase",), ("phase", "surface")
+_OF_DUTY = "in the order of the attribute phases"
+WORN_SURFACES = ("inner_race", "outer_race", "balls", "all")
+
+DUTY = table(
+    Variable("life_cycles", (), "1", "number of cycles of the duty to the end of life",
+        label="life in cycles"),
+    Variable("ending_phase", (), "1", "index of the phase whose criterion ends the life", "i4",
+        comment=f"{_OF_DUTY}; the histories without a phase are those of this phase"),
+    Variable("phase_time_share", _PHASE, "1", "share of a cycle taken by the phase, its starts and "
+        "stops", comment=_OF_DUTY, label="share of time", shown="%"),
+    Variable("phase_wear_share", _PHASE_SURFACE, "1", "share of the volume worn off a surface "
+        "during the phase, at its speed", comment=_OF_DUTY, label="share of wear", shown="%"),
+    Variable("start_wear_share", _PHASE_SURFACE, "1", "share of the volume worn off a surface "
+        "during the starts and stops of the phase", comment=_OF_DUTY,
+        label="wear at starts and stops", shown="%"),
+    Variable("phase_life", _PHASE, "h", "life in the condition of the phase alone",
+        scale=HOURS_PER_SECOND, comment=_OF_DUTY, label="life"),
+    Variable("phase_end_criterion", _PHASE, "", "first criterion met in the condition of the phase "
+        "alone", "i1", flags=CRITERIA, comment=_OF_DUTY),
+    Variable("palmgren_miner_life", (), "h", "life that the linear rule of Palmgren and Miner "
+        "gives from the lives of the phases, 1/L = sum of share of time over phase_life",
+        scale=HOURS_PER_SECOND, comment="without starts and stops",
+        label="Palmgren and Miner"),
+    Variable("palmgren_miner_error", (), "1", "palmgren_miner_life over life, minus 1",
+        label="Palmgren and Miner, relative to the life", shown="%"),
+    Variable("ramp_error_estimate", (), "1", "estimated relative error of the mean wear rate from "
+        "the few speeds at which starts and stops are solved",
+        label="error of the starts and stops",
+        shown="%"),
+    Variable("acceleration_friction_share", _PHASE, "1", "share of the available friction used by "
+        "the acceleration of the balls during a start or stop", comment=_OF_DUTY,
+        label="friction used by acceleration", shown="%"),
+    Variable("history_phase_residual_preload", ("step", "phase"), "N",
+        "residual preload in each phase", comment=f"{_OF_DUTY}; of a pair, of the worse side"),
+    Variable("history_phase_worn_share", ("step", "phase"), "1", "volume worn off during the "
+        "phase, its starts and stops since the start, over all that is worn off at the end of life",
+        comment=_OF_DUTY),
+    *(
+        Variable(f"worst_{name}", _PHASE, "N" if measure.over_preload else measure.si_unit,
+            f"{measure.worst_word} {measure.words_of(name)} during the phase, from new to the end "
+            "of life", comment=f"{_OF_DUTY}; of a pair, that of the worse bearing",
+            label=measure.words_of(name, short=True),
+            shown="" if measure.over_preload else measure.shown_as)
+        for name, measure in WORST.items()
+        if measure.key not in OF_CAGE
+    ),
+)
+"""Of a life over a duty alone."""
 
 LIFE = table(
     STATUS,
@@ -186,5 +237,5 @@ LIFE = table(
     Variable("steady_time_to_loss", (), "h",
         "time at which the total wear depth reaches loss_at_end according to the steady model",
         scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="time to the same loss, steady model"),
-) | GROWN
+) | GROWN | DUTY
 # fmt: on

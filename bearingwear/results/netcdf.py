@@ -202,9 +202,9 @@ def _indexed(
     if sum(data[name].size for name in entries) > LONG_COORDINATES:
         return _newly_indexed(entries, data, by_name)
     # the other attributes are those of the table
+    own = ("represents", "flag_meanings")  # each phase of a duty has a name of its own
     contents = (
-        (name, data[name].tobytes(), entry.attrs.get("represents"))
-        for name, entry in entries.items()
+        (name, data[name].tobytes(), *map(entry.attrs.get, own)) for name, entry in entries.items()
     )
     key = by_name, tuple(contents)
     if key not in _KNOWN_COORDINATES:

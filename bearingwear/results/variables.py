@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bearingwear.results.life_variables import BEARING_PARTS, GROWN, LIFE
+from bearingwear.results.life_variables import BEARING_PARTS, GROWN, LIFE, WORN_SURFACES
 from bearingwear.results.pair_variables import PAIR_COORDINATES, SYSTEM
 from bearingwear.results.variable import DEGREE, ESTIMATE, STATUS, Variable, table
 from bearingwear.scene.scene import PRELOAD_METHODS
@@ -67,6 +67,8 @@ COORDINATES = (
         Variable("groove_state", ("groove_state",), "1", "index of the stored profile", "i4"),
         Variable("arc", ("arc",), "1", "index of the position across a groove", "i4"),
         Variable("band_place", ("band_place",), "1", "index of the latitude on a ball", "i4"),
+        Variable("phase", ("phase",), "", "phase of the duty", "i1"),
+        Variable("surface", ("surface",), "", "worn surface", "i1", flags=WORN_SURFACES),
         Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),
         Variable("dof_column", ("dof_column",), "", "displacement or tilt of the inner race", "i1",
             flags=DOFS),

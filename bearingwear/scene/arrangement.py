@@ -172,6 +172,7 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
             arrangement=alone,
             operation=replace(scene.operation, preload_N=preload / n),
             cases=None,
+            duty=None,
         )
         for n in a.tandem
     )

@@ -22,6 +22,7 @@ SHARED_BY_CASES = (
     "name",
     "description",
     "cases",
+    "duty",
     "operation.preload_N",
     "operation.preload_method",
     "arrangement.kind",
@@ -48,11 +49,11 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
 
 
 def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
-    """A scene in each of its cases, as it stands first.
+    """A scene in each of its cases, as it stands first; each is one condition, without a duty.
 
     SceneError where a case is no scene.
     """
-    alone = replace(scene, cases=None)
+    alone = replace(scene, cases=None, duty=None)
     found = {NOMINAL: alone}
     for name, changes in (scene.cases or {}).items():
         try:

@@ -16,6 +16,7 @@ from bearingwear.scene.checking.check import built, checked_data, checked_fields
 from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
 from bearingwear.scene.checking.records import NAME, keyed, setting, whole
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
+from bearingwear.scene.duty import check_phases
 from bearingwear.scene.scene import IS_CHECKED, EndOfLife, Scene, key_of_scene, plain_data
 from bearingwear.scene.slip import regularisation_is_given, regularised
 from bearingwear.scene.uncertain import uncertain_key
@@ -80,10 +81,11 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
 def _as_checked(scene: Scene) -> Scene:
     """The scene, whose keys were checked, with a mark of it.
 
-    SceneError: a case of it is no scene.
+    SceneError: a case of it is no scene, or no phase of its duty.
     """
     if scene.cases:
         _ = scene.in_cases
+    check_phases(scene)
     scene.__dict__[IS_CHECKED] = True
     return scene
 

@@ -33,6 +33,7 @@ from bearingwear.scene.blocks import (
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
 from bearingwear.scene.checking.errors import SceneError, leaves
 from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, reduced, setting, whole
+from bearingwear.scene.duty import Duty, check_duty
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.requirements import Drive, Launch
 from bearingwear.scene.uncertain import (
@@ -136,6 +137,9 @@ class Scene:
         "named case that contains the changed keys and their new values", least=1,
         each="Keys of the scene and their values (except the preload and the kind of arrangement)",
         allowed="NAME: {KEY: VALUE}", default=None)
+    duty: Duty | None = setting("Cycle of use that repeats until the life ends, in phases with "
+        "operating conditions of their own (if omitted, the life is that of the scene itself)",
+        default=None)
     model: Model = setting("Model and accuracy settings, which override the automatic choice",
         default_factory=Model)
     # fmt: on
@@ -160,6 +164,7 @@ class Scene:
         check_warmth(self)
         check_model(self)
         check_arrangement(self)
+        check_duty(self)
 
     def __repr__(self) -> str:
         b, o, mu = self.bearing, self.operation, self.friction.ball_race

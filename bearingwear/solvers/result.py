@@ -46,7 +46,9 @@ class Result:
 
     @property
     def reason(self) -> str:
-        return status_sentence(self.status, self.scene)
+        sentence = status_sentence(self.status, self.scene)
+        phase = self.attrs.get("unsolved_phase")
+        return f"in phase {phase}: {sentence}" if phase else sentence
 
 
 def status_sentence(status: str, scene: Mapping[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from bearingwear.interrupt import Interrupt
@@ -81,8 +81,12 @@ def result_of(
     values: dict[str, Any],
     attrs: Mapping[str, Any],
     elapsed: float,
+    warnings: Sequence[Mapping[str, Any]] | None = None,
 ) -> Result:
-    """A result with the scene, the model and its warnings; ok only if its numbers are finite."""
+    """A result with the scene, the model and its warnings; ok only if its numbers are finite.
+
+    The warnings are those of the values unless they are given.
+    """
     if values["status"] == code.OK and (names := not_finite(values, scene.plain)):
         values = values | {"status": code.UNVERIFIED}
         attrs = {**attrs, "residual": f"not finite: {', '.join(names)}"}
@@ -90,7 +94,9 @@ def result_of(
         "scene": scene.json,
         "fidelity": chosen.fidelity,
         "modelled": json.dumps(list(chosen.reasons)),
-        "warnings": json.dumps(warnings_of(scene, chosen, values)),
+        "warnings": json.dumps(
+            warnings_of(scene, chosen, values) if warnings is None else warnings
+        ),
     }
     result = Result(values, {**attrs, **provenance}, elapsed)
     result.scene = scene.plain  # or it would be read from the attribute

@@ -26,7 +26,7 @@ SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
 SIZES = {"ball": 1, "race": 2, "axis": 3, "strip": 50, "steady_state": 2, "step": 4}
 SIZES |= {"time": 6, "direction": 3, "edge": 2, "state": 7, "part": 5}
 SIZES |= {"dof": 5, "dof_column": 5, "mode": 3}
-SIZES |= {"groove_state": 2, "arc": 4, "band_place": 3}
+SIZES |= {"groove_state": 2, "arc": 4, "band_place": 3, "phase": 3, "surface": 4}
 
 
 def attributes() -> dict:

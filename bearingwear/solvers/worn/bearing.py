@@ -86,6 +86,7 @@ class WornBearing:
         self.D = problem.g.D0 - loss
         self.status, c = case.status, case.contacts  # of the cells, too
         self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
+        self.own_angle = self.angle  # of the cells
         self.least_load = LOAD_GONE * float(c[:, LOAD].max())
         self.arc_step = ARC_STEP * self.major
         steps = round(ARC_END / ARC_STEP)
@@ -108,7 +109,7 @@ class WornBearing:
         n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
         rows = m + int(self.rows_added[k])
         hertz = race_contact(
-            self.problem.g, SIDES[k], self.D, float(np.cos(self.angle[k])), float("nan")
+            self.problem.g, SIDES[k], self.D, float(np.cos(self.own_angle[k])), float("nan")
         )
         end = float(self.ends[k])
         status, cells = contact_cells(hertz.log_kappa, -end, end, FULL_WIDTH * rows / m, n, rows)
@@ -126,6 +127,15 @@ class WornBearing:
             bare=np.zeros(n),
             uncovered=UNWORN_ARC,
             without=AS_WITH_FILM,
+        )
+
+    def lie_on(self, other: "WornBearing") -> None:
+        """Count depths on the grids of this bearing in another condition, whose wear it shares."""
+        self.major, self.angle = other.major, other.angle
+        self.arc_step, self.arc = other.arc_step, other.arc
+        self.races = tuple(
+            race._replace(alpha_ref=float(angle))
+            for race, angle in zip(self.races, other.angle, strict=True)
         )
 
     def unworn(self) -> WornDepths:

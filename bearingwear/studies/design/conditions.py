@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from bearingwear.scene.cases import NOMINAL
+from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 
@@ -109,7 +110,7 @@ def conditions_of(
 ) -> list[dict[str, Any]]:
     """All conditions of a scene and its cases, as plain data."""
     found = []
-    for name, one in scene.in_cases.items():
+    for name, one in cases_of_use(scene).items():
         places = [OperatingCondition(one)]
         if not at_speed_only:
             places += [OperatingCondition(at_share(one, share)) for share in shares_beside(one)]

@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
+from bearingwear.lives.duty.lives import duty_life
 from bearingwear.lives.ends import NO_CRITERION, Criteria, with_end
 from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.groove_life import grooves_followed
@@ -35,6 +36,7 @@ from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.cases import NOMINAL
+from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.solvers.bearing.launch import launch_values
 from bearingwear.solvers.effects.choice import choice_for_life
@@ -153,7 +155,7 @@ NOT_SOLVED_AT = "unsolved"
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
-    """One life by the steady model at the scene's own speed, and the extremes along it.
+    """One life by the steady model at the scene's own speed, or over its duty, and its extremes.
 
     slip_limit: gyroscopic slip share whose passing is timed.
 
@@ -161,6 +163,9 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
         `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite where
         the share stays below its limit.
     """
+    if scene.duty is not None:
+        limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
+        return _duty_point(scene, limits, quick=False)
     return _hertzian_life(scene, slip_limit)[0]
 
 
@@ -198,8 +203,8 @@ def new_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
     it was not solved, if not ok.
     """
     scene = with_required_measures(scene, limits)
-    if scene.cases:
-        each = {name: new_point(one, limits) for name, one in scene.in_cases.items()}
+    if scene.cases or scene.duty is not None:
+        each = {name: new_point(one, limits) for name, one in cases_of_use(scene).items()}
         return worst_point(each)
     limited = with_end(scene, MET_WHEN_NEW)
     limited = with_required_measures(limited, limits)
@@ -219,11 +224,38 @@ def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> d
         life with the Hertzian ones is left out.
     """
     scene = with_required_measures(scene, limits)
+    if scene.duty is not None:
+        return _duty_point(scene, limits, quick)
     each = {name: _case_point(one, limits, quick) for name, one in scene.in_cases.items()}
     found = worst_point(each) if scene.cases else each[NOMINAL]
     if math.isinf(found.get("life", 0.0)):
         found["status"] = CRITERION_NOT_REACHED
     return found
+
+
+def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:
+    """`followed_point` over a duty: the worst of its cases along one life."""
+    over_duty = duty_life(scene, quick=quick)
+    each: dict[str, dict[str, Any]] = {}
+    for name, life in over_duty.by_case.items():
+        one = scene.in_cases[name]
+        found: dict[str, Any] = NO_LIFE | {
+            "status": life.status,
+            "end_criterion": life.criterion,
+            "groove": WORN_GROOVE if over_duty.is_worn else HERTZIAN_GROOVE,
+            "hertzian_life": math.nan if over_duty.is_worn else life.last.time,
+            "solves": 0 if each else life.solves,
+        }
+        if life.status != OK:
+            return found | {NOT_SOLVED_AT: _unsolved_at(one, life.status, AT_END_OF_LIFE)}
+        found |= {"life": life.last.time} | gone_through(one, worse_states(life, one))
+        if limits.gyroscopic_slip_share is not None:
+            end = EndOfLife(gyroscopic_slip_share=limits.gyroscopic_slip_share)
+            is_passed = found[SLIP_SHARE] >= limits.gyroscopic_slip_share
+            first = life.first(Criteria(with_end(one, end))) if is_passed else math.inf
+            found["time_to_slip_limit"] = first
+        each[name] = _everywhere(one, found, life, limits, exactly=not quick)
+    return worst_point(each)
 
 
 def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:

@@ -231,6 +231,11 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
 
     Of several cases the largest error, the warnings of all, and which is the worst.
     """
+    if scene.duty is not None:
+        answer = life(scene)
+        error = answer.values.get("life_error_estimate", math.nan)
+        kept = {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
+        return kept | ({WORST_CASES: worst_cases(point)} if scene.cases else {})
     if scene.cases:
         points = point[CASE_POINTS]
         parts = {name: _as_printed(one, points[name]) for name, one in scene.in_cases.items()}

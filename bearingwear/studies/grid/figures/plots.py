@@ -69,6 +69,10 @@ def lives_plot(lives: xr.Dataset) -> Figure:
 def life_plot(life: xr.Dataset) -> Figure:
     """Wear over one life: as that of a study, the grooves where they were followed, or the parts
     where the dynamic model solved it."""
+    if "history_phase_worn_share" in life:
+        from bearingwear.studies.lives.duty_figure import duty_figure
+
+        return duty_figure(life)
     from bearingwear.studies.lives.figures import groove_figure, history_figure
 
     if life.attrs["fidelity"] == "dynamic":

@@ -1,0 +1,155 @@
+"""The duty of a bearing: phases of use in a cycle that repeats until the life ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.scene.cases import NOMINAL
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.records import NAME, keyed, reduced, setting
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
+
+_MOST, _RAMP = "[0, 1e6]", "[0, 1e5]"
+_HOUR = 3600.0
+
+
+@keyed
+class Phase:
+    """One phase of a cycle of use."""
+
+    # fmt: off
+    hours: float = setting("Time at the speed of the phase in each cycle", "h", _MOST, default=0.0)
+    starts: float = setting("Starts from rest, each with a stop, in each cycle", "1", _MOST,
+        default=0.0)
+    case: str | None = setting("Case of the scene that applies during the phase (if omitted, the "
+        "case with the name of the phase; nominal is the scene itself)", pattern=NAME,
+        default=None)
+    # fmt: on
+
+
+@keyed
+class Duty:
+    """Phases of use that are repeated, in their order, until the life ends."""
+
+    # fmt: off
+    phases: Mapping[str, Phase] = setting("Phases of one cycle, each under the name of its case",
+        least=1, most=100, each="One phase")
+    start_s: float = setting("Time of one start from rest to the speed of the phase (if it and "
+        "stop_s are 0, starts cause no wear)", "s", _RAMP, default=0.0)
+    stop_s: float = setting("Time of one stop from the speed of the phase to rest", "s", _RAMP,
+        default=0.0)
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "phases", MappingProxyType(dict(self.phases)))
+        for name, phase in self.phases.items():
+            if not phase.hours > 0.0 and not phase.starts > 0.0:
+                problem = "got 0 hours and no starts, expected hours > 0 or starts > 0"
+                raise SceneError(f"phases.{name}", problem)
+        if not self.cycle_s > 0.0:
+            problem = "got a cycle that takes no time, expected hours, or start_s or stop_s > 0"
+            raise SceneError("phases", problem, ("start_s", "stop_s"))
+
+    def __hash__(self) -> int:
+        return hash((tuple(self.phases.items()), self.start_s, self.stop_s))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self)
+
+    @property
+    def cycle_s(self) -> float:
+        """Time of one cycle [s]."""
+        return sum(map(self.phase_s, self.phases.values()))
+
+    @property
+    def ramp_s(self) -> float:
+        """Time of one start and one stop [s]."""
+        return self.start_s + self.stop_s
+
+    def phase_s(self, phase: Phase) -> float:
+        """Time of a phase with its starts and stops in one cycle [s]."""
+        return _HOUR * phase.hours + phase.starts * self.ramp_s
+
+    def running_s(self, phase: Phase) -> float:
+        """Time at the speed of a phase in one cycle [s]."""
+        return _HOUR * phase.hours
+
+    @property
+    def starts(self) -> float:
+        """Number of starts in one cycle."""
+        return sum(phase.starts for phase in self.phases.values())
+
+    def case_of(self, name: str) -> str:
+        """Name of the case that applies during a phase."""
+        return self.phases[name].case or name
+
+
+def check_duty(scene: Scene) -> None:
+    """Refuse a duty whose phases name no case."""
+    duty, cases = scene.duty, scene.cases or {}
+    if duty is None:
+        return
+    for name in duty.phases:
+        case = duty.case_of(name)
+        if case != NOMINAL and case not in cases:
+            key = f"duty.phases.{name}" + (".case" if duty.phases[name].case else "")
+            names = ", ".join([NOMINAL, *cases])
+            raise SceneError(key, f"got {shown(case)}, expected a case: {names}", ("cases",))
+
+
+def check_phases(scene: Scene) -> None:
+    """Refuse cases of a duty in which another bearing would wear, or another film."""
+    if scene.duty is None:
+        return
+    same = _what_wears(scene)
+    for case, one in phase_cases(scene).items():
+        for block, value in _what_wears(one).items():
+            if value != same[block]:
+                changes = (scene.cases or {})[case]
+                key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
+                problem = (
+                    f"got {shown(changes.get(key))} in a case of the duty, expected a key that "
+                    "leaves the bearing, its films and its criteria as they are"
+                )
+                raise SceneError(f"cases.{case}.{key}", problem, ("duty",))
+
+
+def _what_wears(scene: Scene) -> dict[str, Any]:
+    """What all phases of a duty have in common, by the blocks of a scene."""
+    arrangement, film = scene.arrangement, scene.friction.film
+    second = (arrangement.second if arrangement else {}).items()
+    surfaces = {
+        name: (
+            None if one.film is None else one.film.thickness_um,
+            None if one.running_in is None else one.running_in.depth_um,
+        )
+        for name, one in scene.materials.items()
+    }
+    return {
+        "bearing": scene.bearing,
+        "cage": scene.cage,
+        "wear": scene.wear,
+        "model": scene.model,
+        "friction.film": (film is None, None if film is None else film.thickness_um),
+        "materials": surfaces,
+        "arrangement": (
+            None if arrangement is None else (arrangement.orientation, arrangement.tandem),
+            [one for one in second if one[0].startswith(("bearing.", "wear."))],
+        ),
+    }
+
+
+def phase_cases(scene: Scene) -> dict[str, Scene]:
+    """The scene in each case of its duty, in the order of its phases."""
+    assert scene.duty is not None
+    cases = map(scene.duty.case_of, scene.duty.phases)
+    return {case: scene.in_cases[case] for case in cases}
+
+
+def cases_of_use(scene: Scene) -> dict[str, Scene]:
+    """The scene in each case in which requirements hold: those of its duty, else all of them."""
+    return scene.in_cases if scene.duty is None else phase_cases(scene)
