@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import atexit
-import contextlib
 import difflib
 import functools
 import gc
@@ -27,10 +26,6 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
 _OK, FULL_DISK, INTERRUPTED = 0, 74, 130
-NEED_LIVES = {"solve", "life", "uncertainty", "recommend", "study"}
-"""Commands that need the kernels of a life, or after which a life is usual."""
-_NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
-
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status."""
@@ -141,16 +136,6 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
     args.output = args.output or [args.file.with_suffix(".svg")]
 
 
-def _compiled_beside(args: argparse.Namespace) -> contextlib.AbstractContextManager[None]:
-    """The kernels of a first life are compiled beside what the command compiles."""
-    file = args.name if args.command == "study" else getattr(args, "scene", "")
-    if args.command not in NEED_LIVES or not str(file).endswith(SCENE_SUFFIXES):
-        return contextlib.nullcontext()
-    from bearingwear.studies.ahead import compiled_beside
-
-    return compiled_beside(file, getattr(args, "set", ()))
-
-
 def _run(args: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
     from bearingwear.atomic import OutputError
@@ -160,8 +145,7 @@ def _run(args: argparse.Namespace) -> int:
 
     handler = getattr(importlib.import_module("bearingwear.commands"), args.run)
     try:
-        with _compiled_beside(args):
-            return handler(args)
+        return handler(args)
     except NotAvailable as error:
         # the model knows the scene by its name, the user by its file
         problem = str(error).partition(": ")[2]

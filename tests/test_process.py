@@ -112,12 +112,10 @@ def test_the_library_leaves_the_backend_alone(case, tmp_path):
 
 
 def test_no_file_of_the_user_is_imported(folder_of_a_user):
-    """By a command, by the process that compiles beside it, and by a job of a study."""
+    """By a command, and by a job of a study."""
     scene = scene_file("gyro_s1")
     done = bearingwear(folder_of_a_user, "solve", scene, "-o", "a.nc")
     assert done.returncode == 0, done.stderr
-    beside = process.python_command("bearingwear.studies.ahead", "missing.yaml")
-    assert run(folder_of_a_user, *beside).returncode == 0
     job = process.python_command("bearingwear", "show", "a.nc")
     done = run(folder_of_a_user, *job)
     assert done.returncode == 0 and "contact load" in done.stdout, done.stderr

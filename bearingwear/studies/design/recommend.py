@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -26,7 +27,7 @@ from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.answers import Workers
+from bearingwear.studies.answers import Tell, Workers
 from bearingwear.studies.design.best import (
     EXACT_LIFE,
     NEW_BEARING,
@@ -62,7 +63,6 @@ from bearingwear.studies.design.map import (
     worst_cases,
 )
 from bearingwear.studies.design.plan import COARSE, NO_FRICTION, DesignLimits, MapAxes, axes_around
-from bearingwear.studies.pool import Tell, to_stderr
 from bearingwear.studies.solve import life_scene
 
 RECOMMENDATION = "recommendation"
@@ -106,7 +106,7 @@ def small_map(
     """
 
     def tell(text: str) -> None:
-        to_stderr(f"{scene.stem}: {text}")
+        print(f"{scene.stem}: {text}", file=sys.stderr)
 
     base, required = life_scene(scene, films=True), DesignLimits(**limits)
     with Workers(workers, "recommend", tell) as pool:
