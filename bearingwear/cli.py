@@ -26,6 +26,8 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
 _OK, FULL_DISK, INTERRUPTED = 0, 74, 130
+_NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status."""
