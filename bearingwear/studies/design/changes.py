@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -108,9 +109,7 @@ def _limit_change(search: PreloadSearch, name: str, first: int) -> Change:
     for is_up, end in ((False, low), (True, high)):
         wider = _moved(search.limits, name, end)
         if is_up != LIMITED[name].falls:  # looser: preloads that are not allowed now come in
-            search.solve(
-                lambda line, wider=wider: _more(line, search.limits, wider), QUICK_LIFE, wider
-            )  # type: ignore[misc]
+            search.solve(partial(_more, limits=search.limits, wider=wider), QUICK_LIFE, wider)
         ends[is_up] = math.nan
         before = 1.0
         for value in np.geomspace(now, end, _MOVES + 1)[1:].tolist():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from support import scene_file
 
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -265,3 +266,15 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
     less = followed_point(held_by(scene, PRELOAD_METHODS[0], 0.98 * float(one["preload"])), limits)
     assert min(limit_margins(less, limits)) < 0.0
+
+
+def test_the_exit_status_says_whether_a_preload_is_recommended(capsys):
+    from bearingwear.cli import main
+
+    scene = str(scene_file("gyro_s1"))
+    assert main(["recommend", scene, "--stiffness", "3", "--at-speed-only"]) == 0
+    assert "use a spring preload of" in capsys.readouterr().out
+    assert main(["recommend", scene, "--stiffness", "900"]) == 4
+    told = capsys.readouterr()
+    assert told.err.endswith("no preload satisfies all requirements\n")
+    assert "at least 900 N/um, at best" in " ".join(told.out.split())
