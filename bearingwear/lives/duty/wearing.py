@@ -113,7 +113,10 @@ class DutyGrooves(_Mixed, Grooves):
         self, cycle: Cycle, mode: GrooveMode = EXACT_GROOVES, kind: type[Grooves] = StiffGrooves
     ):
         self.cycle, self.mode = cycle, mode
-        self.each = [kind(one, mode) for one in cycle.scenes]
+        # on the way to a speed, nobody asks for stiffnesses
+        count = len(cycle.cases)
+        self.each = [kind(one, mode) for one in cycle.scenes[:count]]
+        self.each += [Grooves(one, mode) for one in cycle.scenes[count:]]
         self.scene = self.each[0].scene
         self.status = next((one.status for one in self.each if one.status != code.OK), code.OK)
         self.sides = tuple(side for one in self.each for side in one.sides)

@@ -255,7 +255,9 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, An
             first = life.first(Criteria(with_end(one, end))) if is_passed else math.inf
             found["time_to_slip_limit"] = first
         each[name] = _everywhere(one, found, life, limits, exactly=not quick)
-    return worst_point(each)
+    worst = worst_point(each)
+    del worst[DECIDING]["life"]  # which is of all phases
+    return worst
 
 
 def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:

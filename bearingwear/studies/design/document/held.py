@@ -123,8 +123,13 @@ def _brief_words(where: Mapping[str, Any], has_cases: bool) -> str:
     )
 
 
+_OVER_DUTY = "over the duty"
+
+
 def life_words(found: xr.Dataset, one: xr.Dataset) -> str:
-    """Whose life that of a method is: its speed and, of several cases, the case."""
+    """Whose life that of a method is: its speed and, of several cases, the case; or the duty."""
+    if scene_of(found).get("duty"):
+        return _OVER_DUTY
     where = deciding(found, one).get("life")
     if where is None:
         return ""
@@ -136,6 +141,8 @@ def life_words(found: xr.Dataset, one: xr.Dataset) -> str:
 def lives_words(dataset: xr.Dataset) -> str:
     """Whose lives a map or a recommendation has."""
     scene = scene_of(dataset)
+    if scene.get("duty"):
+        return _OVER_DUTY
     if scene.get("cases"):
         return "of the case with the shortest life"
     return f"at {scene['operation']['shaft_speed_rpm']:g} r/min"
