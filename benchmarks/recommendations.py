@@ -39,7 +39,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.design.best import SWEEP
+from bearingwear.studies.design.best import SWEPT_FACTORS
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
 from bearingwear.studies.design.everywhere import new_states, state_extremes, worn_states
@@ -204,7 +204,7 @@ def grid_of(scene: Scene, row: dict[str, Any], limits: DesignLimits, whole: bool
     """What the grid has beside a recommendation."""
     own = scene.operation.preload_N
     life = 0.0 if math.isnan(row["life"]) else row["life"]
-    ends = SWEEP[0] * own, SWEEP[-1] * own
+    ends = SWEPT_FACTORS[0] * own, SWEPT_FACTORS[-1] * own
     best, lives = brute(scene, row["method"], limits, ends, life, whole)
     return {"best_preload": best[1], "best_life": best[0], "lives": lives, "whole": whole}
 
@@ -351,10 +351,10 @@ def main() -> None:
     parser.add_argument("--coarse", action="store_true", help="a grid half as fine")
     parser.add_argument("--no-steep", dest="steep", action="store_false", help="none of 40 degrees")
     args = parser.parse_args()
-    global AT_SPEED_ONLY, FINE, WIDE, SPEEDS
+    global AT_SPEED_ONLY, FINE, WIDE
     AT_SPEED_ONLY = args.at_speed_only
     if args.coarse:
-        FINE, WIDE, SPEEDS = 1.04, 1.2, 9
+        FINE, WIDE = 1.04, 1.2
     known = {}
     if args.output.exists():
         for line in args.output.read_text().splitlines():

@@ -53,7 +53,9 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     filmed = scene.friction.film is not None or changes_as_it_wears(scene)
     frictions = [NO_FRICTION] if scene.friction.film else _frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
-    config = {"studies": [], "unsolved": "warning"} if filmed else _grid(scene, name, frictions)
+    config: dict[str, Any] = {"studies": [], "unsolved": "warning"}
+    if not filmed:
+        config = _grid(scene, name, frictions)
     if scene.uncertainty and not filmed:
         config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}

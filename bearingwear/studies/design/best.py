@@ -35,25 +35,27 @@ from bearingwear.studies.design.plan import (
     round_number,
 )
 
-SWEEP = tuple(2.0 ** (k / 4) for k in range(-12, 21))
+SWEPT_FACTORS = tuple(2.0 ** (k / 4) for k in range(-12, 21))
 """Preloads of the first lives, over the scene's own: an eighth to 32 times."""
 
-STEP_BEYOND, STEPS_BEYOND, LITTLE_LONGER = 8.0, 3, 1.1
+_STEP_BEYOND, _STEPS_BEYOND, _LITTLE_LONGER = 8.0, 3, 1.1
 """Beyond an end of the range at which the life is longest: a step, how many at most, and how many
 times longer the life has to become for the preload at its end to be taken."""
 
-BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
-EDGE = 4e-3  # width in log preload to which it is found where new bearings meet the requirements
-PEAK, NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
-GAIN = 5e-3  # of the life, for which no exact life is solved
-STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
-ROUNDS = 6  # of exact lives, at most
+_BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
+_FAR = 0.1  # of a requirement: so far beyond it on both sides, it is not met between them
+_EDGE = 5e-3  # width in log preload to which it is found where new bearings meet the requirements
+_PEAK, _NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
+_GAIN = 5e-3  # of the life, for which no exact life is solved
+_EVEN = 0.3  # power by which a life that falls evenly may still rise
+_STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
+_ROUNDS = 6  # of exact lives, at most
 SIMILAR = 0.9
 """Least share of the longest life at which a preload may be set in place of the recommended one."""
-END_WIDTH = 0.06  # in log preload, to which the ends of these preloads are found
-AT_LIMIT = 5e-3  # what is left to a requirement, relative, that counts as nothing
+_END_WIDTH = 0.06  # in log preload, to which the ends of these preloads are found
+_AT_LIMIT = 5e-3  # what is left to a requirement, relative, that counts as nothing
 
-NEW, QUICK, EXACT = range(3)
+NEW_BEARING, QUICK_LIFE, EXACT_LIFE = range(3)
 """What was solved at a preload: new bearings alone, a quick life, or the life that is printed."""
 
 
@@ -63,7 +65,7 @@ class PreloadPoint:
 
     preload: float  # [N]
     values: Mapping[str, Any]  # as of `followed_point` or `new_point`
-    solved: int  # NEW, QUICK or EXACT
+    solved: int  # NEW_BEARING, QUICK_LIFE or EXACT_LIFE
 
     @property
     def life(self) -> float:
@@ -78,7 +80,7 @@ class PreloadPoint:
         """
         if self.values["status"] != OK:
             return np.full(len(limits.held) + 1, -1.0)
-        unknown = math.inf if self.solved == NEW else -1.0
+        unknown = math.inf if self.solved == NEW_BEARING else -1.0
         found = []
         for name, limit in limits.held.items():
             one = LIMITED[name]
@@ -90,7 +92,9 @@ class PreloadPoint:
 
     def is_allowed(self, limits: DesignLimits) -> bool:
         """Whether all requirements are met and, if a life was solved, there is one."""
-        return (self.solved == NEW or self.life > 0.0) and bool(self.margins(limits).min() >= 0.0)
+        return (self.solved == NEW_BEARING or self.life > 0.0) and bool(
+            self.margins(limits).min() >= 0.0
+        )
 
 
 @dataclass
@@ -138,7 +142,7 @@ class PreloadSearch:
 
     def __post_init__(self) -> None:
         own = self.scene.operation.preload_N
-        around = {round_factor(factor, own) for factor in SWEEP}
+        around = {round_factor(factor, own) for factor in SWEPT_FACTORS}
         grid = sorted(preload for preload in around if preload <= most_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
@@ -152,9 +156,9 @@ class PreloadSearch:
         """
         limits = limits or self.limits
         asked = [(line, p) for line in self.lines for p in wanted(line)]
-        if solved != NEW:
+        if solved != NEW_BEARING:
             unseen = [(line, p) for line, p in asked if p not in line.new]
-            self._solve(unseen, NEW)
+            self._solve(unseen, NEW_BEARING)
             asked = [(line, p) for line, p in asked if line.may_live(p, limits)]
         self._solve(asked, solved)
         return bool(asked)
@@ -168,12 +172,12 @@ class PreloadSearch:
             asked, self.answers_at(_solved_point, jobs), strict=True
         ):
             point = PreloadPoint(preload, values, solved)
-            (line.new if solved == NEW else line.lives)[preload] = point
+            (line.new if solved == NEW_BEARING else line.lives)[preload] = point
 
     def run(self) -> None:
         """Solve all that shows the best preload of each method, and where it may be set."""
         self.sweep()
-        for _ in range(STEPS_BEYOND):
+        for _ in range(_STEPS_BEYOND):
             ends = [self._lengthened(line) for line in self.lines]
             if not any(ends):
                 break
@@ -181,21 +185,23 @@ class PreloadSearch:
             for line, end in zip(self.lines, ends, strict=True):
                 if end is not None:
                     self._shorten(line, end)
-        for _ in range(ROUNDS):
-            if not self.solve(self._beside_best, EXACT):
+        for _ in range(_ROUNDS):
+            if not self.solve(self._beside_best, EXACT_LIFE):
                 break
         for line in self.lines:
             line.lives = {p: one for p, one in line.lives.items() if self._counts(line, one)}
-        while self.solve(self._at_ends, EXACT):
+        taken = [(best.life, line) for line in self.lines if (best := line.best(self.limits))]
+        longest = max(taken, key=lambda one: one[0], default=(0.0, None))[1]
+        while self.solve(lambda line: self._at_ends(line) if line is longest else [], EXACT_LIFE):
             pass
 
     def sweep(self) -> None:
         """Solve new bearings and quick lives over the preloads of each line."""
-        self.solve(lambda line: [p for p in line.grid if p not in line.new], NEW)
-        while self.solve(self._between_new, NEW):
+        self.solve(lambda line: [p for p in line.grid if p not in line.new], NEW_BEARING)
+        while self.solve(self._between_new, NEW_BEARING):
             pass
-        self.solve(self._first_lives, QUICK)
-        self.solve(self._lives_between, QUICK)
+        self.solve(self._first_lives, QUICK_LIFE)
+        self.solve(self._lives_between, QUICK_LIFE)
 
     def _between_new(self, line: PreloadLine) -> list[float]:
         """Where new bearings come to meet the requirements, or nearly do."""
@@ -203,24 +209,25 @@ class PreloadSearch:
         least = [one.margins(self.limits).min() for one in order]
         gaps = set()
         for k, (a, b) in enumerate(itertools.pairwise(order)):
-            if (least[k] >= 0.0) != (least[k + 1] >= 0.0) and _width(a, b) > EDGE:
+            if (least[k] >= 0.0) != (least[k + 1] >= 0.0) and _width(a, b) > _EDGE:
                 gaps.add(k)
         for k in range(1, len(order) - 1):
-            is_peak = -NEAR_PEAK < least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1])
+            is_peak = -_NEAR_PEAK < least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1])
             for j in (k - 1, k):
-                if is_peak and _width(order[j], order[j + 1]) > PEAK:
+                if is_peak and _width(order[j], order[j + 1]) > _PEAK:
                     gaps.add(j)
         return [_between(order[k], order[k + 1]) for k in sorted(gaps)]
 
     def _first_lives(self, line: PreloadLine) -> list[float]:
         """Every second preload of the grid that new bearings allow; of each range that they allow,
-        the ends and where they come nearest to no requirement.
+        the ends and the middle.
         """
         wanted = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
         runs = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
         for run in [[*run] for is_allowed, run in runs if is_allowed]:
-            most = max(run, key=lambda p: line.new[p].margins(self.limits).min())
-            wanted |= {run[0], most, run[-1]}
+            wanted |= {run[0], run[-1]}
+            if len(run) > 1:
+                wanted.add(_between(line.new[run[0]], line.new[run[-1]]))
         return sorted(wanted - set(line.lives))
 
     def _lives_between(self, line: PreloadLine) -> list[float]:
@@ -230,11 +237,15 @@ class PreloadSearch:
         for p in line.grid:
             k = bisect.bisect(order, p)
             beside = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
-            ends = {one.values["end_criterion"] for one in beside if one.life > 0.0}
-            most = max((one.life for one in beside), default=math.inf) * BETWEEN
-            if len(ends) != 1 or len(beside) < 2 or most >= longest:
+            ends = {one.values.get("end_criterion") for one in beside if one.life > 0.0}
+            most = max((one.life for one in beside), default=math.inf) * _BETWEEN
+            if len(ends) != 1 or len(beside) < 2 or (most >= longest and not self._far(*beside)):
                 wanted.append(p)
         return [p for p in wanted if p not in line.lives and line.may_live(p, self.limits)]
+
+    def _far(self, a: PreloadPoint, b: PreloadPoint) -> bool:
+        """Whether both of two lives break the same requirement by far."""
+        return bool((np.maximum(a.margins(self.limits), b.margins(self.limits)) < -_FAR).any())
 
     def _lengthened(self, line: PreloadLine) -> PreloadPoint | None:
         """The best preload of a line if it is at an end of the range, which goes on then."""
@@ -242,7 +253,7 @@ class PreloadSearch:
         if best is None or line.beyond or best.preload not in (line.grid[0], line.grid[-1]):
             return None
         sign = 1.0 if best.preload == line.grid[-1] else -1.0
-        steps = STEP_BEYOND ** (sign * np.arange(1, 7) / 6)
+        steps = _STEP_BEYOND ** (sign * np.arange(1, 7) / 6)
         more = [float(f"{best.preload * step:.3g}") for step in steps.tolist()]
         more = [p for p in more if p <= most_preload()]
         line.grid = sorted({*line.grid, *more})
@@ -252,7 +263,7 @@ class PreloadSearch:
         """Leave out preloads beyond an end where the life is hardly longer there."""
         best = line.best(self.limits)
         assert best is not None
-        if best is end or best.life >= LITTLE_LONGER * end.life:
+        if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
         line.beyond = best
         is_low = best.preload < end.preload
@@ -267,23 +278,35 @@ class PreloadSearch:
         best = line.best(self.limits)
         if best is None:
             return []
-        wanted = [best.preload] if best.solved != EXACT else []
+        wanted = [best.preload] if best.solved != EXACT_LIFE else []
         order = line.in_order(self.limits)
         k = next(k for k, one in enumerate(order) if one.preload == best.preload)
-        for near in [*order[max(k - 1, 0) : k], *order[k + 1 : k + 2]]:
-            if self._may_gain(best, near):
-                wanted.append(self._towards(best, near))
-        return sorted(set(wanted) - {p for p, one in line.lives.items() if one.solved == EXACT})
+        for beyond in (order[:k][::-1], order[k + 1 :]):
+            if beyond and self._may_gain(best, *beyond[:2]):
+                wanted.append(self._towards(best, beyond[0]))
+        return sorted(
+            set(wanted) - {p for p, one in line.lives.items() if one.solved == EXACT_LIFE}
+        )
 
-    def _may_gain(self, best: PreloadPoint, near: PreloadPoint) -> bool:
-        """Whether a life between two preloads may be longer than the best one."""
+    def _may_gain(
+        self, best: PreloadPoint, near: PreloadPoint, next_one: PreloadPoint | None = None
+    ) -> bool:
+        """Whether a life between two preloads may be longer than the best one.
+
+        next_one: the next point on the same side, by which one sees whether the life goes evenly.
+        """
         width = abs(_width(best, near))
-        if near.solved == NEW or not near.is_allowed(self.limits):
-            return width > EDGE
-        if near.values["end_criterion"] != best.values["end_criterion"]:
-            return width > EDGE  # towards where both are met, a life may rise by any power
-        rise, drop = STEEPEST * width, math.log(best.life / near.life)
-        return (rise if drop > rise else 0.5 * (rise - drop)) > GAIN  # one so steep is a jump
+        if near.solved == NEW_BEARING or not near.is_allowed(self.limits):
+            return width > _EDGE
+        ends = {one.values.get("end_criterion") for one in (best, near)}
+        if len(ends) > 1:
+            return width > _EDGE  # towards where both are met, a life may rise by any power
+        drop = math.log(best.life / near.life)
+        if next_one is not None and next_one.values.get("end_criterion") in ends:
+            if 0.0 < next_one.life < near.life and next_one.is_allowed(self.limits):
+                return 0.5 * (_EVEN * width - drop) > _GAIN
+        rise = _STEEPEST * width
+        return (rise if drop > rise else 0.5 * (rise - drop)) > _GAIN  # one so steep is a jump
 
     def _towards(self, best: PreloadPoint, near: PreloadPoint) -> float:
         """A preload between two: just within the requirements that are met between them, else in
@@ -295,16 +318,16 @@ class PreloadSearch:
             return _between(best, near)
         share = float((inside[passed] / (inside[passed] - outside[passed])).min())
         width = _width(best, near)
-        share = min(max(share - 0.5 * EDGE / abs(width), 0.05), 0.95)
+        share = min(max(share - 0.5 * _EDGE / abs(width), 0.05), 0.95)
         a, b = sorted((best.preload, near.preload))
         return round_number(best.preload * math.exp(share * width), a, b)
 
     def _counts(self, line: PreloadLine, one: PreloadPoint) -> bool:
         """Whether a life is exact, or has no exact ones on both sides within a step of the grid."""
-        if one.solved == EXACT:
+        if one.solved == EXACT_LIFE:
             return True
-        step = SWEEP[1] / SWEEP[0]
-        exact = [p for p, other in line.lives.items() if other.solved == EXACT]
+        step = SWEPT_FACTORS[1] / SWEPT_FACTORS[0]
+        exact = [p for p, other in line.lives.items() if other.solved == EXACT_LIFE]
         below = any(one.preload / step <= p < one.preload for p in exact)
         return not (below and any(one.preload < p <= one.preload * step for p in exact))
 
@@ -317,7 +340,7 @@ class PreloadSearch:
         k = next(k for k, one in enumerate(order) if one.preload == best.preload)
 
         def is_similar(one: PreloadPoint) -> bool:
-            enough = one.solved != NEW and one.life >= SIMILAR * best.life
+            enough = one.solved != NEW_BEARING and one.life >= SIMILAR * best.life
             return enough and one.is_allowed(self.limits)
 
         below = itertools.takewhile(is_similar, order[:k][::-1])
@@ -329,9 +352,9 @@ class PreloadSearch:
         similar, order, wanted = self.similar(line), line.in_order(self.limits), []
         for end, step in ((similar[0], -1), (similar[-1], 1)) if similar else ():
             k = next(k for k, one in enumerate(order) if one.preload == end.preload) + step
-            if end.solved != EXACT:
+            if end.solved != EXACT_LIFE:
                 wanted.append(end.preload)
-            elif 0 <= k < len(order) and abs(_width(end, order[k])) > END_WIDTH:
+            if 0 <= k < len(order) and abs(_width(end, order[k])) > _END_WIDTH:
                 wanted.append(_between(end, order[k]))
         return sorted(set(wanted))
 
@@ -347,7 +370,7 @@ class PreloadSearch:
             for one in beside
             if one.values["status"] == OK
             and one.margins(self.limits).min() < 0.0
-            and (one.solved == NEW or one.life > best.life)
+            and (one.solved == NEW_BEARING or one.life > best.life)
         ]
         if refused:
             by_most = min(
@@ -355,23 +378,25 @@ class PreloadSearch:
             )
             worst = int(np.argmin(by_most))
             # of several that a neighbour passes, one that is met here
-            is_met = margins.min() < AT_LIMIT <= margins[worst]
+            is_met = margins.min() < _AT_LIMIT <= margins[worst]
             return ACTIVE.index(names[int(np.argmin(margins)) if is_met else worst])
         if any(one.values["status"] != OK for one in beside):
             return NEXT_NOT_SOLVED
-        if margins.min() < AT_LIMIT:
+        if margins.min() < _AT_LIMIT:
             return ACTIVE.index(names[int(np.argmin(margins))])
         if len(beside) < 2:
             return END_OF_RANGE
-        ends = {int(one.values["end_criterion"]) for one in (*beside, best) if one.solved != NEW}
+        ends = {
+            one.values.get("end_criterion") for one in (*beside, best) if one.solved != NEW_BEARING
+        }
         return OTHER_END if len(ends) > 1 else UNLIMITED
 
 
 def _solved_point(job: tuple[Scene, DesignLimits, int]) -> dict[str, Any]:
     scene, limits, solved = job
-    if solved == NEW:
+    if solved == NEW_BEARING:
         return new_point(scene, limits)
-    return followed_point(scene, limits, quick=solved == QUICK)
+    return followed_point(scene, limits, quick=solved == QUICK_LIFE)
 
 
 def _width(a: PreloadPoint, b: PreloadPoint) -> float:

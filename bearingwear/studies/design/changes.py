@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
 from bearingwear.studies.dataset import filled
-from bearingwear.studies.design.best import QUICK, PreloadLine, PreloadPoint, PreloadSearch
+from bearingwear.studies.design.best import QUICK_LIFE, PreloadLine, PreloadPoint, PreloadSearch
 from bearingwear.studies.design.plan import DesignLimits
 
 LIMIT_KEY = "limits."
@@ -32,16 +33,16 @@ LIMIT_KEY = "limits."
 FRICTION_KEY, SHEAR_KEY = "friction.ball_race", "friction.film.shear_strength_MPa"
 WARMTH_KEY, GROOVE_KEY = "temperature.inner_ring_C", "groove"
 
-FACTORS = (0.5, 0.5**0.5, 2.0**0.5, 2.0)
+_FRICTION_FACTORS = (0.5, 0.5**0.5, 2.0**0.5, 2.0)
 """Friction that is tried, over the scene's."""
 
-WARMINGS = (5.0, 10.0, 20.0, 40.0)
+_WARMINGS = (10.0, 20.0, 40.0)
 """Warming of the inner ring alone that is tried [K]."""
 
-FOUND_TO = 0.02
+_FOUND_TO = 0.02
 """To which the ends of friction and warmth are found, over all that is tried."""
 
-FARTHEST = 2.0
+_FARTHEST = 2.0
 """Factor by which a requirement is moved either way, at most."""
 
 _MOVES = 24  # of a requirement from now to the farthest
@@ -85,7 +86,7 @@ def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
     return filled(CHANGES, {names: None}, [columns])
 
 
-def changes_of(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:
+def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:
     """What would change the choice between two methods.
 
     best: the recommended point of each line of the search.
@@ -108,7 +109,7 @@ def _limit_change(search: PreloadSearch, name: str, first: int) -> Change:
     for is_up, end in ((False, low), (True, high)):
         wider = _moved(search.limits, name, end)
         if is_up != LIMITED[name].falls:  # looser: preloads that are not allowed now come in
-            search.solve(lambda line, wider=wider: _more(line, search.limits, wider), QUICK, wider)  # type: ignore[misc]
+            search.solve(partial(_more, limits=search.limits, wider=wider), QUICK_LIFE, wider)
         ends[is_up] = math.nan
         before = 1.0
         for value in np.geomspace(now, end, _MOVES + 1)[1:].tolist():
@@ -128,7 +129,7 @@ def _limit_change(search: PreloadSearch, name: str, first: int) -> Change:
 def _range(now: float, name: str) -> tuple[float, float]:
     """Values of a requirement that are tried."""
     most = 1.0 if LIMITED[name].limit[1].startswith("(0, 1") else math.inf
-    return now / FARTHEST, max(now, min(FARTHEST * now, most))
+    return now / _FARTHEST, max(now, min(_FARTHEST * now, most))
 
 
 def _moved(limits: DesignLimits, name: str, value: float) -> DesignLimits:
@@ -137,14 +138,14 @@ def _moved(limits: DesignLimits, name: str, value: float) -> DesignLimits:
 
 
 def _more(line: PreloadLine, limits: DesignLimits, wider: DesignLimits) -> list[float]:
-    """Preloads of the grid without a life that new bearings allow by wider requirements alone."""
-    refused = [p for p in line.grid if p not in line.lives and not line.may_live(p, limits)]
+    """Every second preload without a life that new bearings allow by wider requirements alone."""
+    refused = [p for p in line.grid[::2] if p not in line.lives and not line.may_live(p, limits)]
     return [p for p in refused if line.may_live(p, wider)]
 
 
 def _ahead(lines: Sequence[PreloadLine], limits: DesignLimits, first: int) -> float:
     """Logarithm of the better method's best life over the other's; NaN where there is neither."""
-    own, other = (interpolated_life(lines[k], limits) for k in (first, 1 - first))
+    own, other = (interpolated_best_life(lines[k], limits) for k in (first, 1 - first))
     return _log_ratio(own, other)
 
 
@@ -157,7 +158,7 @@ def _log_ratio(own: float, other: float) -> float:
     return math.log(own / other)
 
 
-def interpolated_life(line: PreloadLine, limits: DesignLimits) -> float:
+def interpolated_best_life(line: PreloadLine, limits: DesignLimits) -> float:
     """The longest life [s] of a line within requirements, between the preloads that were solved.
 
     Margins and the logarithm of the life go evenly from one that is allowed to the next.
@@ -194,10 +195,10 @@ def _assumption_changes(
     key, mu = friction_of(search.scene)
     each = []
     if mu > 0.0:
-        values = [mu * factor for factor in FACTORS if mu * factor <= _most(key)]
+        values = [mu * factor for factor in _FRICTION_FACTORS if mu * factor <= _most(key)]
         each.append(_Tried(key, with_friction, mu, {mu: now}, values))
     if search.scene.thermal is None:
-        each.append(_Tried(WARMTH_KEY, warmed, 0.0, {0.0: now}, WARMINGS))
+        each.append(_Tried(WARMTH_KEY, with_warm_inner_ring, 0.0, {0.0: now}, _WARMINGS))
     scales: list[float] = []
     while asked := [(one, value) for one in each for value in one.wanted]:
         changed = [one.change(value, scene) for one, value in asked for scene in scenes]
@@ -251,7 +252,7 @@ class _Tried:
     @property
     def width(self) -> float:
         """To which the value is found at which an advantage is lost."""
-        return FOUND_TO * (max(self.ahead) - min(self.ahead))
+        return _FOUND_TO * (max(self.ahead) - min(self.ahead))
 
     @property
     def brackets(self) -> list[_Bracket]:
@@ -305,7 +306,7 @@ def with_friction(value: float, scene: Scene) -> Scene:
     return scene.with_({friction_of(scene)[0]: value})
 
 
-def warmed(kelvin: float, scene: Scene) -> Scene:
+def with_warm_inner_ring(kelvin: float, scene: Scene) -> Scene:
     """A scene whose inner ring alone is warmer."""
     now = temperatures(scene)
     warm = replace(now, inner_ring_C=(now.inner_ring_C or 0.0) + kelvin)

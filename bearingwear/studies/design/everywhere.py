@@ -239,17 +239,15 @@ class _Speeds:
         """Solve at a share of the full speed, or next to it where there is no state at that.
 
         The speeds are as good as those beside them; at some the motion goes over to another one.
-        A worn bearing starts from the state solved last, which may be too far away; it is then
-        solved again at the speeds that are known below and above, and starts from there.
+        A worn bearing starts from the state solved last, which may be too far away; it is then led
+        up from the two speeds below that are known.
         """
         first = self._at_share(share)
         if first.status != code.OK and self.wear != NEW:
-            below = [known for known in self.known if known < share]
-            above = [known for known in self.known if known > share]
-            for near in (*sorted(below)[-1:], *sorted(above)[:1]):
-                if near != self.last and self._at_share(near).status == code.OK:
-                    if self._at_share(share).status == code.OK:
-                        return
+            for near in sorted(known for known in self.known if known < share)[-2:]:
+                self._at_share(near)
+            if self._at_share(share).status == code.OK:
+                return
         if first.status != code.OK:
             self.missed.append(share)
         for move in _MOVES:
@@ -262,10 +260,13 @@ class _Speeds:
             self.known[share] = self._without(first)
 
     def _at_share(self, share: float) -> OtherSpeeds:
-        """Extremes at a share of the full speed, which are kept if it was solved."""
+        """Extremes at a share of the full speed, which are kept if it was solved for the first
+        time: there may be another state beside it.
+        """
         found = self.at(OperatingCondition(at_share(self.of.scene, share)))
         if found.status == code.OK:
-            self.known[share], self.last = found.extremes, share
+            self.last = share
+            self.known.setdefault(share, found.extremes)
         return found
 
     def add_place(self, place: OperatingCondition) -> None:

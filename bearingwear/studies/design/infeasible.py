@@ -11,7 +11,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.results.units import digits
 from bearingwear.results.words import in_words
-from bearingwear.studies.design.best import NEW, PreloadPoint
+from bearingwear.studies.design.best import NEW_BEARING, PreloadPoint
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import limit_text
 from bearingwear.studies.design.map import NOT_SOLVED_AT
@@ -84,7 +84,7 @@ def least_violations(
 
 
 def _may_live(one: PreloadPoint) -> bool:
-    return one.solved == NEW or one.life > 0.0
+    return one.solved == NEW_BEARING or one.life > 0.0
 
 
 def _required_text(name: str, limits: DesignLimits) -> str:

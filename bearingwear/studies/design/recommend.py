@@ -28,14 +28,14 @@ from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.answers import Workers
 from bearingwear.studies.design.best import (
-    EXACT,
-    NEW,
+    EXACT_LIFE,
+    NEW_BEARING,
     AnswersAt,
     PreloadLine,
     PreloadPoint,
     PreloadSearch,
 )
-from bearingwear.studies.design.changes import changes_dataset, changes_of
+from bearingwear.studies.design.changes import changes_dataset, choice_changes
 from bearingwear.studies.design.choice import (
     ACTIVE_LIMIT,
     NO_PRELOAD,
@@ -183,7 +183,7 @@ def recommendation(
         if one is not None
     ]
     printed = iter([*answers_at(_printed, taken)])
-    changes = changes_dataset(changes_of(search, best))
+    changes = changes_dataset(choice_changes(search, best))
     for row, one in zip(rows, best, strict=True):
         row |= {} if one is None else next(printed)
     return _dataset(scene, limits, rows, none).merge(changes, combine_attrs="override")
@@ -199,22 +199,22 @@ def none_because(search: PreloadSearch, line: PreloadLine) -> str:
         order = line.in_order(limits)
         failed, _ = least_violations(order, limits)
         named = [order[k] for k in set(failed.values())]
-        rough = [one.preload for one in named if one.solved not in (NEW, EXACT)]
+        rough = [one.preload for one in named if one.solved not in (NEW_BEARING, EXACT_LIFE)]
         if not rough:
             break
-        search.solve(lambda other, rough=rough: rough if other is line else [], EXACT)  # type: ignore[misc]
+        search.solve(lambda other, rough=rough: rough if other is line else [], EXACT_LIFE)  # type: ignore[misc]
     return why_none(line.in_order(limits), limits, bool(search.scene.cases))
 
 
 def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[str, Any]:
     """A recommended preload, what holds it, and where it may be set."""
-    similar = [one.preload for one in search.similar(line) if one.solved == EXACT]
     row = dict(best.values) | {
         "preload": best.preload,
         "active_limit": search.active_limit(line, best),
-        "least_preload": similar[0],
-        "most_preload": similar[-1],
     }
+    similar = search.similar(line)
+    if similar[0].solved == similar[-1].solved == EXACT_LIFE:
+        row |= {"least_preload": similar[0].preload, "most_preload": similar[-1].preload}
     if one := line.beyond:
         row |= {"beyond_preload": one.preload, "beyond_life": one.life}
     return row

@@ -115,7 +115,7 @@ def test_what_keeps_the_preload_stands_in_the_headline(files):
 def test_a_fixed_position_is_set_by_an_offset(files):
     """Both bearings of the pair approach under the preload; at speed it is another."""
     design, found = load(files["design"]), load(files["recommendation"])
-    found["life"][...] = 2.0 * float(found["life"][0])
+    found["life"][1] = 2.0 * float(found["life"][0])
     answer, preload = preload_document(found, design), float(found["preload"][1])
     said = told(answer)
     scene = scene_from_dict(json.loads(found.attrs["scene"]))
@@ -144,7 +144,7 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
     assert text in answer.title and f"Specify a preload of {text}, tolerance +" in said
     assert f"from {digits(low)} to {digits(high)} N, all requirements hold" in said
     # a spacer that is off by its tolerance stays within the range
-    found["life"][...] = 2.0 * float(found["life"][0])
+    found["life"][1] = 2.0 * float(found["life"][0])
     preload = float(found["preload"][1])
     found["least_preload"][1], found["most_preload"][1] = preload, 1.5 * preload
     said = told(preload_document(found))["Setting the preload"]

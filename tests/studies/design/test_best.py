@@ -4,13 +4,20 @@ import math
 
 import numpy as np
 import pytest
+from support import scene_file
 
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.design.best import EXACT, NEW, SIMILAR, PreloadPoint, PreloadSearch
+from bearingwear.studies.design.best import (
+    EXACT_LIFE,
+    NEW_BEARING,
+    SIMILAR,
+    PreloadPoint,
+    PreloadSearch,
+)
 from bearingwear.studies.design.changes import _limit_change
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
 from bearingwear.studies.design.infeasible import why_none
@@ -34,7 +41,7 @@ class MadeUp:
 
     def __init__(self, scene, life, stiffness=lambda p: 1e9, practical=lambda p: True, other=None):
         self.life, self.stiffness, self.practical, self.other = life, stiffness, practical, other
-        self.count = {NEW: 0, EXACT: 0}
+        self.count = {NEW_BEARING: 0, EXACT_LIFE: 0}
         self.search = PreloadSearch(scene, STIFF, self.answers_at)
         self.line = self.search.lines[0]
         if other is None:
@@ -51,10 +58,12 @@ class MadeUp:
         life = made.life(preload)
         if math.isnan(life):
             return {"status": NOT_CONVERGED, "end_criterion": 12}
-        stiffness = made.stiffness(preload) * (0.98 if solved not in (NEW, EXACT) else 1.0)
+        stiffness = made.stiffness(preload) * (
+            0.98 if solved not in (NEW_BEARING, EXACT_LIFE) else 1.0
+        )
         values = dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness)
         values |= {"status": OK, "end_criterion": int(made.life is peak and preload < 333.0)}
-        if solved != NEW:
+        if solved != NEW_BEARING:
             values |= {"life": life, "impractical": 0 if made.practical(preload) else 1}
         return values
 
@@ -96,7 +105,7 @@ def peak(p):
     "life, stiffness, held_by_what",
     [
         (falling, lambda p: 20e6 * (p / 381.6) ** 1.4, "axial_stiffness_N_um"),
-        (peak, lambda p: 1e9, "none"),
+        (peak, lambda p: 1e9, "end_of_life"),
         (cliff, lambda p: 1e9, "none"),
         (nothing, lambda p: 1e9, "none"),
         (unsolved, lambda p: 1e9, "not_solved"),
@@ -105,12 +114,12 @@ def peak(p):
 def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, held_by_what):
     made = MadeUp(scene, life, stiffness)
     best = made.found()
-    assert best.solved == EXACT and best.is_allowed(STIFF)
+    assert best.solved == EXACT_LIFE and best.is_allowed(STIFF)
     assert best.life > 0.99 * made.best_of_all()
     assert best.life == life(best.preload) > 0.0
     assert best.preload == float(f"{best.preload:.4g}")
     assert ACTIVE[made.search.active_limit(made.line, best)] == held_by_what
-    assert made.count[EXACT] <= 16
+    assert made.count[EXACT_LIFE] <= 16
 
 
 def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
@@ -175,7 +184,7 @@ def test_requirements_that_cannot_be_met_together_are_named():
 
     def point(k):
         values = dict.fromkeys(stiffness, 1e6 * k) | {"friction_power": 0.1 * k, "status": OK}
-        return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT)
+        return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT_LIFE)
 
     why = why_none([point(k) for k in (1, 2, 3, 4)], limits, cases=False)
     assert why == (
@@ -257,3 +266,15 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
     less = followed_point(held_by(scene, PRELOAD_METHODS[0], 0.98 * float(one["preload"])), limits)
     assert min(limit_margins(less, limits)) < 0.0
+
+
+def test_the_exit_status_says_whether_a_preload_is_recommended(capsys):
+    from bearingwear.cli import main
+
+    scene = str(scene_file("gyro_s1"))
+    assert main(["recommend", scene, "--stiffness", "3", "--at-speed-only"]) == 0
+    assert "use a spring preload of" in capsys.readouterr().out
+    assert main(["recommend", scene, "--stiffness", "900"]) == 4
+    told = capsys.readouterr()
+    assert told.err.endswith("no preload satisfies all requirements\n")
+    assert "at least 900 N/um, at best" in " ".join(told.out.split())

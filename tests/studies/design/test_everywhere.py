@@ -9,7 +9,7 @@ import pytest
 import bearingwear
 from bearingwear.document.text import as_text
 from bearingwear.kernels.status import OK
-from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.lives.many import HertzianLives, worn_life_with_stiffness
 from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import bearings_holding, held_by
 from bearingwear.scene.checking.errors import SceneError
@@ -101,7 +101,7 @@ def test_worn_grooves_are_solved_at_other_speeds():
     """
     scene = made("7008C", 18000.0, **{"model.contact": "auto"})
     held = held_by(scene, "constant_force", 400.0)
-    life = worn_life(held, quick=True)
+    life = worn_life_with_stiffness(held, quick=True)
     worn = worn_states(life)
     for share in (0.0, 0.0625, 0.25, 0.5, 1.0):
         (state,) = worn(at_share(held, share))

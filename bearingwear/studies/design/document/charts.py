@@ -81,7 +81,7 @@ def _reached(found: xr.Dataset) -> str:
 
 def _bands(recommendation: xr.Dataset, sampled: xr.Dataset) -> Bands:
     scene = scene_of(recommendation)
-    mu = scene["friction"]["ball_race"]
+    mu = scene["friction"].get("ball_race")
     found = {
         name: spread_of([sampled], scene, name, mu, RECOMMENDED)
         for name, _ in methods(recommendation)

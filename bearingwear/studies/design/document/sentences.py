@@ -139,8 +139,11 @@ def setting_sentence(found: xr.Dataset) -> str:
     asked = f"a preload of {text}\N{NO-BREAK SPACE}N"
     if is_fixed:
         middle, unit = spacer_offset(found, preload), "µm"
-        ends = spacer_offset(found, low), spacer_offset(found, high)
+        if low <= high:
+            ends = spacer_offset(found, low), spacer_offset(found, high)
         asked = f"a spacer offset of {middle:.3g}\N{NO-BREAK SPACE}µm ({text} N at rest)"
+    if not low <= high:
+        return f"Specify {asked}."
     minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
     return (
         f"Specify {asked}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}: "

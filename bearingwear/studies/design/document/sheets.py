@@ -276,8 +276,8 @@ def _changes(found: xr.Dataset) -> Block:
         rows.append(Row(words, unit, (digits(factor * now), " or ".join(known) or none), name))
     if not rows:
         return Block("What would change the choice", lines=("No other method to compare.",))
-    columns = ("now", "other method better")
-    return Block("What would change the choice", columns, tuple(rows), place="lead")
+    heads = ("now", "other method better")
+    return Block("What would change the choice", heads, tuple(rows), place="lead")
 
 
 def change_words(name: str) -> tuple[str, str]:
