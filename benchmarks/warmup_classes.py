@@ -24,8 +24,8 @@ DESIGNATION, CLASSES = "7008C", ("L", "M", "H")  # light, medium, heavy
 SHARES = dict(zip(MAKERS["NSK"].classes, FACTORS, strict=True))
 QUANTITIES = ("residual_preload", "maximum_pressure")
 HEADS = (
-    "class", "share of speed", "r/min", "preload, N", "peak, N", "steady, N", "above",
-    "peak, MPa", "steady, MPa", "above", "at, s", "margin", "ending",
+    "class", "share", "r/min", "set, N", "peak, N", "steady", "above", "peak, MPa",
+    "steady", "at, s",
 )  # fmt: skip
 RAMP = 10.0  # s
 HOUSING = {"housing_C": 35.0, "housing_time_constant_s": 600.0}
@@ -60,23 +60,18 @@ def row(name: str) -> list[str]:
         warmed = bearingwear.warmup(scene, RAMP)
     peaks = [float(warmed[f"peak_{quantity}"]) for quantity in QUANTITIES]
     ends = [float(warmed[f"end_{quantity}"]) for quantity in QUANTITIES]
+    (preload, pressure), (last_preload, last_pressure) = peaks, ends
     return [
         name,
         f"{SHARES[name]:.2f}",
         f"{scene.operation.shaft_speed_rpm:.0f}",
         f"{scene.operation.preload_N:.0f}",
-        *(
-            text
-            for peak, end, unit in zip(peaks, ends, (1.0, 1e6), strict=True)
-            for text in (
-                f"{peak / unit:.0f}",
-                f"{end / unit:.0f}",
-                f"{peak / end - 1:+.0%}",
-            )
-        ),
+        f"{preload:.0f}",
+        f"{last_preload:.0f}",
+        f"{preload / last_preload - 1.0:+.0%}",
+        f"{1e-6 * pressure:.0f}",
+        f"{1e-6 * last_pressure:.0f}",
         f"{float(warmed['peak_residual_preload_time']):.0f}",
-        f"{float(warmed['thermal_margin']):.3g}",
-        str(warmed["ending"].item()),
     ]
 
 
