@@ -111,6 +111,10 @@ def check(args: argparse.Namespace) -> int:
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
+    if scene.duty is not None:
+        from bearingwear.lives.duty.result import choices_of_phases
+
+        choices_of_phases(scene, args.fidelity)
     print(f"{args.scene}: valid; {scene.name} would be solved with the {chosen.fidelity} model")
     for reason in chosen.reasons:
         print(f"  {reason}")
@@ -121,11 +125,9 @@ def check(args: argparse.Namespace) -> int:
         print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
     if scene.duty is not None:
         from bearingwear.document.bearing_line import duty_lines
-        from bearingwear.lives.duty.result import choices_of_phases
 
         for line in duty_lines(scene.to_dict()):
             print(f"  {line}")
-        choices_of_phases(scene, args.fidelity)
     data = scene.to_dict()
     for warning in warnings_of(scene, chosen):
         if not settled_by_a_case(warning, data):

@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
+from support import only_line
 
 import bearingwear
 from bearingwear.cli import main
@@ -452,11 +453,16 @@ def test_a_phase_that_is_not_solved_is_named(scene, contact):
     assert result.reason.startswith("in phase still: ")
 
 
-def test_a_duty_takes_phases_of_one_steady_model(scene):
+def test_a_duty_takes_phases_of_one_steady_model(scene, tmp_path, capsys):
     loaded = {"cases": {"idle": {"operation.radial_load_N": (1.0, 0.0)}}}
     made = scene("gyro_s1", PLAIN | loaded | duty({"idle": {"hours": 1.0}}))
-    with pytest.raises(NotAvailable, match="duty: got the case idle, which requires the dynamic"):
+    problem = "duty: got the case idle, which requires the dynamic"
+    with pytest.raises(NotAvailable, match=problem):
         life(made)
+    bearingwear.save(made, tmp_path / "gyro.yaml")
+    for command in (["check"], ["recommend", "--stiffness", "1"]):
+        assert main([command[0], str(tmp_path / "gyro.yaml"), *command[1:]]) == 2
+        assert problem in only_line(capsys)
 
 
 def test_warnings_of_a_duty(lived):
