@@ -372,7 +372,7 @@ def _most_friction(scene: Scene) -> float:
 
 def printed_life(scene: Scene, quick: bool = False) -> float:
     """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
-    if scene.cases:
+    if scene.cases and scene.duty is None:
         each = [printed_life(one, quick) for one in cases_that_wear(scene).values()]
         return float(np.min(each))
     life = worn_life(scene, quick) or HertzianLives(scene)(scene)
