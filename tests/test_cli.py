@@ -517,26 +517,6 @@ def test_skid_ratio_has_one_sign(capsys):
     assert shown[0] == pytest.approx(shown[1], rel=1e-6) and shown[0] < 0.0
 
 
-def test_recommend_at_a_cliff(capsys):
-    """Just below, the slip share ends the life; rounding the preload down would lose most of it."""
-    steep = ["--set", "wear.end_of_life.gyroscopic_slip_share=0.05"]
-    assert main(["recommend", str(SCENE), "--pressure", "2", *steep]) == 0
-    told = capsys.readouterr().out
-    (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
-    (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
-    assert re.search(r"limited by +a sudden drop in life +a switch to another end", told)
-    assert re.search(
-        r"^ +Constant force: at [\d.]+ N \([\d.]+ % less\), the life falls", told, re.M
-    )
-    assert "A wear depth of 0.7 um is" in told
-    lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
-    counted = float(lived.life)
-    assert counted == pytest.approx(float(hours), rel=0.01)
-    lower = [*steep[1:], f"operation.preload_N={0.98 * float(preload)}"]
-    cut = float(bearingwear.life(load_scene(SCENE, lower)).life)
-    assert cut < 0.8 * counted
-
-
 def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
     scene, file = tmp_path / "a.yaml", tmp_path / "a.nc"
     text = SCENE.read_text(encoding="utf-8")
