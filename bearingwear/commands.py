@@ -342,10 +342,10 @@ def recommend(args: argparse.Namespace) -> int:
         limits = _limits(args)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
-    _print_sheet(sheet, args)
-    if not (lives["status"] == OK).any():
+    if lives is not None and not (lives["status"] == OK).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
         return NOT_SOLVED
+    _print_sheet(sheet, args)
     if not limits.given or best_method(found) is not None:
         return OK
     sys.stderr.write(one_line(f"{args.scene}: no preload satisfies all requirements"))
