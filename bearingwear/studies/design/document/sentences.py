@@ -14,6 +14,7 @@ from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
 from bearingwear.results.units import Rough, digits, in_print
 from bearingwear.results.words import methods, percent_in_text, scene_of
 from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.new.minimum_preload import minimum_preload_line
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
@@ -117,6 +118,14 @@ def life_sentence(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> str
         reaches = "falls to" if end.falls else "reaches"
         text += f"; it ends when the {end.words} {reaches} {in_print(limit)}"
     return f"{text}."
+
+
+def makers_minimum_sentences(found: xr.Dataset) -> list[str]:
+    """The minimum preload by the maker beside the recommended one, where it is known."""
+    scene, (_, one, _) = scene_of(found), by_life(found)[0]
+    operation = scene["operation"] | {"preload_N": float(one["preload"])}
+    line = minimum_preload_line(scene["bearing"], operation)
+    return [sentence(line)] if line else []
 
 
 def trust_sentence(found: xr.Dataset) -> str:

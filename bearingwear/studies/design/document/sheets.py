@@ -55,6 +55,7 @@ from bearingwear.studies.design.document.sentences import (
     by_life,
     headline,
     life_sentence,
+    makers_minimum_sentences,
     method_names,
     none_sentences,
     none_title,
@@ -150,7 +151,11 @@ def preload_document(
             Block("Expected life", lines=(life_sentence(found, spread),), place="verdict"),
             Block(
                 "Setting the preload",
-                lines=(setting_sentence(found), trust_sentence(found)),
+                lines=(
+                    setting_sentence(found),
+                    *makers_minimum_sentences(found),
+                    trust_sentence(found),
+                ),
                 place="lead",
             ),
         ]
