@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
 
-OK, DIFFERENT, NOT_SOLVED, INFEASIBLE = 0, 1, 3, 4
+OK, NOT_SOLVED, INFEASIBLE = 0, 3, 4
 
 NEXT = (
     ("check", ""),
@@ -420,7 +420,12 @@ def export(args: argparse.Namespace) -> int:
 
 
 def show(args: argparse.Namespace) -> int:
-    if args.file.endswith(SCENE_SUFFIXES):
+    if args.second is not None:
+        from bearingwear.document.comparison import comparison
+        from bearingwear.studies import STUDY_SHEETS
+
+        _print_sheet(comparison(args.file, args.second, STUDY_SHEETS, args.all), args)
+    elif args.file.endswith(SCENE_SUFFIXES):
         from bearingwear.document.show import scene_sheet
         from bearingwear.scene.read import load_scene
 
@@ -441,14 +446,6 @@ def plot(args: argparse.Namespace) -> int:
     for path in args.output:
         print(f"{path}: written")
     return OK
-
-
-def compare(args: argparse.Namespace) -> int:
-    from bearingwear.results.compare import difference
-
-    text, same = difference(args.first, args.second, args.tolerance)
-    _print(text)
-    return OK if same else DIFFERENT
 
 
 def study(args: argparse.Namespace) -> int:
