@@ -64,12 +64,13 @@ def command_parser() -> argparse.ArgumentParser:
         return sub
 
     _add_new(command("new", "write a commented scene file from a few catalogue values"))
-    check = command("check", "check a scene and report which model would be used, and why")
+    check = command("check", "check a scene; report its model and a table of effects")
     solve = command("solve", "solve a scene and print a summary sheet; -o writes a case file")
     launch = command("launch", "determine whether the bearings of a rotor gap or dent at launch")
     life = command("life", "compute the wear life and print a summary sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
+    _add_formats(check)
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",

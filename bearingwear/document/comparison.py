@@ -19,13 +19,13 @@ from bearingwear.results.netcdf import CaseFileError, opened
 from bearingwear.results.units import Percent
 from bearingwear.scene.checking.errors import leaves
 
-COLUMNS = "A", "B", "difference, %"
+A_AND_B = "A", "B", "difference, %"
 
 ELSEWHERE = frozenset({"scene", "warnings", "modelled", "residual"})
 """Attributes that are shown as keys of the scene, in the heading, or with `--all`."""
 
 
-def comparison(
+def comparison_sheet(
     first: str, second: str, more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
     """The sheets of two files of one kind; below, keys of the scene and attributes that differ.
@@ -47,7 +47,7 @@ def comparison(
     keys = tuple(_row(Row(key, given=True), a, b) for key, a, b in _apart(*scenes))
     others = [one for one in _apart(*attributes) if one[0] not in ELSEWHERE and not every]
     blocks += [
-        Block("keys of the scene that differ", COLUMNS, keys),
+        Block("keys of the scene that differ", A_AND_B, keys),
         Block("attributes that differ", lines=tuple(f"{n}: A {a}; B {b}" for n, a, b in others)),
     ]
     told = _lines(*(one.heading for one in sheets))
@@ -63,7 +63,7 @@ def _blocks(a: Document, b: Document) -> Iterator[Block]:
         pair = in_one_unit([of_a.get(subject, Block()), of_b.get(subject, Block())])
         rows, lines = tuple(_rows(*pair)), _lines(*(block.lines for block in pair))
         title = pair[0].title or pair[1].title
-        yield Block(title, COLUMNS if rows else (), rows, lines, given=pair[0].given)
+        yield Block(title, A_AND_B if rows else (), rows, lines, given=pair[0].given)
 
 
 def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
@@ -116,4 +116,5 @@ def _apart(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, An
     """Name and values of what differs; a dash for what one file lacks."""
     for name in dict.fromkeys((*a, *b)):
         if a.get(name) != b.get(name):
-            yield name, *("–" if x.get(name) is None else x[name] for x in (a, b))
+            first, second = ("–" if x.get(name) is None else x[name] for x in (a, b))
+            yield name, first, second

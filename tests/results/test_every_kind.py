@@ -142,6 +142,8 @@ def test_two_files_of_one_content_do_not_differ(kinds, kind, tmp_path, capsys):
     )
     made("show", kinds[kind], "--json")
     alone = json.loads(capsys.readouterr().out)["quantities"]
+    axes = ("preload_method", "friction")  # name the points of a table
+    alone = [row for row in alone if row["block"] != "lives" or row["name"] not in axes]
     numbers = sum(len(row["values"]) if "values" in row else 1 for row in alone)
     assert len(rows) == numbers
     made("show", kinds[kind], copy)
