@@ -52,8 +52,7 @@ def command_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
-        epilog="Exit status: 0 on success; 1 if compared files differ; 2 for bad input; 3 if no "
-        "verified solution was found.",
+        epilog="Exit status: 0 on success; 2 for bad input; 3 if no verified solution was found.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
@@ -65,12 +64,13 @@ def command_parser() -> argparse.ArgumentParser:
         return sub
 
     _add_new(command("new", "write a commented scene file from a few catalogue values"))
-    check = command("check", "check a scene and report which model would be used, and why")
+    check = command("check", "check a scene; report its model and a table of effects")
     solve = command("solve", "solve a scene and print a summary sheet; -o writes a case file")
     launch = command("launch", "determine whether the bearings of a rotor gap or dent at launch")
     life = command("life", "compute the wear life and print a summary sheet; -o writes a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
+    _add_formats(check)
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
@@ -96,9 +96,10 @@ def command_parser() -> argparse.ArgumentParser:
     _add_formats(recommend)
     _add_launch(launch)
     _add_of_machines(command)
-    _add_show(command("show", "print the main values in a result file or a scene"))
-    _add_compare(
-        command("compare", "list the differences between two files; exit status 1 if they differ")
+    _add_show(
+        command(
+            "show", "print the main values in a result file, in two side by side, or in a scene"
+        )
     )
     _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
@@ -426,6 +427,9 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
 
 def _add_show(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
+    sub.add_argument("second", nargs="?", metavar="B.nc",
+        help="a second result file of the same kind, to print beside the first with the "
+        "differences in percent")
     sub.add_argument("--all", action="store_true",
         help="also print residuals, error estimates, steps and versions")
     _add_formats(sub)
@@ -440,11 +444,6 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
         help="which bearing of a pair to plot; required if the two bearings differ")
 
 
-def _add_compare(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("first", metavar="A.nc", help="a result file")
-    sub.add_argument("second", metavar="B.nc", help="another result file of the same kind")
-    sub.add_argument("--tolerance", type=_share, default=0.0, metavar="SHARE",
-        help="tolerance, relative to the largest value of each variable")
 # fmt: on
 
 

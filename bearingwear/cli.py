@@ -1,8 +1,8 @@
 """The command line: calls the handler in `commands` of what was typed (`arguments`).
 
-Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
-standard error; 3 where the solver could not reach a verified answer (the file is written, its
-`status` says why); 74 where not even a line can be written, on a full disk; 130 when interrupted.
+Exit status: 0; 2 for bad input, with one line on standard error; 3 where the solver could not
+reach a verified answer (the file is written, its `status` says why); 74 where not even a line can
+be written, on a full disk; 130 when interrupted.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
 _OK, FULL_DISK, INTERRUPTED = 0, 74, 130
+RENAMED = {"compare": "show A.nc B.nc"}
+"""What is typed today in place of commands that are gone."""
+
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 
 
@@ -90,6 +93,8 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         people = [name for name in known if name != "step"]
         near = difflib.get_close_matches(argv[0], people, n=2)
         allowed = f"did you mean {' or '.join(near)}" if near else f"expected {', '.join(people)}"
+        if argv[0] in RENAMED:
+            allowed = f"it is now bearingwear {RENAMED[argv[0]]}"
         parser.error(f"got the command {argv[0]!r}; {allowed}")
     args, left = parser.parse_known_args(argv)
     if args.command == "plot":

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
 
-OK, DIFFERENT, NOT_SOLVED, INFEASIBLE = 0, 1, 3, 4
+OK, NOT_SOLVED, INFEASIBLE = 0, 3, 4
 
 NEXT = (
     ("check", ""),
@@ -103,12 +103,8 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
 
 
 def check(args: argparse.Namespace) -> int:
-    from bearingwear.document.bearing_line import settled_by_a_case
-    from bearingwear.results.warnings import warning_line
-    from bearingwear.scene.cases import NOMINAL
-    from bearingwear.scene.new.minimum_preload import minimum_preload_line
-    from bearingwear.solvers.effects.choice import accuracy_sentence, choice, effort
-    from bearingwear.solvers.effects.warnings import warnings_of
+    from bearingwear.document.effects import check_document
+    from bearingwear.solvers.effects.choice import choice
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
@@ -116,25 +112,7 @@ def check(args: argparse.Namespace) -> int:
         from bearingwear.lives.duty.result import choices_of_phases
 
         choices_of_phases(scene, args.fidelity)
-    print(f"{args.scene}: valid; {scene.name} would be solved with the {chosen.fidelity} model")
-    for reason in chosen.reasons:
-        print(f"  {reason}")
-    print(f"  {accuracy_sentence(scene, chosen)}")
-    print(f"  {effort(scene, chosen)}")
-    if scene.cases:
-        names = ", ".join(scene.in_cases)
-        print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
-    if scene.duty is not None:
-        from bearingwear.document.bearing_line import duty_lines
-
-        for line in duty_lines(scene.to_dict()):
-            print(f"  {line}")
-    data = scene.to_dict()
-    if line := minimum_preload_line(data["bearing"], data["operation"]):
-        print(f"  {line}")
-    for warning in warnings_of(scene, chosen):
-        if not settled_by_a_case(warning, data):
-            print(f"  {warning_line(warning)}")
+    _print_sheet(check_document(args.scene, scene, chosen), args)
     return OK
 
 
@@ -425,7 +403,12 @@ def export(args: argparse.Namespace) -> int:
 
 
 def show(args: argparse.Namespace) -> int:
-    if args.file.endswith(SCENE_SUFFIXES):
+    if args.second is not None:
+        from bearingwear.document.comparison import comparison_sheet
+        from bearingwear.studies import STUDY_SHEETS
+
+        _print_sheet(comparison_sheet(args.file, args.second, STUDY_SHEETS, args.all), args)
+    elif args.file.endswith(SCENE_SUFFIXES):
         from bearingwear.document.show import scene_sheet
         from bearingwear.scene.read import load_scene
 
@@ -446,14 +429,6 @@ def plot(args: argparse.Namespace) -> int:
     for path in args.output:
         print(f"{path}: written")
     return OK
-
-
-def compare(args: argparse.Namespace) -> int:
-    from bearingwear.results.compare import difference
-
-    text, same = difference(args.first, args.second, args.tolerance)
-    _print(text)
-    return OK if same else DIFFERENT
 
 
 def study(args: argparse.Namespace) -> int:

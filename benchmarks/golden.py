@@ -163,8 +163,6 @@ def jobs() -> Iterator[tuple[str, float, Job]]:
         yield f"race_control: {name}", STATE, partial(state, *scene, "race_control")
     for name, scene in LIVES.items():
         yield f"life: {name}", LIFE, partial(life, *scene)
-    for name in ("gyro_s1", "rigid pair, mixed", "network"):
-        yield f"life by race control: {name}", LIFE, partial(life, *LIVES[name], "race_control")
     for name, scene in MOTIONS.items():
         yield f"dynamic: {name}", LIFE, partial(state, *scene, "dynamic")
     for name, scene in LIVES_IN_TIME.items():

@@ -27,10 +27,7 @@ def test_sources_of_the_solver():
     assert {"scene/read.py", "scene/accuracy.py", "lives/life.py", "results/netcdf.py"} <= solver
     assert {path for path in solver if path.startswith("kernels/")}
     assert not [path for path in solver if path.startswith(("studies/", "page/", "plotting/"))]
-    assert (
-        not {"cli.py", "arguments.py", "commands.py", "results/show.py", "results/compare.py"}
-        & solver
-    )
+    assert not {"cli.py", "arguments.py", "commands.py", "document/show.py"} & solver
 
 
 def test_data_belong_to_the_module_that_names_them():

@@ -14,7 +14,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.results.netcdf import read_as
-from bearingwear.results.units import Display, Estimated, Interval, Rough, digits, display, in_print
+from bearingwear.results.units import (
+    Display,
+    Estimated,
+    Interval,
+    Percent,
+    Rough,
+    digits,
+    display,
+    in_print,
+)
 from bearingwear.results.variables import CASE, LIFE
 
 VARIABLES = CASE | LIFE
@@ -163,7 +172,9 @@ def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
     """The text of a value in the unit that is shown."""
     if isinstance(value, Rough):
         return value.in_unit(unit)
-    if isinstance(value, Interval) or (isinstance(value, Estimated) and math.isfinite(value)):
+    if isinstance(value, Interval | Percent) or (
+        isinstance(value, Estimated) and math.isfinite(value)
+    ):
         return value.text
     if not isinstance(value, float):
         return str(value)

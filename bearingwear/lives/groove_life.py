@@ -18,12 +18,13 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.effects.table import FLAT_GROOVE
 from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.bearing import WornBearing, loaded_ends
 from bearingwear.solvers.worn.depths import WornPoint
 from bearingwear.solvers.worn.solver import Worn
 
-REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
+REQUIRED = FLAT_GROOVE  # above which the grooves have to be followed
 SHOWN = 5  # states whose profiles are kept
 DEEP = 1e-2  # of the deepest place, at the edge of what counts as the width of a groove
 

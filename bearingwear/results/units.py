@@ -131,6 +131,15 @@ class Rough(float):
         return digits(float(f"{self:.2g}"), unit)
 
 
+class Percent(float):
+    """The difference of two numbers, with its sign."""
+
+    @property
+    def text(self) -> str:
+        text = digits(self, "%")
+        return text if self < 0.0 or text.startswith("<") else f"+{text}"
+
+
 class Interval(NamedTuple):
     """Interval of most values."""
 

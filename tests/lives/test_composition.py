@@ -30,7 +30,6 @@ SECOND = "arrangement.second={friction.film: null, friction.ball_race: 0.06}"
 SPRING = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-7", SECOND)
 CASES = {
     "steady": ("steady", "hertz", 1e-5),
-    "race control": ("race_control", "hertz", 1e-5),
     "grooves": ("steady", "worn", 5e-3),  # to what their steps differ
 }
 
@@ -125,7 +124,7 @@ def at_end(values, name):
 
 @pytest.mark.parametrize("warm", [(), (NETWORK,)], ids=["cold", "warm"])
 @pytest.mark.parametrize("film", [(), (*FILM, THICK)], ids=["bare", "film"])
-@pytest.mark.parametrize("model", ["steady", "worn", "race_control", "dynamic"])
+@pytest.mark.parametrize("model", ["steady", "worn", "dynamic"])
 def test_every_combination(model, film, warm):
     """A life has each effect that its scene has; pairs alone have no dynamic one."""
     lives = {}

@@ -26,15 +26,14 @@ def criterion(result):
 
 @pytest.fixture(scope="module")
 def lived(scene):
-    """Function (changes, fidelity) -> life of gyro_s1."""
-    return lambda changes, fidelity=None: life(scene("gyro_s1", changes), fidelity)
+    """Function (changes) -> life of gyro_s1."""
+    return lambda changes: life(scene("gyro_s1", changes))
 
 
 @pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
-@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
-def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair, fidelity):
+def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair):
     end = {"wear.end_of_life": {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7}}
-    one, two = (lived(changes | end, fidelity) for changes in (single, pair))
+    one, two = (lived(changes | end) for changes in (single, pair))
     assert criterion(one) == criterion(two)
     for k in range(2):
         other = of_bearing(two.values, k)

@@ -291,8 +291,6 @@ def test_what_cannot_follow_grooves_says_so():
     ):
         with pytest.raises(NotAvailable, match=r"model.contact: got worn"):
             life(changed)
-    with pytest.raises(NotAvailable, match="race_control"):
-        life(scene, fidelity="race_control")
 
 
 def test_a_criterion_met_at_the_start_is_a_life_of_nothing():

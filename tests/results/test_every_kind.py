@@ -1,4 +1,4 @@
-"""Every kind of result file: shown, compared, and checked against the CF conventions."""
+"""Every kind of result file: shown, side by side, and checked against the CF conventions."""
 
 import csv
 import functools
@@ -108,7 +108,7 @@ def test_show(kinds, kind, said, capsys):
     assert len(keys) == len(set(keys)) and (kind == "failed case" or keys)
 
 
-# compare
+# side by side
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -120,69 +120,88 @@ def test_a_file_comes_back_from_python(kinds, kind, tmp_path):
     assert names or kind in ("sweep", "trade study")
     bearingwear.save(read, tmp_path / "back.nc")
     xr.testing.assert_identical(load(tmp_path / "back.nc"), load(kinds[kind]))
-    assert main(["compare", str(kinds[kind]), str(tmp_path / "back.nc")]) == 0
 
 
-@pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
-def test_one_changed_number_is_found(kinds, kind, tmp_path, capsys):
+def shown(capsys, *argv):
+    """The sheet of two files as JSON, and its quantities by block and name."""
+    capsys.readouterr()
+    made("show", *argv, "--json")
+    sheet = json.loads(capsys.readouterr().out)
+    return sheet, {(row["block"], row["name"]): row["values"] for row in sheet["quantities"]}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_two_files_of_one_content_do_not_differ(kinds, kind, tmp_path, capsys):
+    """Every number of the sheet of one stands twice."""
+    copy = tmp_path / "copy.nc"
+    shutil.copy(kinds[kind], copy)
+    sheet, rows = shown(capsys, kinds[kind], copy)
+    assert sheet["differences"] == 0 and sheet["A"] == str(kinds[kind])
+    assert all(
+        values.keys() == {"A", "B"} and values["A"] == values["B"] for values in rows.values()
+    )
+    made("show", kinds[kind], "--json")
+    alone = json.loads(capsys.readouterr().out)["quantities"]
+    axes = ("preload_method", "friction")  # name the points of a table
+    alone = [row for row in alone if row["block"] != "lives" or row["name"] not in axes]
+    numbers = sum(len(row["values"]) if "values" in row else 1 for row in alone)
+    assert len(rows) == numbers
+    if kind != "wear life":  # whose labels name the point of a table, too
+        made("show", kinds[kind], copy)
+        assert all(len(line) < 120 for line in capsys.readouterr().out.split("\n"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "key"),
+    [
+        ("steady case", "residual_preload", ("bearing", "residual_preload")),
+        ("dynamic life", "life", ("life", "life")),
+        ("study", "total_qv", ("variable", "total_qv.most")),
+    ],
+)
+def test_one_changed_number_is_shown_with_its_percentage(kinds, kind, name, key, tmp_path, capsys):
     """The largest value of a variable is changed by a part in a thousand, in a copy."""
     copy = tmp_path / "copy.nc"
     shutil.copy(kinds[kind], copy)
     with netCDF4.Dataset(copy, "a") as file:
-        numbers = {n: np.ma.filled(v[...], np.nan) for n, v in file.variables.items()
-                   if v.dtype is not str and v.dtype.kind == "f"}  # fmt: skip
-        name = next(n for n, v in numbers.items() if v.size and np.nanmax(np.append(v, 0)) > 0.0)
-        values = np.atleast_1d(numbers[name])
-        values.flat[np.nanargmax(values)] *= 1.001
-        file[name][...] = values.reshape(file[name].shape)
-    argv = ["compare", str(kinds[kind]), str(copy)]
-    capsys.readouterr()
-    assert main(argv) == 1
-    text = capsys.readouterr().out
-    row = re.search(rf"^  {name} .* ([\d.e-]+) %", text, re.M)
-    assert row and float(row[1]) == pytest.approx(0.1, rel=0.01), text
-    assert re.search(r"\n0 keys of the scene and 1 of \d+ variables differ\n$", text)
-    assert main([*argv, "--tolerance", "2e-3"]) == 0
-    assert main([*argv, "--tolerance", "5e-4"]) == 1
+        values = np.ma.filled(file[name][...], np.nan)
+        file[name][...] = np.where(values == np.nanmax(values), 1.001 * values, values)
+    _, rows = shown(capsys, kinds[kind], copy)
+    assert rows[key]["difference, %"] == pytest.approx(0.1)
+    made("show", kinds[kind], copy)
+    assert re.search(r" \+0\.1$", capsys.readouterr().out, re.M)
 
 
-def test_compare_tells_scene_and_place(kinds, tmp_path, capsys):
+def test_keys_and_attributes_that_differ_stand_below(kinds, tmp_path, capsys):
     other = tmp_path / "other.nc"
     made("solve", SCENE, "-o", other, "--set", "operation.preload_N=9", "friction.ball_race=0.05")
-    capsys.readouterr()
-    assert main(["compare", str(kinds["steady case"]), str(other)]) == 1
-    text = capsys.readouterr().out
-    assert re.search(r"^  operation.preload_N +7.0 +9.0$", text, re.M)
-    assert re.search(r"^  friction.ball_race +0.08 +0.05$", text, re.M)
-    assert re.search(r"^  residual_preload +N +7 +9 +22.2 %$", text, re.M)
-    assert re.search(r"^  contact_load +N .* race (inner|outer)$", text, re.M)
-    assert "\n2 keys of the scene and " in text
+    with netCDF4.Dataset(other, "a") as file:
+        file.source_hash, file.mine = "0123456789abcdef", [1.0, 2.0]
+    sheet, rows = shown(capsys, kinds["steady case"], other)
+    below = "keys of the scene that differ"
+    assert {name for block, name in rows if block == below} == {
+        "operation.preload_N",
+        "friction.ball_race",
+    }
+    assert rows[below, "operation.preload_N"]["difference, %"] == pytest.approx(200.0 / 7.0)
+    attributes = sheet["sentences"]["attributes that differ"]
+    assert any("B 0123456789abcdef" in line for line in attributes)
+    assert "mine: A –; B [1.0, 2.0]" in attributes
 
 
-def test_what_made_a_file_does_not_count(kinds, tmp_path, capsys):
+def test_units_and_missing_numbers_of_two_files(kinds, tmp_path, capsys):
+    """A quantity has one unit in both columns; what one lacks is missing there."""
     copy = tmp_path / "copy.nc"
     shutil.copy(kinds["steady case"], copy)
     with netCDF4.Dataset(copy, "a") as file:
-        file.source_hash, file.mine = "0123456789abcdef", [1.0, 2.0]
-    assert main(["compare", str(copy), str(copy)]) == 0
-    capsys.readouterr()
-    assert main(["compare", str(kinds["steady case"]), str(copy)]) == 0
-    text = capsys.readouterr().out
-    assert "provenance (ignored)" in text and "0123456789abcdef" in text
-    assert re.search(r"^  mine +- +\[1.0, 2.0\]$", text, re.M)
-
-
-def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
-    copy = tmp_path / "copy.nc"
-    shutil.copy(kinds["study"], copy)
-    with netCDF4.Dataset(copy, "a") as file:
-        file["total_qv"][1, 0, 1] = np.nan
-        file["status"][0, 0, 0] = 1
-    assert main(["compare", str(kinds["study"]), str(copy), "--tolerance", "0.9"]) == 1
-    text = capsys.readouterr().out
-    place = "preload_method fixed_position, ball_diameter_loss 0.5"
-    assert re.search(rf"^  total_qv +mW +\d+\.\d+ +missing +- +{place}$", text, re.M), text
-    assert re.search(r"^  status +ok +\w+ +- +preload_method constant_force", text, re.M), text
+        file["maximum_pressure"][...] *= 0.01
+        file["orbit_speed"][...] = np.nan
+    _, rows = shown(capsys, kinds["steady case"], copy)
+    (pressure,) = (v for (_, name), v in rows.items() if name == "maximum_pressure.inner")
+    assert pressure["B"] == pytest.approx(0.01 * pressure["A"])
+    assert pressure["difference, %"] == pytest.approx(-99.0)
+    speed = rows["bearing", "orbit_speed"]
+    assert speed["B"] is None and speed["difference, %"] == "differs"
 
 
 @pytest.mark.parametrize(
@@ -193,12 +212,17 @@ def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
         ("study", None, "got a file that cannot be read"),
     ],
 )
-def test_what_cannot_be_compared(kinds, first, second, said, tmp_path, capsys):
+def test_what_is_not_shown_side_by_side(kinds, first, second, said, tmp_path, capsys):
     other = kinds[second] if second else tmp_path / "none.nc"
     capsys.readouterr()
-    assert main(["compare", str(kinds[first]), str(other)]) == 2
+    assert main(["show", str(kinds[first]), str(other)]) == 2
     error = only_line(capsys)
     assert said in error and str(other) in error
+
+
+def test_the_command_that_compared_says_what_to_type(capsys):
+    assert main(["compare", "a.nc", "b.nc"]) == 2
+    assert "it is now bearingwear show A.nc B.nc" in only_line(capsys)
 
 
 # the conventions

@@ -361,12 +361,22 @@ def test_limits_of_the_cage_need_its_wear():
 
 
 def test_limits_of_slip_need_a_balance_of_friction():
-    scene = load_scene(S1, ["operation.radial_load_N=[0, 1]"])
+    radial = "operation.radial_load_N=[0, 1]"
+    scene = load_scene(S1, [radial])
     told = choice_for_life(scene, "race_control").reasons[-1]
     assert told == "end-of-life criteria not evaluated: gyroscopic_slip_share, skid_ratio"
-    alone = load_scene(S1, ["wear.end_of_life={skid_ratio: 0.1}"])
+    alone = load_scene(S1, [radial, "wear.end_of_life={skid_ratio: 0.1}"])
     with pytest.raises(NotAvailable, match="only skid_ratio,.* expected.*fidelity auto"):
         choice_for_life(alone, "race_control")
+
+
+@pytest.mark.parametrize("changes", [[], ["arrangement.kind=spring_pair"]])
+def test_no_life_by_race_control_where_the_steady_model_solves(changes):
+    scene = load_scene(S1, changes)
+    assert choice(scene, "race_control").fidelity == "race_control"  # a solve stays
+    assert choice_for_life(scene, "steady").fidelity == "steady"
+    with pytest.raises(NotAvailable, match="model.fidelity: got 'race_control'.* expected.*steady"):
+        choice_for_life(scene, "race_control")
 
 
 def test_averaged_turns():

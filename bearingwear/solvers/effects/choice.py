@@ -133,10 +133,15 @@ def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     """Choose the model of a wear life: that of a solve, if it evaluates any criterion of the scene.
 
-    Raises NotAvailable if the requested fidelity cannot solve this scene or evaluates none of its
-    criteria.
+    Raises NotAvailable if the requested fidelity cannot solve this scene, evaluates none of its
+    criteria, or is race control for a scene that the steady model solves.
     """
     chosen = choice(scene, fidelity)
+    if chosen.fidelity == "race_control" and not asymmetries(scene):
+        raise NotAvailable(
+            f"{scene.name}: model.fidelity: got 'race_control' for a life, expected auto or steady:"
+            " the steady model solves this scene, and race control only estimates its slip"
+        )
     unseen = unwatched(scene, chosen)
     end = scene.wear.end_of_life
     if unseen and end is not None and unseen.keys() == end.criteria.keys():

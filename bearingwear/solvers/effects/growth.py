@@ -86,6 +86,19 @@ def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
     return preload_change(scene, Growth(_COLD._replace(inner_ring=strain), _STILL, _STILL))
 
 
+def change_by_warmth(scene: Scene) -> float:
+    """Change of a fixed-position preload by the temperatures of a scene [1].
+
+    Where it gives none, by an inner ring that is `WARMER` than the rest; NaN where a network finds
+    them.
+    """
+    if scene.thermal is not None:
+        return math.nan
+    if scene.temperature is None:
+        return change_by_warm_ring(scene, WARMER)
+    return preload_change(scene, Growth(growth_of(scene).heat, _STILL, _STILL))
+
+
 def _effect(scene: Scene, relative_change: Callable[[Scene], float]) -> str:
     if not is_held(scene):
         return "a second-order effect, because the preload force is constant"
@@ -121,8 +134,7 @@ def temperature(chosen: Choice) -> Iterator[str]:
         rough = "; conductances, and therefore the preload, are rough estimates" if held else ""
         yield f"temperature: computed for rings and balls from the friction heat{rough}"
     elif scene.temperature is not None:
-        alone = Growth(growth_of(scene).heat, _STILL, _STILL)
-        yield f"temperature: given; {_effect(scene, lambda one: preload_change(one, alone))}"
+        yield f"temperature: given; {_effect(scene, change_by_warmth)}"
     else:
         size = _effect(scene, lambda one: change_by_warm_ring(one, 1.0))
         each = " for each kelvin by which the inner ring is warmer than the other parts"
@@ -134,9 +146,7 @@ def seats(chosen: Choice) -> Iterator[str]:
     """What a fit makes of a preload at a fixed position; of any other preload only a given fit."""
     scene = chosen.scene.sides[0]
     if has_interference(scene):
-        growth = growth_of(scene)
-        alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
-        effect = _effect(scene, lambda one: preload_change(one, alone))
+        effect = _effect(scene, change_by_fits)
         assert scene.fits is not None
         leaves = _leaving(speed_that_takes_the_fit(scene, assumed_bore(scene), scene.fits))
         yield f"fits: included; {effect}; the inner ring is loose from {leaves}"
@@ -189,6 +199,26 @@ def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) 
     return found
 
 
+def change_by_fits(scene: Scene) -> float:
+    """Change of a fixed-position preload by the fits of a scene [1].
+
+    Where none is tight, the largest by those of `TRIED_UM`; NaN without a preload.
+    """
+    if has_interference(scene):
+        growth = growth_of(scene)
+        inner, outer = (ring._replace(speed=0.0) for ring in (growth.inner, growth.outer))
+        return preload_change(scene, Growth(_COLD, inner, outer))
+    found = tried_fits(scene, estimated_preload)
+    return largest_change(found, found[0].running) if found[1:] else math.nan
+
+
+def largest_change(found: Sequence[TriedFit], running: float) -> float:
+    """Largest change by a fit that is tried, of the running preload [N] or of that at rest [1]."""
+    at_rest = max(one.at_rest for one in found) / found[0].at_rest - 1.0
+    grown = max(one.running for one in found) - found[0].running
+    return max(at_rest, grown / running if running > 0.0 else math.inf)
+
+
 def estimated_preload(scene: Scene, growth: Growth) -> float:
     """Preload of the running bearing by its contacts at rest, before any solve [N]."""
     return scene.operation.preload_N * (1.0 + preload_change(scene, growth))
@@ -235,10 +265,7 @@ def fit_left_out(e: Evidence) -> Finding | None:
     is_new = is_solved and not e.mean("ball_diameter_loss") > 0.0
     running = solved if is_new else found[0].running  # what is told is of a new bearing
     held = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
-    change = max(
-        (one.running - found[0].running) / running if running > 0.0 else math.inf for one in found
-    )
-    change = max(change, max(one.at_rest for one in found) / found[0].at_rest - 1.0)
+    change = largest_change(found, running)
     sizes = interference_sizes(found, running)
     return {"excess": change / MOST_LEFT_OUT, "held": held, "sizes": sizes}
 

@@ -118,9 +118,7 @@ def life_quantities(
     fresh: Scene, point: SweepPoint, repeats: int, seconds: float
 ) -> dict[str, float]:
     """What a life from new gives and takes; nothing where the model has none."""
-    fidelity = point.fidelity
-    symmetric = not asymmetries(fresh) or fidelity == "race_control"
-    if not (fidelity in ("steady", "race_control") and symmetric and fresh.wear.end_of_life):
+    if point.fidelity != "steady" or asymmetries(fresh) or not fresh.wear.end_of_life:
         return {}
     row = {"wear_over_gap": wear_over_gap(fresh)}
     lived, wall, processor = timed(lambda: lived_through(fresh, point), repeats, seconds)
