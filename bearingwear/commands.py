@@ -112,6 +112,10 @@ def check(args: argparse.Namespace) -> int:
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
+    if scene.duty is not None:
+        from bearingwear.lives.duty.result import choices_of_phases
+
+        choices_of_phases(scene, args.fidelity)
     print(f"{args.scene}: valid; {scene.name} would be solved with the {chosen.fidelity} model")
     for reason in chosen.reasons:
         print(f"  {reason}")
@@ -122,11 +126,9 @@ def check(args: argparse.Namespace) -> int:
         print(f"  cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another")
     if scene.duty is not None:
         from bearingwear.document.bearing_line import duty_lines
-        from bearingwear.lives.duty.result import choices_of_phases
 
         for line in duty_lines(scene.to_dict()):
             print(f"  {line}")
-        choices_of_phases(scene, args.fidelity)
     data = scene.to_dict()
     if line := minimum_preload_line(data["bearing"], data["operation"]):
         print(f"  {line}")
@@ -340,6 +342,9 @@ def recommend(args: argparse.Namespace) -> int:
         limits = _limits(args)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
+    if lives is not None and not (lives["status"] == OK).any():
+        sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
+        return NOT_SOLVED
     _print_sheet(sheet, args)
     if not limits.given or best_method(found) is not None:
         return OK

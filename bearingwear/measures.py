@@ -373,5 +373,7 @@ ENDS = {one.end_key or one.key: one for one in MEASURES if one.end}
 LIMITED = {one.key: one for one in MEASURES if one.limit}
 """What may limit a design, by the keys of its limits."""
 
-WORST = {name: one for one in MEASURES if not one.resting for name in one.variables}
+WORST = {
+    name: one for one in MEASURES if not (one.resting or one.of_life) for name in one.variables
+}
 """Variables of a state whose worst value in every phase of a duty is told, and their measures."""

@@ -48,6 +48,7 @@ SHARED = frozenset(
         "worst_friction_power",
         "worst_greatest_depth",
         "worst_lowest_frequency",
+        "worst_thermal_margin",
     }
 )
 """What of a case or life both bearings have in common."""

@@ -65,7 +65,12 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 
 
 def cases_that_wear(scene: Scene) -> dict[str, Scene]:
-    """Those cases of a scene in which the shaft turns, so that it has a life; all if none does."""
+    """Those cases of a scene in which the shaft turns, so that it has a life; all if none does.
+
+    A duty has one life over all of its phases: that of the scene itself.
+    """
+    if scene.duty is not None:
+        return {NOMINAL: scene}
     return {name: one for name, one in scene.in_cases.items() if one.operation.turns} or dict(
         scene.in_cases
     )

@@ -25,7 +25,7 @@ from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
 from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
-from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
 from bearingwear.studies.solve import life_scene
 from bearingwear.studies.uncertainty.plan import uncertain_scene
@@ -279,5 +279,6 @@ def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
     """Axes of a map of design.yaml as lists."""
     numbers = {key: values for key, values in axes.items() if key != "preload_method"}
     return {"preload_method": list(axes["preload_method"])} | {
-        key: list(RisingAxis.from_plain(values)) for key, values in numbers.items()
+        key: values if values == [NO_FRICTION] else list(RisingAxis.from_plain(values))
+        for key, values in numbers.items()
     }

@@ -81,6 +81,10 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
             f"{os.fspath(path)})",
             source=os.fspath(path),
         )
+    if scene.duty is not None:
+        from bearingwear.lives.duty.result import choices_of_phases
+
+        choices_of_phases(scene)
     fidelity = choice_for_life(scene).fidelity
     if fidelity != "steady":
         raise SceneError(

@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
+from support import only_line
 
 import bearingwear
 from bearingwear.cli import main
@@ -16,7 +17,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed, cycle_of, ramp_points
 from bearingwear.lives.duty.lives import DutyLife, hertzian_duty_life, worn_duty_life
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
-from bearingwear.lives.grooves import StiffGrooves, follow_grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives, lives_by_case, lives_by_end, worn_life
 from bearingwear.lives.margin import torque_corners
@@ -326,11 +327,27 @@ def test_films_wear_through_in_all_phases_at_once(scene):
     assert_allclose(found.last.worn, worn, rtol=1e-2)
 
 
-def test_grooves_wear_in_all_phases_at_once(scene):
+@pytest.mark.parametrize(
+    ("film", "mode"),
+    [
+        ({}, EXACT_GROOVES),
+        # a film that wears through along a groove takes shorter steps for 0.5 %, in one phase too
+        pytest.param(
+            FILM | {"friction.film.thickness_um": 0.07},
+            EXACT_GROOVES._replace(step=0.06),
+            marks=pytest.mark.long,
+        ),
+    ],
+    ids=["bare", "film"],
+)
+def test_grooves_wear_in_all_phases_at_once(scene, film, mode):
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.15}}
-    made = scene("gyro_s1", WORN | POSITION | end | {"cases": CASES} | duty(MIXED))
+    cases = {name: one for name, one in CASES.items() if name != "hot"}
+    made = scene("gyro_s1", WORN | POSITION | film | end | {"cases": cases} | duty(MIXED))
     cycle = cycle_of(made)
-    found = worn_duty_life(cycle)
+    found = worn_duty_life(cycle, mode)
+    left = found.last.states[0].values.get("film_left", np.zeros(3))
+    assert (left.min() < 0.0) == bool(film)
     spans = np.array([phase["hours"] for phase in MIXED.values()])
     spans *= found.last.time / CYCLES / spans.sum()
     mixed = DutyGrooves(cycle)
@@ -436,11 +453,16 @@ def test_a_phase_that_is_not_solved_is_named(scene, contact):
     assert result.reason.startswith("in phase still: ")
 
 
-def test_a_duty_takes_phases_of_one_steady_model(scene):
+def test_a_duty_takes_phases_of_one_steady_model(scene, tmp_path, capsys):
     loaded = {"cases": {"idle": {"operation.radial_load_N": (1.0, 0.0)}}}
     made = scene("gyro_s1", PLAIN | loaded | duty({"idle": {"hours": 1.0}}))
-    with pytest.raises(NotAvailable, match="duty: got the case idle, which requires the dynamic"):
+    problem = "duty: got the case idle, which requires the dynamic"
+    with pytest.raises(NotAvailable, match=problem):
         life(made)
+    bearingwear.save(made, tmp_path / "gyro.yaml")
+    for command in (["check"], ["recommend", "--stiffness", "1"]):
+        assert main([command[0], str(tmp_path / "gyro.yaml"), *command[1:]]) == 2
+        assert problem in only_line(capsys)
 
 
 def test_warnings_of_a_duty(lived):

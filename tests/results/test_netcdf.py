@@ -31,7 +31,13 @@ SIZES |= {"groove_state": 2, "arc": 4, "band_place": 3, "phase": 3, "surface": 4
 
 def attributes() -> dict:
     scene = load_scene(SCENE).to_dict()
-    return {"scene": json.dumps(scene), "fidelity": "steady", "modelled": '["all"]', "n": 3}
+    phases = {"phases": "cold nominal hot"}
+    return {
+        "scene": json.dumps(scene),
+        "fidelity": "steady",
+        "modelled": '["all"]',
+        "n": 3,
+    } | phases
 
 
 NONE = CRITERIA.index("none")

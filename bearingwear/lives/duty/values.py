@@ -33,7 +33,7 @@ def duty_values(duty: Duty, found: DutyLife, alone: Mapping[str, Life]) -> dict[
         "ending_phase": cycle.case_of_phase.index(found.ending_case),
         "phase_time_share": shares,
     }
-    values |= _of_phases(worst_values(found), cycle)
+    values |= _of_phases(worst_of_phases(found), cycle)
     each = [life_alone(alone[cycle.cases[case]]) for case in cycle.case_of_phase]
     lives = np.array([length for length, _ in each])
     running = cycle.running.sum(axis=1)
@@ -65,7 +65,7 @@ def life_alone(life: Life) -> tuple[float, int]:
     return (life.last.time if life.status == code.OK else math.nan), life.criterion
 
 
-def worst_values(found: DutyLife) -> dict[str, np.ndarray]:
+def worst_of_phases(found: DutyLife) -> dict[str, np.ndarray]:
     """The worst of each measure in each case, from new to the end of life, and preloads over it."""
     cycle = found.cycle
     each = [

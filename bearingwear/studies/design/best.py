@@ -47,6 +47,7 @@ _FAR = 0.1  # of a requirement: so far beyond it on both sides, it is not met be
 _EDGE = 5e-3  # width in log preload to which it is found where new bearings meet the requirements
 _PEAK, _NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
 _GAIN = 5e-3  # of the life, for which no exact life is solved
+_NEAR = 0.1  # in log preload, as far as a life is known to go evenly
 _EVEN = 0.3  # power by which a life that falls evenly may still rise
 _STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
 _ROUNDS = 6  # of exact lives, at most
@@ -302,7 +303,8 @@ class PreloadSearch:
         if len(ends) > 1:
             return width > _EDGE  # towards where both are met, a life may rise by any power
         drop = math.log(best.life / near.life)
-        if next_one is not None and next_one.values.get("end_criterion") in ends:
+        is_near = next_one is not None and width < _NEAR
+        if is_near and next_one.values.get("end_criterion") in ends:  # type: ignore[union-attr]
             if 0.0 < next_one.life < near.life and next_one.is_allowed(self.limits):
                 return 0.5 * (_EVEN * width - drop) > _GAIN
         rise = _STEEPEST * width

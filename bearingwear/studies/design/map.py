@@ -57,8 +57,8 @@ from bearingwear.studies.design.everywhere import (
     worn_states,
 )
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.warming import warm_up_extremes
 from bearingwear.studies.solve import life_scene
-from bearingwear.studies.warmup.extremes import warm_up_extremes
 
 SLIP_SHARE = "gyroscopic_slip_share"
 

@@ -176,12 +176,13 @@ def recommendation(
             none[line.method] = none_because(search, line) if limits.given else NO_LIMIT
         else:
             rows.append(_row(search, line, one))
-    tell("what would change the choice")
     taken = [
         (held_by(scene, line.method, one.preload), one.values)
         for line, one in zip(search.lines, best, strict=True)
         if one is not None
     ]
+    if taken:
+        tell("what would change the choice")
     printed = iter([*answers_at(_printed, taken)])
     changes = changes_dataset(choice_changes(search, best))
     for row, one in zip(rows, best, strict=True):

@@ -13,6 +13,7 @@ from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.warmup.transient import (
+    COARSER,
     STEP_TOLERANCE,
     SpeedCourse,
     WarmUp,
@@ -20,9 +21,6 @@ from bearingwear.studies.warmup.transient import (
 )
 
 WARM_UP = "warm-up"
-COARSER = 10.0
-"""How much coarser the steps are of the warm-up that the error is estimated by."""
-
 ENDINGS = ("steady", "runaway", "no_state", "duration")
 
 _TIME = Variable("time", ("time",), "s", "time since the start")

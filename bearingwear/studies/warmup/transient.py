@@ -37,6 +37,9 @@ Coulomb friction and without centrifugal loads."""
 STEP_TOLERANCE = 1e-5
 """Relative error of a step, of the largest temperature rise."""
 
+COARSER = 10.0
+"""How much coarser the steps are of the warm-up that the error is estimated by."""
+
 LEAST_RISE = 0.01
 """Temperature rise that the absolute tolerance is taken of at least [K]."""
 

@@ -7,8 +7,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 from bearingwear.studies.design.conditions import NEW, WARMING, OperatingCondition
 from bearingwear.studies.design.everywhere import OtherSpeeds, merged, state_extremes
-from bearingwear.studies.warmup.result import COARSER
-from bearingwear.studies.warmup.transient import STEP_TOLERANCE, ramp, warm_up
+from bearingwear.studies.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 
 
 def warm_up_extremes(scene: Scene, seconds: float) -> OtherSpeeds:
