@@ -2,7 +2,8 @@
 
 Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
 standard error; 3 where the solver could not reach a verified answer (the file is written, its
-`status` says why); 74 where not even a line can be written, on a full disk; 130 when interrupted.
+`status` says why); 4 where no preload satisfies the requirements, or a torque margin is
+insufficient; 74 where not even a line can be written, on a full disk; 130 when interrupted.
 """
 
 from __future__ import annotations
