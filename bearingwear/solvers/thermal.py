@@ -179,6 +179,9 @@ PARTS_OF_BEARING = 3
 DIFFERENCE = 1e-3
 """Temperature step of a derivative of the heat [K]: truncation and rounding both below 1e-4."""
 
+ROUGH_DIFFERENCE = 0.5
+"""The same where the balance is rough, whose error a millikelvin would not exceed [K]."""
+
 PartHeats = Callable[[np.ndarray], np.ndarray | None]
 """Heat of all parts (parts,) [W] at temperatures (bearing, part) [degC]; None without a state."""
 
@@ -188,7 +191,9 @@ def heat_of_parts(heats: Sequence[HeatFlow]) -> np.ndarray:
     return np.concatenate([HEAT_TO_PARTS @ np.array(heat) for heat in heats])
 
 
-def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None:
+def heat_slopes(
+    heats: PartHeats, temperatures: np.ndarray, step: float = DIFFERENCE
+) -> np.ndarray | None:
     """Change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
     base = heats(temperatures)
     if base is None:
@@ -196,11 +201,11 @@ def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None
     slopes = np.empty((temperatures.size, temperatures.size))
     for k in range(temperatures.size):
         moved = temperatures.copy()
-        moved.flat[k] += DIFFERENCE
+        moved.flat[k] += step
         there = heats(moved)
         if there is None:
             return None
-        slopes[:, k] = (there - base) / DIFFERENCE
+        slopes[:, k] = (there - base) / step
     return slopes
 
 

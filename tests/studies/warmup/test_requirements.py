@@ -45,6 +45,13 @@ def test_the_margin_of_a_required_one_is_that_of_the_case(spindle, point):
     assert_allclose(found["thermal_margin"], float(case["thermal_margin"]), rtol=1e-3)
 
 
+def test_the_margin_of_rough_states_is_near(spindle):
+    """A quick life balances its heat roughly, which a difference over a millikelvin would feel."""
+    limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
+    quick, exact = (followed_point(spindle, limits, quick) for quick in (True, False))
+    assert_allclose(quick["thermal_margin"], exact["thermal_margin"], rtol=0.15)
+
+
 def test_the_margin_takes_no_solves_where_it_is_not_required(spindle):
     found = new_point(spindle, DesignLimits(maximum_pressure_GPa=2.0))
     assert math.isnan(found["thermal_margin"])
