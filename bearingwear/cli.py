@@ -1,8 +1,9 @@
 """The command line: calls the handler in `commands` of what was typed (`arguments`).
 
 Exit status: 0; 2 for bad input, with one line on standard error; 3 where the solver could not
-reach a verified answer (the file is written, its `status` says why); 74 where not even a line can
-be written, on a full disk; 130 when interrupted.
+reach a verified answer (the file is written, its `status` says why); 4 where no preload satisfies
+the requirements, or a torque margin is insufficient; 74 where not even a line can be written, on a
+full disk; 130 when interrupted.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ import io
 import os
 import re
 import sys
-from collections.abc import Sequence
-from typing import TextIO
+from collections.abc import Mapping, Sequence
+from typing import Any, TextIO
 
 from bearingwear.arguments import BAD_INPUT, command_parser
 from bearingwear.console import UsageError, one_line
@@ -88,9 +89,9 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         import argcomplete
 
         argcomplete.autocomplete(parser)
-    known = list(parser._subparsers._group_actions[0].choices)  # type: ignore[union-attr,arg-type]
-    if argv and not argv[0].startswith("-") and argv[0] not in known:
-        people = [name for name in known if name != "step"]
+    of_commands: Mapping[str, Any] = parser._subparsers._group_actions[0].choices  # type: ignore[union-attr,assignment]
+    if argv and not argv[0].startswith("-") and argv[0] not in of_commands:
+        people = [name for name in of_commands if name != "step"]
         near = difflib.get_close_matches(argv[0], people, n=2)
         allowed = f"did you mean {' or '.join(near)}" if near else f"expected {', '.join(people)}"
         if argv[0] in RENAMED:
@@ -106,7 +107,10 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
     elif left:
-        parser.error(f"got {left[0]!r}, which this command does not accept")
+        options = of_commands[args.command]._option_string_actions
+        near = difflib.get_close_matches(left[0].partition("=")[0], options, n=2)
+        hint = f"; did you mean {' or '.join(near)}" if near else ""
+        parser.error(f"got {left[0]!r}, which this command does not accept{hint}")
     return args
 
 

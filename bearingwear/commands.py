@@ -349,11 +349,13 @@ def margin(args: argparse.Namespace) -> int:
     scene = _scene(args)
     if scene.drive is None:
         raise UsageError(f"{args.scene}: drive: got nothing, expected a drive block or --drive N_M")
-    from bearingwear.document.margin import margin_document
+    from bearingwear.document.margin import margin_document, worst_corner
     from bearingwear.lives.margin import torque_corners
 
     corners = torque_corners(scene)
     _print_sheet(margin_document(scene, corners), args)
+    if worst_corner(corners).margin < 0.0:
+        return INFEASIBLE
     return OK if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
 
 

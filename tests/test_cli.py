@@ -454,6 +454,15 @@ def test_a_mistyped_command(command, meant, capsys):
     assert f"{command!r}; did you mean {meant}" in capsys.readouterr().err
 
 
+def test_a_mistyped_option(capsys):
+    assert main(["recommend", "mine.yaml", "--stifness=10"]) == 2
+    assert "'--stifness=10', which this command does not accept; did you mean --stiffness" in (
+        capsys.readouterr().err
+    )
+    assert main(["solve", "mine.yaml", "--frobnicate"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+
+
 def test_plot_in_any_order_of_arguments(tmp_path, capsys):
     file, figure = tmp_path / "a.nc", tmp_path / "a.png"
     assert solve(file, "--quiet") == 0

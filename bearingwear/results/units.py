@@ -125,7 +125,8 @@ class Rough(float):
 
     @property
     def text(self) -> str:
-        return self.in_unit("")
+        """With the digits that it has: K_s/H of 1e-17 m2/N is not what rounding leaves of zero."""
+        return f"{float(f'{self:.2g}'):.7g}" if math.isfinite(self) else digits(self)
 
     def in_unit(self, unit: str) -> str:
         return digits(float(f"{self:.2g}"), unit)

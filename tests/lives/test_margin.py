@@ -7,6 +7,7 @@ import pytest
 from support import scene_file
 
 import bearingwear
+from bearingwear.cli import main
 from bearingwear.document.margin import margin_document, worst_corner
 from bearingwear.kernels import status as code
 from bearingwear.lives import margin
@@ -101,6 +102,12 @@ def test_a_cold_corner_that_stalls_is_found(scene, corners):
     assert (
         margin_document(weak, found).heading[1].startswith("the drive stalls: the resisting torque")
     )
+
+
+@pytest.mark.parametrize(("torque", "status"), [(1.0, 0), (1e-9, 4)])
+def test_the_exit_status_says_whether_the_margin_is_sufficient(capsys, torque, status):
+    assert main(["margin", str(scene_file("gyro_s1")), "--drive", str(torque)]) == status
+    assert ("the drive stalls" in capsys.readouterr().out) == (status == 4)
 
 
 def test_interval_of_the_friction(scene):

@@ -5,7 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from bearingwear.results.units import Estimated, Rough, digits, display, in_print, span, to_error
+from bearingwear.results.units import (
+    Estimated,
+    Interval,
+    Rough,
+    digits,
+    display,
+    in_print,
+    span,
+    to_error,
+)
 
 
 @pytest.mark.parametrize(
@@ -75,6 +84,12 @@ def test_digits_follow_the_error():
     assert given == ["140", "7", "137.40"]
     assert to_error(math.nan, 0.1) == "–" and to_error(0.1234, math.nan) == "0.123"
     assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2" and span([]) == "–"
+
+
+def test_an_interval_of_small_numbers_is_not_zero():
+    """K_s/H of steel and of a film [m2/N]."""
+    assert Interval(1.3e-16, 4.6e-15).text == "1.3e-16 to 4.6e-15"
+    assert Rough(3.04e-18).text == "3e-18" and Rough(math.nan).text == "–"
 
 
 def test_a_share_is_a_percentage():

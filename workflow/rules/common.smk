@@ -53,8 +53,7 @@ wildcard_constraints:
     loss=r"\d+\.\d+",
 
 
-# Rules call the command of this very environment and package, in a process forked from one that has imported it. A pipe
-# hides no failure.
+# Rules call the command of this environment and package, in a fork of a process that has imported it; a pipe hides nothing.
 shell.prefix(
     f'set -euo pipefail; bearingwear() ( exec "{sys.executable}" -I -S "{configuration.FORK_SERVER}" $PPID "$@" ); '
 )

@@ -58,7 +58,9 @@ rule solve_chunk:
         code=sources("bearingwear.studies.sweep"),
         scene=scene_values(replaced=GRID_KEYS.values()),
         friction=lambda wildcards: ",".join(
-            GRIDS[wildcards.scene].friction_names_between(wildcards.first, wildcards.last)
+            GRIDS[wildcards.scene].friction_names_between(
+                wildcards.first, wildcards.last
+            )
         ),
         losses=lambda wildcards: ",".join(GRIDS[wildcards.scene].loss_names),
     shell:

@@ -318,7 +318,7 @@ EFFECTS = (
         _rounded,
         "friction is regularised at slip speeds below {v_r:g} m/s, but the mean slip speed is only "
         "{slip:.2g} m/s: the computed friction torque and power are too low{by}",
-        "leave out friction.slip_regularisation_m_s, or set it to {better:.0e} or less",
+        "set friction.slip_regularisation_m_s to {better:.0e} or less",
         modelled=motion.slip,
     ),
     Effect("traction", modelled=motion.traction_borne),

@@ -303,8 +303,8 @@ class PreloadSearch:
         if len(ends) > 1:
             return width > _EDGE  # towards where both are met, a life may rise by any power
         drop = math.log(best.life / near.life)
-        is_near = next_one is not None and width < _NEAR
-        if is_near and next_one.values.get("end_criterion") in ends:  # type: ignore[union-attr]
+        is_near = width < _NEAR
+        if is_near and next_one is not None and next_one.values.get("end_criterion") in ends:
             if 0.0 < next_one.life < near.life and next_one.is_allowed(self.limits):
                 return 0.5 * (_EVEN * width - drop) > _GAIN
         rise = _STEEPEST * width

@@ -55,7 +55,8 @@ def least_violations(
 ) -> tuple[dict[str, int], bool]:
     """Requirements that no preload meets, each with the number of the point that comes nearest.
 
-    Where each is met somewhere, those that are violated where all together are violated the least.
+    Where each is met somewhere, those that are violated where all together are violated the least:
+    by worn bearings if any preload is allowed new, because wear is then what rules it out.
     Returns the requirements, each with the number of its point, and whether they are such.
     """
     usable = [
@@ -76,7 +77,9 @@ def least_violations(
     }
     if failed:
         return failed, False
-    best = int(margin.min(axis=1).argmax())
+    worn = [k for k in range(len(usable)) if order[usable[k]].solved != NEW_BEARING]
+    together = worn or [*range(len(usable))]
+    best = together[int(margin[together].min(axis=1).argmax())]
     violated = {
         name: usable[best] for k, name in enumerate(limits.held) if -np.inf < margin[best, k] < 0.0
     }

@@ -80,7 +80,9 @@ def calibration_sheet(file: Any) -> Document:
         "given the other tests.",
     )
     return Document(
-        heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=summary))
+        heading,
+        facts,
+        (Block("coefficients and life", STAGES, tuple(rows)), tests, Block("", lines=summary)),
     )
 
 

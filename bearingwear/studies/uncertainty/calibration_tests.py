@@ -36,14 +36,14 @@ class BearingTest:
 def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     """The tests in a CSV file.
 
-    Commas or semicolons part its columns. Its first line names them: keys of the scene (an empty
-    cell leaves the scene's own value) and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
+    Commas, semicolons or tabs part its columns. Its first line names them: keys of the scene (an
+    empty cell leaves the scene's own value) and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
 
     CaseFileError: file, row, column, what was given, what is allowed.
     """
     text = text_of(path, "CSV").lstrip("\ufeff")
     first = text.partition("\n")[0]
-    apart = ";" if ";" in first and "," not in first else ","
+    apart = next((one for one in ";\t" if one in first and "," not in first), ",")
     table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=apart)
     lines = ((table.line_num, cells) for cells in table)
     rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
@@ -86,7 +86,8 @@ class _Row:
             value = math.nan
         if not 0.0 < value < math.inf and not (column == _ERROR and value == 0.0):
             got = "nothing" if text is None else repr(short(text))
-            raise self.refused(column, f"got {got}, expected a number > 0")
+            point = " with a decimal point" if "," in (text or "") else ""
+            raise self.refused(column, f"got {got}, expected a number > 0{point}")
         return value
 
     def test(self, scene: Scene) -> BearingTest:

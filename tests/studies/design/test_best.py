@@ -193,6 +193,23 @@ def test_requirements_that_cannot_be_met_together_are_named():
     )
 
 
+def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
+    """New bearings of 3 N all but meet the requirements; the others meet them until they wear."""
+    limits = DesignLimits(axial_stiffness_N_um=3.01, preload_kept=0.5, at_speed_only=True)
+    stiffness = LIMITED["axial_stiffness_N_um"].extremes
+    kept = LIMITED["preload_kept"].extremes
+
+    def point(k, kept_share, solved):
+        values = dict.fromkeys(stiffness, 1e6 * k) | dict.fromkeys(kept, kept_share)
+        values |= {"status": OK, "life": 10.0, "end_criterion": 0}
+        return PreloadPoint(float(k), values, solved)
+
+    order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
+    why = why_none(order, limits, cases=False)
+    assert why.startswith("each requirement can be satisfied individually")
+    assert "stiffness" not in why and why.endswith("but 30 at 4 N")
+
+
 def test_the_stiffness_at_which_the_other_method_is_better(scene):
     """Lives p^-1.9 and p^-0.4 at the stiffness p that is required are equal at one preload."""
     equal = (9e6 / 800.0) ** (1.0 / 1.5)

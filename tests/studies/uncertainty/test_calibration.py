@@ -90,13 +90,19 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, lines, said):
     assert said in str(refused.value) and "\n" not in str(refused.value)
 
 
-def test_semicolons_part_columns_too(tmp_path):
+def test_a_decimal_comma_is_named(tmp_path):
+    path = written(tmp_path, "operation.preload_N;life_h", "7;4,5")
+    with pytest.raises(CaseFileError, match="got '4,5', expected a number > 0 with a decimal poi"):
+        bearing_tests(path, with_spread())
+
+
+def test_semicolons_and_tabs_part_columns_too(tmp_path):
     rows = ("operation.preload_N,life_h", "7,5")
-    both = [
-        bearing_tests(written(tmp_path, *lines), with_spread())
-        for lines in (rows, [row.replace(",", ";") for row in rows])
+    each = [
+        bearing_tests(written(tmp_path, *[row.replace(",", apart) for row in rows]), with_spread())
+        for apart in ",;\t"
     ]
-    assert both[0] == both[1] and both[0][0].value == 5.0
+    assert each[0] == each[1] == each[2] and each[0][0].value == 5.0
     with pytest.raises(SceneError, match="cannot be read .*expected a CSV file"):
         bearing_tests(tmp_path / "none.csv", with_spread())
 

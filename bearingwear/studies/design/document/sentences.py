@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import xarray as xr
 
+from bearingwear.document.rows import film_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
@@ -132,6 +133,8 @@ def trust_sentence(found: xr.Dataset) -> str:
     """What the life may be used for."""
     if calibration := scene_of(found).get("calibrated"):
         return f"{CALIBRATED.format(**calibration)}."
+    if known := film_lines(scene_of(found)):
+        return " ".join([f"{NO_CLOCK}.", *known])
     oil = ", and lubricant films are not modelled" if by_life(found)[0][2] < SHORT_LIFE else ""
     return f"{NO_CLOCK}{oil}."
 
