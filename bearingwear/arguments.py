@@ -52,8 +52,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
-        epilog="Exit status: 0 on success; 2 for bad input; 3 if no verified solution was found; 4 if "
-        "no preload satisfies all requirements, or a torque margin is insufficient.",
+        epilog="Exit status: 0 on success; 2 for bad input; 3 if no verified solution was found; "
+        "4 if no preload satisfies all requirements, or a torque margin is insufficient.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
