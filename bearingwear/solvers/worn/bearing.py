@@ -46,6 +46,9 @@ ROWS = 2  # more cells across, likewise
 LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
+MOST_ENDS, MOST_ROWS = 3.0 * CELLS_END, 8
+"""Cells at other speeds than that of the wear. Those of a contact under hardly any load grow
+without end, and their number with them: a state that needs more has none."""
 _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
@@ -519,6 +522,9 @@ class WornBearing:
             spare = SPARE if status != code.NOT_CONVERGED else 1.5  # the last cell
             is_long = ends.size and np.abs(ends).max() > X[-1] - (spare - 1.0) * (X[1] - X[0])
             is_wide = status != code.OK and race.pressure[-2:].any()
+            if not self.wears:
+                is_long = is_long and WIDER * self.ends[k] <= MOST_ENDS
+                is_wide = is_wide and self.rows_added[k] < MOST_ROWS
             if is_long:
                 self.ends[k] *= WIDER
             if is_wide:
