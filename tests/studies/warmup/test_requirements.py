@@ -42,7 +42,8 @@ def test_the_margin_of_a_required_one_is_that_of_the_case(spindle, point):
     case = bearingwear.solve(spindle)
     new = found[DECIDING]["thermal_margin"]
     assert new["speed_rpm"] == 12000.0 and new["wear"] == "new"
-    assert_allclose(found["thermal_margin"], float(case["thermal_margin"]), rtol=1e-3)
+    # along a life, differences over half a kelvin are off by their curvature
+    assert_allclose(found["thermal_margin"], float(case["thermal_margin"]), rtol=3e-3)
 
 
 def test_the_margin_of_rough_states_is_near(spindle):
