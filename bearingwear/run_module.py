@@ -4,12 +4,19 @@
 take any file of a user that is called `signal.py` or `numpy.py` for the library of that name.
 """
 
-import os
-import runpy
-import sys
+import signal
+
+before = signal.getsignal(signal.SIGINT)
+if before is signal.default_int_handler:  # an interrupt before the module runs needs no traceback
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+import os  # noqa: E402
+import runpy  # noqa: E402
+import sys  # noqa: E402
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import bearingwear  # noqa: E402, F401  its modules are found from it from here on
 
 del sys.path[0], sys.argv[0]
+signal.signal(signal.SIGINT, before)
 runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
