@@ -11,8 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels.steady.balance import BalanceProblem, balance_problem
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -21,6 +23,22 @@ ROOT = Path(__file__).resolve().parents[1]
 def scene_file(name: str) -> Path:
     """Path of a scene of the study."""
     return ROOT / "config" / "scenes" / f"{name}.yaml"
+
+
+def warm_spindle() -> Scene:
+    """A bearing of 40 mm bore in a rigid pair, with a thermal network and heat capacities."""
+    conductances = {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0}
+    capacities = {"inner_ring": 30.0, "balls": 12.0, "outer_ring": 40.0}
+    made = bearingwear.new(
+        bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
+        preload_method="fixed_position",
+    )  # fmt: skip
+    network = {"conductance_W_K": conductances, "heat_capacity_J_K": capacities}
+    return made.with_({"thermal": network})
+
+
+SLOW_HOUSING = {"thermal.housing_time_constant_s": 300.0, "thermal.housing_C": 35.0}
+"""Changes of `warm_spindle` by which its housing warms more slowly than its bearings."""
 
 
 @functools.cache

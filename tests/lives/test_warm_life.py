@@ -3,25 +3,15 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import warm_spindle
 
-import bearingwear
 from bearingwear.lives.life import life
 from bearingwear.solvers.solve import solve
-
-HEAT = {
-    "thermal": {
-        "conductance_W_K": {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0}
-    }
-}
 
 
 @pytest.fixture(scope="module")
 def spindle():
-    scene = bearingwear.new(
-        bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
-        preload_method="fixed_position",
-    )  # fmt: skip
-    return scene.with_(HEAT)
+    return warm_spindle()
 
 
 def test_a_warm_worn_life_ends_by_a_criterion(spindle):

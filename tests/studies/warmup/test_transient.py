@@ -5,9 +5,8 @@ import warnings
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support import benchmark
+from support import SLOW_HOUSING, benchmark, warm_spindle
 
-import bearingwear
 from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.compose import solver_of
@@ -17,23 +16,11 @@ from bearingwear.studies.warmup import transient
 from bearingwear.studies.warmup.result import warm_up_dataset
 from bearingwear.studies.warmup.transient import SpeedCourse, ramp, warm_up
 
-HEAT = {
-    "thermal": {
-        "conductance_W_K": {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0},
-        "heat_capacity_J_K": {"inner_ring": 30.0, "balls": 12.0, "outer_ring": 40.0},
-    }
-}
-SLOW_HOUSING = {"thermal.housing_time_constant_s": 300.0, "thermal.housing_C": 35.0}
-
 
 @pytest.fixture(scope="module")
 def spindle():
     """A rigid pair of 7008C with a thermal network, as one of two alike bearings."""
-    scene = bearingwear.new(
-        bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
-        preload_method="fixed_position",
-    )  # fmt: skip
-    return scene.with_(HEAT)
+    return warm_spindle()
 
 
 def test_heat_that_does_not_depend_on_temperature(spindle, monkeypatch):
