@@ -15,7 +15,6 @@ import yaml
 from support import ROOT, scene_file
 
 from bearingwear.arguments import STUDIES
-from bearingwear.document.document import Block, Document
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.choice import choice
@@ -146,19 +145,19 @@ def test_captions_know_what_they_name():
         assert text.count("b.csv is empty") == (path.stem == "running_average"), path
 
 
-def test_a_design_study_comes_into_the_page(solved):
-    folder = solved.root / "results/gyro_s1/design"
-    folder.mkdir(parents=True)
-    answer = Document(
-        ("Take a spring.",),
-        {"scene": "gyro_s1", "bearing": "a bearing"},
-        (Block("Why", lines=("It lasts.",), place="lead"),),
-        subject="choice",
-    )
-    (folder / "answer.json").write_text(answer.stored, encoding="utf-8")
-    page = solved.root / "results/report/index.html"
-    assert solved.run("results/report/index.html").status == 0
-    assert "<h1>Take a spring.</h1>" in page.read_text(encoding="utf-8")
+def test_the_page_shows_large_maps_if_the_configuration_says_so(solved):
+    """Never because such a map lies there: the inputs of the page follow from the configuration."""
+    path = solved.root / "config/design.yaml"
+    design = yaml.safe_load(path.read_text(encoding="utf-8"))
+    axes = {"preload_method": ["constant_force"], "friction": [0.02, 0.08]}
+    numbers = {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0]}
+    design["scenes"] = {"gyro_s1": {"map": axes | numbers}}
+    path.write_text(yaml.safe_dump(design), encoding="utf-8")
+    assert "map_part" not in solved.run("-n").jobs
+    path.write_text(yaml.safe_dump(design | {"in_main_study": True}), encoding="utf-8")
+    jobs = solved.run("-n").jobs
+    assert jobs["map_part"] == 2  # one for each friction coefficient
+    assert jobs["design_report"] == jobs["check_table"] == jobs["page"] == 1
 
 
 def test_one_point_again(solved):

@@ -1,7 +1,6 @@
 # Functions of wildcards: what a scene or the configuration decides that a rule requires. No rule stands here.
 
 import os
-from glob import glob
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -126,25 +125,10 @@ def with_pngs(svgs):
     return [f"{path[:-4]}.{ending}" for path in svgs for ending in ("svg", "png")]
 
 
-def answers(wildcards):
-    """What the page says first: lives; preloads, by large maps if these were made, else by small ones; cages."""
-    files = ("answer.json", "charts.json", "recommendation.nc", "tables/check.md")
-    made = [Path(path).parent for path in sorted(glob("results/*/design/answer.json"))]
-    large = [
-        *(folder / file for folder in made for file in files),
-        *(path for folder in made for path in sorted(folder.glob("figures/*.*g"))),
-    ]
-    found = [str(path) for path in large if path.is_file()]
-    lives = ["results/answer.json"] if GRIDS else []
-    preloads = found or [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)]
-    cages = CAGE["in_main_study"] or os.path.isfile(CAGE_ANSWER[0])
-    return [*lives, *preloads, *(CAGE_ANSWER if cages else [])]
-
-
 def tell_result():
     """Print the recommendation, and where the page is, after a run that made the page."""
     if os.path.isfile(PAGE) and os.path.getmtime(PAGE) >= STARTED:
-        for line in configuration.headlines(answers(None)):
+        for line in configuration.headlines(ANSWERS):
             print(line, file=sys.stderr)
         if (
             "BEARINGWEAR_STUDY" not in os.environ

@@ -323,16 +323,33 @@ rule check_table:
         " recommendation={input.recommendation} cases={input.cases} -o {output} &> {log}"
 
 
+# Files of every large map, with its dynamic check and, for a scene of config/uncertainty.yaml, the causes of spread.
+LARGE_FIGURES = [
+    *expand("results/{scene}/design/figures/design.svg", scene=MAPS),
+    *expand("results/{scene}/design/figures/map.svg", scene=MAPS),
+    *expand(
+        "results/{scene}/design/figures/uncertainty.svg",
+        scene=[scene for scene in MAPS if scene in UNCERTAINTY["scenes"]],
+    ),
+]
+LARGE_ANSWERS = expand(
+    "results/{scene}/design/{file}",
+    scene=MAPS,
+    file=("answer.json", "charts.json", "recommendation.nc", "tables/check.md"),
+)
+# What the page shows of preloads: large maps if they belong to the main study, otherwise small ones.
+PRELOADS_SHOWN = (
+    [*LARGE_ANSWERS, *with_pngs(LARGE_FIGURES)]
+    if DESIGN["in_main_study"] and MAPS
+    else [*SMALL_ANSWERS, *with_pngs(SMALL_FIGURES)]
+)
+
+
 rule design:
     """The study of preloads: large maps, small maps, recommended preloads, dynamic checks (config/design.yaml)."""
     input:
         SMALL_ANSWERS,
         SMALL_FIGURES,
-        expand("results/{scene}/design/answer.json", scene=MAPS),
-        expand("results/{scene}/design/figures/map.svg", scene=MAPS),
-        expand("results/{scene}/design/tables/check.md", scene=MAPS),
-        expand(
-            "results/{scene}/design/figures/uncertainty.svg",
-            scene=[scene for scene in MAPS if scene in UNCERTAINTY["scenes"]],
-        ),
+        LARGE_ANSWERS,
+        LARGE_FIGURES,
     localrule: True

@@ -305,6 +305,12 @@ DRAWN = [
     *expand("results/figures/spread_{overlay}.svg", overlay=FIGURES["spreads"]),
     *expand("results/figures/lives_{overlay}.svg", overlay=FIGURES["lives"]),
 ]
+# What the page says first: lives, preloads, and cages if these belong to the main study.
+ANSWERS = [
+    *(["results/answer.json"] if GRIDS else []),
+    *PRELOADS_SHOWN,
+    *(CAGE_ANSWER if CAGE["in_main_study"] else []),
+]
 PAGE = "results/report/index.html"
 DOCS = [
     path
@@ -319,7 +325,7 @@ rule page:
         data=DATA,
         tables=TABLES,
         figures=with_pngs(DRAWN),
-        answers=answers,
+        answers=ANSWERS,
         docs=DOCS,
         scenes=[ancient(f"config/scenes/{scene}.yaml") for scene in SCENES],
     output:
