@@ -472,14 +472,14 @@ def step(args: argparse.Namespace) -> int:
 
 def _tried(path: str) -> list[str]:
     """How the scene that was written solves: its status, and what is to be warned of."""
-    from bearingwear.kernels.build.folder import compile_time, is_compiled
+    from bearingwear.kernels.project import PROJECT
     from bearingwear.results.warnings import warning_lines
     from bearingwear.solvers.effects.choice import LARGEST_KERNEL
 
-    if not is_compiled(LARGEST_KERNEL["steady"]):
+    if not PROJECT.is_compiled(LARGEST_KERNEL["steady"]):
         return [
             "not solved yet: the first solve must compile the solver, which takes up to "
-            f"{compile_time()}"
+            f"{PROJECT.compile_time}"
         ]
     from bearingwear.scene.read import load_scene
     from bearingwear.solvers.solve import solve as solved

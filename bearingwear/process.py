@@ -52,7 +52,7 @@ def _private_folder() -> str:
     """A folder below that for temporary files that is the user's alone; the same one each time."""
     import tempfile
 
-    from bearingwear.kernels.build.folder import is_private
+    from kerneljit.project import is_private
 
     folder = Path(tempfile.gettempdir()).resolve() / f"bearingwear-{os.geteuid()}"
     with contextlib.suppress(OSError):

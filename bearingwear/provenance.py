@@ -75,8 +75,8 @@ def _is_module(name: str) -> bool:
 
 # The text is searched, not parsed: a command shall not spend a tenth of a second on naming sources.
 _IMPORT = re.compile(
-    r"^ *(?:from ((?:bearingwear|workflow\.)[\w.]*) import (?:\(([^)]*)\)|(.*))"
-    r"|import ((?:bearingwear|workflow)\.[\w.]+))",
+    r"^ *(?:from ((?:bearingwear|kerneljit|workflow\.)[\w.]*) import (?:\(([^)]*)\)|(.*))"
+    r"|import ((?:bearingwear|kerneljit|workflow)\.[\w.]+))",
     re.M,
 )
 _FOR_THE_TYPE_CHECKER = re.compile(r"^if TYPE_CHECKING:.*\n(?:[ ].*\n|\n)*", re.M)
@@ -95,7 +95,8 @@ def _imported(path: Path) -> tuple[str, ...]:
             inner = f"{module}.{name}"
             names[inner if module and _is_module(inner) else module] = None
     # the package itself imports its Python interface only where somebody asks for it
-    return tuple(name for name in names if name.startswith(("bearingwear.", "workflow.")))
+    ours = ("bearingwear.", "kerneljit.", "workflow.")
+    return tuple(name for name in names if name.startswith(ours))
 
 
 def contents_hash(paths: Iterable[str | Path]) -> str:
@@ -153,6 +154,7 @@ def source_hash() -> str:
 
 
 def kernels_hash() -> str:
-    """Hash of the contents of the kernels as they lie on the disk now, 16 hexadecimal digits."""
+    """Hash of the kernels, and of what compiles them, as they lie on the disk now (16 digits)."""
     _file_hash.cache_clear()  # they may have been edited since
-    return contents_hash(sorted(PACKAGE.glob("kernels/**/*.py")))
+    compiler = (PACKAGE.parent / "kerneljit").glob("*.py")
+    return contents_hash([*sorted(PACKAGE.glob("kernels/**/*.py")), *sorted(compiler)])

@@ -24,13 +24,13 @@ import plain_scipy
 from before import scene_keys
 from dynamic_parts import PROFILE_TOLERANCE, part_rows, part_times
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels.status import OK
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.dynamic.outputs import window_values
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.windows import TimeRun
 from bearingwear.solvers.start import start_of
+from kerneljit.interrupt import Interrupt
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 ROUNDS = 5

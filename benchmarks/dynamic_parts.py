@@ -4,8 +4,8 @@ import time as clock
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.contacts import cage_contacts
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.block_solve import solve_factorised
 from bearingwear.kernels.dynamic.block_system import factorise, linearise
 from bearingwear.kernels.dynamic.closures import first_closure, interferences

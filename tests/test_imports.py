@@ -16,12 +16,12 @@ ROOT = PACKAGE.parent
 
 # A part may import itself and what is listed; `__init__` is the package itself.
 SOLVING = {"lives", "solvers", "scene", "kernels", "provenance", "sides", "measures"}
-READING = {"results", "atomic", "interrupt", "__init__"} | SOLVING
+READING = {"results", "atomic", "__init__"} | SOLVING
 MAY_IMPORT = {
-    "kernels": {"provenance", "interrupt"},
+    "kernels": {"provenance"},
     "scene": {"kernels", "provenance", "atomic", "measures"},
-    "solvers": {"scene", "kernels", "provenance", "sides", "measures", "interrupt"},
-    "lives": {"solvers", "scene", "kernels", "sides", "measures", "interrupt"},
+    "solvers": {"scene", "kernels", "provenance", "sides", "measures"},
+    "lives": {"solvers", "scene", "kernels", "sides", "measures"},
     "results": READING,
     "document": READING,
     "plotting": READING,
@@ -32,9 +32,8 @@ MAY_IMPORT = {
     "sides": set(),
     "measures": set(),
     "atomic": set(),
-    "interrupt": set(),
     "console": set(),
-    "process": {"kernels"},
+    "process": set(),
     "run_module": {"__init__"},
     "__init__": {"api", "scene"},
     "api": {"studies", "document", "plotting"} | READING,
@@ -43,6 +42,10 @@ MAY_IMPORT = {
     "cli": {"arguments", "commands", "studies", "console"} | READING,
     "__main__": {"cli", "process"},
 }
+MAY_COMPILE = {"kernels"}
+NO_NUMBA = {"kerneljit.interrupt", "kerneljit.project", "kerneljit.versions"}
+"""What everybody may import of `kerneljit`, which imports nothing of the package."""
+
 BETWEEN_STUDIES = {
     "accuracy": {"cage.plan", "cage.ensemble"},  # ensembles of short and of long runs
     "grid": {"lives.figures"},  # to plot a life, of which there are two kinds
@@ -76,7 +79,6 @@ LIBRARIES = {
     "sides": set(),
     "measures": {"numpy"},  # not to name options
     "atomic": set(),
-    "interrupt": set(),
     "console": set(),
     "process": set(),
     "run_module": set(),
@@ -90,8 +92,9 @@ LIBRARIES = {
 
 
 def modules():
-    """Files from the root of the repository on: those of the package, and studies beside it."""
-    for path in sorted([*PACKAGE.rglob("*.py"), *ROOT.glob("workflow/studies/*/*.py")]):
+    """Files from the root of the repository on: of the package, and of what lies beside it."""
+    beside = [*ROOT.glob("kerneljit/*.py"), *ROOT.glob("workflow/studies/*/*.py")]
+    for path in sorted([*PACKAGE.rglob("*.py"), *beside]):
         if "__pycache__" not in path.parts:
             yield path.relative_to(ROOT)
 
@@ -125,7 +128,9 @@ def may_import(module: Path, name: str) -> bool:
         where = first if first in MAY_IMPORT else "__init__"
         return where == part or where in MAY_IMPORT[part]
     if top == "numba":
-        return module.parent == Path("bearingwear/kernels/build")
+        return part == "kerneljit"
+    if top == "kerneljit":
+        return part == top or part in MAY_COMPILE or name in NO_NUMBA
     return top in sys.stdlib_module_names or top in LIBRARIES.get(part, {top})
 
 

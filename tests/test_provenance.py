@@ -8,7 +8,7 @@ from support import ROOT, syntax_nodes
 from bearingwear import provenance
 from bearingwear.provenance import PACKAGE, SOLVER, result_hash, sources, sources_hash
 
-OURS = "bearingwear.", "workflow."
+OURS = "bearingwear.", "kerneljit.", "workflow."
 
 
 def found(*modules) -> set[str]:

@@ -2,7 +2,7 @@
 
 import math
 
-from bearingwear.kernels.build.decorators import inlined, jit
+from bearingwear.kernels.decorators import inlined, jit
 
 
 @inlined

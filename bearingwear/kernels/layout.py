@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 
 BALL = 5  # states of a ball
 W_X, W_Y, W_Z, OMEGA, PSI = range(BALL)  # its angular velocity, orbit rate [rad/s], azimuth [rad]

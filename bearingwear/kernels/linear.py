@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 
 
 @jit

@@ -1,6 +1,6 @@
 """Vectors of three components as tuples, which stay in registers."""
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 
 
 @jit

@@ -10,12 +10,12 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from bearingwear.interrupt import check_interrupt
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.solvers.condition import States
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.state import State
+from kerneljit.interrupt import check_interrupt
 
 _MET = 0.02  # margin left where a criterion counts as met, over that at the last node before
 

@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.lives.duty.result import life_over_duty
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
@@ -18,6 +17,7 @@ from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.criterion import end_attribute
 from bearingwear.solvers.result import Result
 from bearingwear.solvers.solve import result_of
+from kerneljit.interrupt import Interrupt
 
 
 def life(

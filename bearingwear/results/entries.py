@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear import __version__
-from bearingwear.kernels.build.versions import numba_version
 from bearingwear.provenance import source_hash
 from bearingwear.results.pair_variables import BEARINGS, OF_BEARING, is_pair, of_pair
 from bearingwear.results.variable import Variable
@@ -25,6 +24,7 @@ from bearingwear.results.variables import (
     TIME,
 )
 from bearingwear.scene.accuracy import STANDARD
+from kerneljit.versions import numba_version
 
 if TYPE_CHECKING:
     from bearingwear.solvers.result import Result

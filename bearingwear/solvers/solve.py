@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
@@ -17,6 +16,7 @@ from bearingwear.solvers.effects.choice import Choice, choice
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.result import Result, not_finite
 from bearingwear.solvers.warm import network_values, warm_scene
+from kerneljit.interrupt import Interrupt
 
 Progress = Callable[[str], None]
 

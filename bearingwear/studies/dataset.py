@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.atomic import whole_file
-from bearingwear.interrupt import Interrupt
 from bearingwear.results.entries import common_attributes, require_known, stored_data
 from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.scene import Scene
+from kerneljit.interrupt import Interrupt
 
 
 def filled(

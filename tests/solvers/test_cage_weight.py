@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import imbalance_vector
 from bearingwear.kernels.cage.law import LAND_DAMPING, LAND_HEAT
 from bearingwear.kernels.cage.pocket import pocket_force
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.run import solve_dynamic

@@ -17,7 +17,6 @@ from support import ROOT, only_line, scene_file
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.interrupt import Interrupt, check_interrupt
 from bearingwear.kernels import status as code
 from bearingwear.results import variables
 from bearingwear.results.netcdf import CaseFileError, load
@@ -27,6 +26,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.solvers.dynamic import run as dynamic_run
 from bearingwear.solvers.dynamic import windows as time_run
 from bearingwear.solvers.effects.choice import choice, choice_for_life
+from kerneljit.interrupt import Interrupt, check_interrupt
 
 S1 = scene_file("gyro_s1")
 BALLS, TURN = 9, 0.002

@@ -20,7 +20,7 @@ import pytest
 import yaml
 from support import ROOT
 
-from bearingwear.kernels.build.folder import code_folder
+from bearingwear.kernels.project import PROJECT
 
 CONFIG = {
     "studies": [
@@ -76,7 +76,7 @@ class Project:
     @property
     def environment(self) -> dict[str, str]:
         kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-        return kept | {"NUMBA_CACHE_DIR": str(Path(code_folder()).parent)}
+        return kept | {"NUMBA_CACHE_DIR": str(Path(PROJECT.code_folder).parent)}
 
     def command(self, *arguments: str, jobs: int = 2) -> list[str]:
         return [sys.executable, "-P", "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]
@@ -195,7 +195,7 @@ def new_project(tmp_path_factory):
     def make() -> Project:
         root = tmp_path_factory.mktemp("project")
         no_caches = shutil.ignore_patterns("__pycache__")
-        for name in ("bearingwear", "config", "docs", "workflow", "profiles"):
+        for name in ("bearingwear", "kerneljit", "config", "docs", "workflow", "profiles"):
             shutil.copytree(ROOT / name, root / name, ignore=no_caches)
         shutil.copy2(ROOT / "Snakefile", root)
         project = Project(root)

@@ -9,7 +9,7 @@ length to preserve. A free cage without weight keeps its momentum to the last di
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.layout import MOMENTUM, ROTATION, VELOCITY
 from bearingwear.kernels.vectors import cross, dot, times, triple
 

@@ -2,7 +2,6 @@
 
 import math
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import (
     INNER_LAND,
     NO_LAND,
@@ -22,6 +21,7 @@ from bearingwear.kernels.cage.law import (
     power_slopes,
 )
 from bearingwear.kernels.cage.pocket import add_pocket, pocket_place
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.layout import CAGE, CENTRE, ROTATION, VELOCITY
 from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.vectors import dot, times
 
 # Columns of CageBuffers.sums.

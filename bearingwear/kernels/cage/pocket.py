@@ -3,7 +3,6 @@
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.law import (
     ELASTIC,
     POCKET_DAMPING,
@@ -14,6 +13,7 @@ from bearingwear.kernels.cage.law import (
     power_slopes,
 )
 from bearingwear.kernels.contact.profile import contact_load, elastic_energy
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.layout import BALL, CENTRE, OMEGA, VELOCITY, W_X, W_Y, W_Z
 from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple, unit
 

@@ -4,10 +4,10 @@ The first four changes are by the motion (w_x, w_y, w_z, Omega); the friction's 
 over. Where the ball stands changes the slip too, and the load the size of the ellipse.
 """
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.contact.friction import force_slope
 from bearingwear.kernels.contact.profile import middle_height, profile
 from bearingwear.kernels.contact.slip import point_slip
+from bearingwear.kernels.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.layout import OMEGA, W_X, W_Y, W_Z
 from bearingwear.kernels.linear import accumulate
 

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import ESTIMATE_ROOTS, inlined, jit
 from bearingwear.kernels.contact.friction import quick_force_per_slip, quick_force_slope
 from bearingwear.kernels.contact.points import SEGMENTS, middle_shift, pure_rolling
 from bearingwear.kernels.contact.profile import base, pressure, profile
 from bearingwear.kernels.contact.traction import store_slopes, store_traction_slopes
+from bearingwear.kernels.decorators import ESTIMATE_ROOTS, inlined, jit
 
 X_OVER_A, LOAD_SHARE, Y_OVER_B = range(3)  # of `Places`
 AT_TIP = 1e-9  # x/a of a segment's end less than that from the tip of the ellipse is there

@@ -5,10 +5,10 @@ friction does, over shares of the load; the first sums over shares of the area. 
 the same points.
 """
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.points import area_shares
 from bearingwear.kernels.contact.slip import quick_dissipation
 from bearingwear.kernels.contact.traction import traction, traction_slope
+from bearingwear.kernels.decorators import jit
 
 
 @jit

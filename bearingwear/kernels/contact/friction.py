@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.profile import semi_axis
+from bearingwear.kernels.decorators import inlined, jit
 
 
 class Law(NamedTuple):

@@ -7,7 +7,7 @@ arithmetic-geometric mean. The sums below are arranged so that nothing cancels, 
 
 import math
 
-from bearingwear.kernels.build.decorators import inlined, jit
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.params import Hertz
 
 OUTER = 1.0

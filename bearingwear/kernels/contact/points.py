@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK, base, pressure, profile
 from bearingwear.kernels.contact.slip import half_width, surface_height
+from bearingwear.kernels.decorators import REORDER_SUMS, inlined, jit
 
 EDGE = 0.5  # points across gather no nearer to the edge of the ellipse than this share
 SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each

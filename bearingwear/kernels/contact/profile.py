@@ -7,7 +7,7 @@ major axis, -1 < t = x/a < 1, the pressure is Hertz' semi-ellipse (theory.md sec
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import inlined
+from bearingwear.kernels.decorators import inlined
 
 PEAK = 0.75  # load per length of t in the middle of the contact, as a share of the load [1]
 MIDDLE_WIDTH = 2.0 / math.pi  # area per length of t there, as a share of the ellipse [1]

@@ -14,10 +14,10 @@ friction.py, the shape of the contact in profile.py.
 
 import math
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact.friction import force_per_slip, law_coefficients
 from bearingwear.kernels.contact.hertz import INNER, OUTER
 from bearingwear.kernels.contact.profile import height, pressure, profile, semi_axis
+from bearingwear.kernels.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.params import Contact
 
 # Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.

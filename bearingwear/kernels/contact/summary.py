@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.film_friction import even_dissipation
 from bearingwear.kernels.contact.points import area_shares, contact_points
 from bearingwear.kernels.contact.profile import middle_height, profile, semi_axis
@@ -17,6 +16,7 @@ from bearingwear.kernels.contact.slip import (
     slip_velocity,
     surface_height,
 )
+from bearingwear.kernels.decorators import jit
 
 # Columns of a summary row, one row a race.
 LOAD, ANGLE, MAJOR, MINOR, PRESSURE, QV, HEAT, SHARE, TORQUE, SPIN, ROLL = range(11)

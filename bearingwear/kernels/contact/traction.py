@@ -7,7 +7,6 @@ vectorise. Over the ellipse the motion in time sums other points, in one loop: e
 
 import math
 
-from bearingwear.kernels.build.decorators import ESTIMATE_ROOTS, REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact.friction import (
     force_per_slip,
     force_slope,
@@ -15,6 +14,7 @@ from bearingwear.kernels.contact.friction import (
     quick_force_slope,
 )
 from bearingwear.kernels.contact.slip import point_slip
+from bearingwear.kernels.decorators import ESTIMATE_ROOTS, REORDER_SUMS, inlined, jit
 
 
 def strip_loops(force_per_slip, force_slope, flags, with_qv):

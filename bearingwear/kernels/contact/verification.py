@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.contact.points import (
     Points,
@@ -23,6 +22,7 @@ from bearingwear.kernels.contact.points import (
     quadrature_points,
 )
 from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients
+from bearingwear.kernels.decorators import jit
 
 
 @jit

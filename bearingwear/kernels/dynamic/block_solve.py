@@ -1,7 +1,7 @@
 """Solves with the factors of block_system.py, and the change of powers in a step."""
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import INNER_LAND
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.block_system import (
     ALGEBRAIC,
     BORDER,

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import INNER_LAND, inverse_inertia
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.jacobian import (
     INNER_1,
     INNER_2,

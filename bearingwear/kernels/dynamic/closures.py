@@ -2,7 +2,7 @@
 
 import math
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.linear import copy
 
 IMPACT = 2.94 * 1.25**0.4  # duration of an impact on a Hertz spring over (m/K)^0.4 v^-0.2

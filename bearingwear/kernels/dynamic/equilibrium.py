@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import INNER_LAND
 from bearingwear.kernels.cage.contacts import cage_contacts, set_race_velocity
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.friction import find_tractions
 from bearingwear.kernels.dynamic.jacobian import INNER_1, INNER_2, OUTER_1, OUTER_2
 from bearingwear.kernels.dynamic.model import load_at

@@ -2,11 +2,11 @@
 
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.ellipse_friction import ellipse_friction
 from bearingwear.kernels.contact.points import fill_points, quadrature_points
 from bearingwear.kernels.contact.slip import LARGEST_AXIS, slip_coefficients, surface_height
 from bearingwear.kernels.contact.traction import quick_strip_slopes, quick_strip_sums
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.model import race_contact_of
 from bearingwear.kernels.layout import BALL, OMEGA, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.block_solve import (
     add_ball_powers,
     add_cage_powers,

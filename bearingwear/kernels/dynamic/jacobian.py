@@ -7,7 +7,6 @@ couples it to the cage, by the derivatives K and C of that contact (cage_law.con
 import math
 
 from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.changes import (
     BY_ANGLE,
     BY_LOAD,
@@ -17,6 +16,7 @@ from bearingwear.kernels.contact.changes import (
 )
 from bearingwear.kernels.contact.profile import contact_stiffness
 from bearingwear.kernels.contact.slip import slip_coefficients
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.model import race_contact_of
 from bearingwear.kernels.dynamic.quasistatic import COS_I, COS_O, SIN_I, SIN_O
 from bearingwear.kernels.layout import BALL, OMEGA, W_X, W_Y, W_Z

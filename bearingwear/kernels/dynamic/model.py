@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import CageModel
 from bearingwear.kernels.cage.law import CageBuffers, cage_buffers
 from bearingwear.kernels.contact.ellipse_friction import EllipsePoints, Places, places
 from bearingwear.kernels.contact.points import Rule, most_points
 from bearingwear.kernels.contact.profile import semi_axis
 from bearingwear.kernels.contact.slip import loaded_contact
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.quasistatic import (
     COS_I,
     COS_O,

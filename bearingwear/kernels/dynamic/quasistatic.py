@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.kinematics import ORBIT
 from bearingwear.kernels.equilibrium.race import (
     LOAD_FIELDS,

@@ -3,7 +3,6 @@
 import math
 
 from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import cage_rates
 from bearingwear.kernels.cage.contacts import cage_contacts, set_race_velocity
 from bearingwear.kernels.cage.law import (
@@ -15,6 +14,7 @@ from bearingwear.kernels.cage.law import (
     POCKET_HEAT,
     POCKET_TORQUE,
 )
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.equilibrium import (
     correct_places,
     equilibrium,

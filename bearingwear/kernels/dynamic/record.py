@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import axial_momentum, imbalance_vector
 from bearingwear.kernels.cage.law import INNER_TORQUE
 from bearingwear.kernels.contact.points import Points, point_buffers
@@ -19,6 +18,7 @@ from bearingwear.kernels.contact.summary import (
     slip_profile,
 )
 from bearingwear.kernels.contact.verification import polygon_residual
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.quasistatic import (
     COS_I,
     COS_O,

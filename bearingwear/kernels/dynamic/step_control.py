@@ -8,9 +8,9 @@ error of slip velocities against the mean slip itself, and the error of QV.
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.cage.body import angular_velocity, turn
 from bearingwear.kernels.contact.profile import STORED
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.dynamic.closures import (
     first_closure,
     impact_time,

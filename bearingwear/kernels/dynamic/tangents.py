@@ -5,7 +5,7 @@ formula, with the matrix of the implicit integrator where each step ends. Fast d
 in it as they do in the motion, so that a few steps are enough for the slow ones.
 """
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.dynamic.block_solve import solve_factorised
 from bearingwear.kernels.dynamic.block_system import factorise
 

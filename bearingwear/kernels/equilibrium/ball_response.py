@@ -9,9 +9,9 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER, angle_slope, race_contact
 from bearingwear.kernels.contact.profile import contact_stiffness
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.equilibrium.body_forces import body_forces, unbalanced_force
 from bearingwear.kernels.equilibrium.thrust_loaded import (
     FORCE_BALANCED,

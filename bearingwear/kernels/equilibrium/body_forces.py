@@ -3,7 +3,7 @@
 import math
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.build.decorators import inlined, jit
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, ORBIT, race_control
 
 

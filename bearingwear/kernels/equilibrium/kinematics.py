@@ -2,7 +2,7 @@
 
 import math
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.params import Kinematics
 
 ORBIT, OUTER_CONTROL, INNER_CONTROL = 0, 1, 2

@@ -1,7 +1,7 @@
 """How the inner force of a ball follows its inner groove under a law of forces (theory.md 2)."""
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.profile import contact_approach
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.thrust_loaded import ball_equilibrium, groove_distance
 
 TANGENT_STEP = 1e-4  # of the inner approach, which loads follow with the power 3/2

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.profile import contact_approach, contact_stiffness
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.thrust_loaded import (
     ball_equilibrium,
     cold_start,

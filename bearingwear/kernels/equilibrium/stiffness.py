@@ -2,9 +2,9 @@
 
 import math
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.contact.profile import contact_approach
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.thrust_loaded import Spring, loaded_spring, series_stiffness
 
 DOF = 5

@@ -9,9 +9,9 @@ unique and damped Newton finds it from anywhere. The factors follow the contact 
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.contact.profile import contact_approach, contact_load, contact_stiffness
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.equilibrium.body_forces import (
     body_forces,
     body_forces_at,

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.contact.film_friction import add_even_part
 from bearingwear.kernels.contact.friction import friction_capacity, friction_coefficients
@@ -21,6 +20,7 @@ from bearingwear.kernels.contact.points import Points, Rule, contact_points, poi
 from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.kernels.contact.slip import LARGEST_AXIS, race_contacts, slip_coefficients
 from bearingwear.kernels.contact.traction import traction, traction_slope
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.equilibrium.ball_response import joined_equilibrium, load_rates
 from bearingwear.kernels.equilibrium.thrust_loaded import (
     ball_equilibrium,

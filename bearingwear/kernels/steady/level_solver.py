@@ -7,7 +7,7 @@ true equations of motion, which end only in a stable state.
 from typing import NamedTuple
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.build.decorators import inlined, jit
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import CONTACT_LOST, NO_STEADY_STATE, NOT_CONVERGED, OK
 from bearingwear.kernels.steady.balance import (

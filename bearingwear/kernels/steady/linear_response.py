@@ -8,12 +8,12 @@ follows.
 import math
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.changes import add_axis_changes, exact_changes
 from bearingwear.kernels.contact.hertz import axes_by_angle
 from bearingwear.kernels.contact.points import area_shares, contact_points
 from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.ball_response import (
     contact_rates,
     further_force,

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.friction import friction_coefficients
+from bearingwear.kernels.decorators import inlined, jit
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NO_STEADY_STATE, NOT_CONVERGED, OK

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.status import (

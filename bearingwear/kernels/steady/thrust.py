@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.build.decorators import compile_together, jit
 from bearingwear.kernels.contact.summary import COLUMNS, SPIN, contact_summary
 from bearingwear.kernels.contact.verification import friction_check, polygon_residual
+from bearingwear.kernels.decorators import compile_together, jit
 from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, NOT_CONVERGED, OK, UNVERIFIED

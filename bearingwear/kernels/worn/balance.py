@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.hertz import race_contact
 from bearingwear.kernels.contact.profile import contact_load, semi_axis
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.params import Hertz
 from bearingwear.kernels.status import CONTACT_LOST, OK
 from bearingwear.kernels.worn.cells import Cells, ContactBuffers

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
+from bearingwear.kernels.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.linear import solve_in_place
 
 MARGIN = 1  # cells around those with load that are at hand too

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.contact.film_friction import add_even_part, even_dissipation
 from bearingwear.kernels.contact.friction import force_slope, friction_capacity
 from bearingwear.kernels.contact.points import Points, area_shares, contact_points, point_buffers
@@ -28,6 +27,7 @@ from bearingwear.kernels.contact.traction import (
     store_traction_slopes,
     traction_slope,
 )
+from bearingwear.kernels.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 from bearingwear.kernels.steady.balance import (

@@ -13,8 +13,8 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.contact.hertz import elliptic_integrals
+from bearingwear.kernels.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.status import BEYOND_GROOVE, NOT_CONVERGED, OK
 from bearingwear.kernels.worn.cells import (
     Cells,

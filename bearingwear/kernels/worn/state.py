@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER
 from bearingwear.kernels.contact.slip import LARGEST_AXIS
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.contact.hertz import elliptic_integrals
+from bearingwear.kernels.decorators import REORDER_SUMS, jit
 
 
 class ContactCheck(NamedTuple):

@@ -3,7 +3,6 @@
 import time
 from dataclasses import replace
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.lives.duty.errors import duty_errors
 from bearingwear.lives.duty.lives import DutyLife, duty_life, lives_alone
@@ -19,6 +18,7 @@ from bearingwear.solvers.effects.criterion import end_attribute
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.result import Result
 from bearingwear.solvers.solve import result_of
+from kerneljit.interrupt import Interrupt
 
 
 def choices_of_phases(scene: Scene, fidelity: str | None = None) -> dict[str, Choice]:

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
@@ -17,6 +16,7 @@ from bearingwear.solvers.dynamic.windows import INTEGRATORS, RunGrid, TimeRun
 from bearingwear.solvers.estimates import DOUBLED, MEASURED, changed, halved_part, measured, summed
 from bearingwear.solvers.start import Start, thrust_alone
 from bearingwear.solvers.steady import steady_answers
+from kerneljit.interrupt import Interrupt
 
 LOOSER = 10.0  # times the tolerance of a step, to see its error
 TIGHTEST = 1e-4  # tolerance of a step: no looser in such a run

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK
 from bearingwear.scene.checking.errors import NotAvailable
@@ -20,6 +19,7 @@ from bearingwear.solvers.dynamic.stability import LEAST_GROWTH, is_found_periodi
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
 from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, RunGrid, TimeRun
 from bearingwear.solvers.start import Start, start_of
+from kerneljit.interrupt import Interrupt
 
 LARGEST_UNBALANCED = 1e-6  # of the contact load; the solver leaves less
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bearingwear.interrupt import check_interrupt
 from bearingwear.kernels import status as code
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
 from bearingwear.kernels.dynamic import record
@@ -20,6 +19,7 @@ from bearingwear.solvers.bearing.films import Archard
 from bearingwear.solvers.bearing.outputs import strip_centres
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
+from kerneljit.interrupt import check_interrupt
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress

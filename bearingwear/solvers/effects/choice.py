@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from bearingwear.kernels.build.folder import compile_time, is_compiled
+from bearingwear.kernels.project import PROJECT
 from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.checking.errors import NotAvailable
@@ -180,8 +180,8 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
 
 def effort(scene: Scene, chosen: Choice) -> str:
     """Rough estimate of the computing time of a solve, in words."""
-    compiled = is_compiled(LARGEST_KERNEL[chosen.fidelity])
-    before = "" if compiled else f"up to {compile_time()} to compile the solver (once), then "
+    compiled = PROJECT.is_compiled(LARGEST_KERNEL[chosen.fidelity])
+    before = "" if compiled else f"up to {PROJECT.compile_time} to compile the solver (once), then "
     if chosen.fidelity != "dynamic":
         return f"computing time: {before}milliseconds at any accuracy"
     if is_found_periodic(chosen.reduced(scene)):

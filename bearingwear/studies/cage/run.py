@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
 from bearingwear.kernels.dynamic.record import POSITION
 from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
@@ -23,6 +22,7 @@ from bearingwear.solvers.dynamic.windows import TREND_OF_TORQUE, TimeRun
 from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
 from bearingwear.studies.cage.plan import STRETCH
+from kerneljit.interrupt import Interrupt
 
 ACROSS = Variable(
     "across", ("across",), "", "direction perpendicular to the shaft", "i1", flags=("Y", "Z")

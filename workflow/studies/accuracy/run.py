@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.interrupt import Interrupt
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.lives.groove_life import wear_over_gap
@@ -31,6 +30,7 @@ from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
 from bearingwear.studies.answers import answer_values, answers_at
 from bearingwear.studies.dataset import filled
+from kerneljit.interrupt import Interrupt
 from workflow.studies.accuracy.plan import (
     SweepPoint,
     against,

@@ -1,13 +1,15 @@
 """Compiled code is loaded from a folder that nobody but its user can write to."""
 
+import dataclasses
 import os
 import stat
 from pathlib import Path
 
 import pytest
 
-from bearingwear.kernels.build import folder as place
-from bearingwear.kernels.build.folder import code_folder, is_private
+from bearingwear.kernels.project import PROJECT
+from kerneljit import project as place
+from kerneljit.project import is_private, private_code_folder
 
 ELSE = 54321  # a user's number that is nobody's here
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
@@ -22,7 +24,7 @@ def chosen(tmp_path, monkeypatch):
     (tmp_path / "tmp").chmod(0o1777)
     said: list[str] = []
     monkeypatch.setattr(place, "tell", said.append)
-    return lambda: (Path(code_folder.__wrapped__()), said)
+    return lambda project=PROJECT: (Path(private_code_folder(project)), said)
 
 
 def mode_of(folder):
@@ -111,8 +113,7 @@ def test_only_a_checkout_has_its_code_beside_the_sources(chosen, tmp_path, monke
     package.mkdir(parents=True)
     monkeypatch.delenv("NUMBA_CACHE_DIR")
     monkeypatch.setenv("XDG_CACHE_HOME", str(caches))
-    monkeypatch.setattr(place, "PACKAGE", package)
-    monkeypatch.setattr(place, "IN_CHECKOUT", False)
-    assert chosen()[0].parent == caches / "bearingwear" and not any(package.iterdir())
-    monkeypatch.setattr(place, "IN_CHECKOUT", True)
-    assert chosen()[0].parent == package / "__pycache__"
+    installed = dataclasses.replace(PROJECT, folder=package, in_checkout=False)
+    assert chosen(installed)[0].parent == caches / "bearingwear" and not any(package.iterdir())
+    in_checkout = dataclasses.replace(installed, in_checkout=True)
+    assert chosen(in_checkout)[0].parent == package / "__pycache__"

@@ -11,8 +11,8 @@ import pytest
 
 import bearingwear
 from bearingwear import provenance
-from bearingwear.kernels.build.folder import code_folder
-from bearingwear.kernels.build.versions import SWITCH
+from bearingwear.kernels.project import PROJECT
+from kerneljit.project import private_code_folder
 
 PACKAGE = Path(bearingwear.__file__).parent
 PROGRAM = """
@@ -29,7 +29,7 @@ print(source_hash(), repr(forces[1]))
 
 def run(folder, **options):
     """What the program prints with the package and the compiled code in a folder."""
-    jit = {"NUMBA_CACHE_DIR": str(folder / "jit"), SWITCH: ""}
+    jit = {"NUMBA_CACHE_DIR": str(folder / "jit"), PROJECT.switch: ""}
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM],
         capture_output=True,
@@ -45,7 +45,9 @@ def run(folder, **options):
 def first(tmp_path_factory):
     """A copy of the package with compiled code, and what its program prints."""
     folder = tmp_path_factory.mktemp("cached")
-    shutil.copytree(PACKAGE, folder / "bearingwear", ignore=shutil.ignore_patterns("__pycache__"))
+    for package in (PACKAGE, PACKAGE.parent / "kerneljit"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(package, folder / package.name, ignore=ignored)
     said = run(folder)
     assert len(said) == 2
     return folder, said
@@ -81,8 +83,7 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
         provenance._file_hash.cache_clear()
-        code_folder.cache_clear()
-        return code_folder()
+        return private_code_folder(PROJECT)
 
     try:
         first = folder("kernels/a.py", "x = 1\n")
@@ -91,7 +92,6 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
         assert folder("kernels/a.py", "x = 1\n") == first
     finally:
         provenance._file_hash.cache_clear()
-        code_folder.cache_clear()
 
 
 @pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])

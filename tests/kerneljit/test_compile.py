@@ -16,7 +16,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from support import scene_file, without_waits
 
 from bearingwear.cli import main
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.read import load_scene

@@ -14,16 +14,61 @@ import os
 import stat
 import sys
 import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
-from bearingwear.kernels.build.versions import is_plain
-from bearingwear.provenance import IN_CHECKOUT, PACKAGE, kernels_hash
+from kerneljit.versions import is_tested, numba_version
 
 _ROOT = 0  # may do everything anyway
 
 
-@functools.cache
-def code_folder() -> str:
+@dataclass(frozen=True)
+class Project:
+    """A package whose kernels are compiled.
+
+    name : its import name; records of its modules are passed by address.
+    folder : its folder.
+    kernels_hash : hash of the contents of its kernels, and of this package, as they lie on the
+        disk when it is called.
+    in_checkout : whether it is imported from a checkout, and not from where pip puts it.
+    """
+
+    name: str
+    folder: Path
+    kernels_hash: Callable[[], str]
+    in_checkout: bool
+
+    @property
+    def switch(self) -> str:
+        """The environment variable that keeps away from the internals of a tested numba too."""
+        return f"{self.name.upper()}_PLAIN_NUMBA"
+
+    @functools.cached_property
+    def is_plain(self) -> bool:
+        """Whether kernels are compiled by `numba.njit` alone."""
+        return os.environ.get(self.switch, "") not in ("", "0") or not is_tested(numba_version())
+
+    @functools.cached_property
+    def code_folder(self) -> str:
+        """The folder for the machine code of the kernels as they are imported."""
+        return private_code_folder(self)
+
+    def is_compiled(self, kernel: str) -> bool:
+        """Whether machine code of a kernel that Python calls is in the folder."""
+        return any(Path(self.code_folder).rglob(f"*.{kernel}-*.nbc"))
+
+    @property
+    def compile_time(self) -> str:
+        """How long all kernels take to compile, at most, in words."""
+        return "a few minutes" if self.is_plain else "a minute"
+
+    def tell_of_compiling(self) -> None:
+        """Say on standard error, once, that something is compiled."""
+        tell(f"compiling part of the solver (only once); this may take {self.compile_time} ...")
+
+
+def private_code_folder(project: Project) -> str:
     """The first of these that is private.
 
     Below `NUMBA_CACHE_DIR` if the user set it, else beside the sources in a checkout, else below
@@ -33,34 +78,32 @@ def code_folder() -> str:
     Never beside an installed package: pip, which does not know of it, would leave the folder there
     when it removes the package, and Python would go on to import that folder.
     """
-    name = f"numba-{kernels_hash()}" + ("-plain" if is_plain() else "")
+    name = f"numba-{project.kernels_hash()}" + ("-plain" if project.is_plain else "")
     given = os.environ.get("NUMBA_CACHE_DIR")
     home = Path(os.path.expanduser("~"))
     caches = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
     # Who can write to these can change what Python itself runs.
-    trusted = (PACKAGE / "__pycache__", home.resolve())
-    parents = [caches / "bearingwear"]
+    beside = project.folder / "__pycache__"
+    trusted = (beside, home.resolve())
+    parents = [caches / project.name]
     if given:
         parents = [Path(given)]
-    elif IN_CHECKOUT:
-        parents.insert(0, PACKAGE / "__pycache__")
+    elif project.in_checkout:
+        parents.insert(0, beside)
     folders = [parent.resolve() / name for parent in parents if given or parent.is_absolute()]
-    folders.append(Path(tempfile.gettempdir()).resolve() / f"bearingwear-{os.geteuid()}-{name}")
+    temporary = Path(tempfile.gettempdir()).resolve()
+    folders.append(temporary / f"{project.name}-{os.geteuid()}-{name}")
     for folder in folders:
         if _made(folder) and is_private(folder, trusted):
             break
     else:
-        folder = Path(tempfile.mkdtemp(prefix="bearingwear-numba-"))
+        folder = Path(tempfile.mkdtemp(prefix=f"{project.name}-numba-"))
     if given and folder != folders[0]:
         tell(
             f"NUMBA_CACHE_DIR: {given} is not writable, or is writable by others; compiled code is "
             f"stored in {folder} instead"
         )
     return str(folder)
-
-
-def tell_of_compiling() -> None:
-    tell(f"compiling part of the solver (only once); this may take {compile_time()} ...")
 
 
 @functools.cache
@@ -111,13 +154,3 @@ def is_private(folder: Path, trusted: tuple[Path, ...] = ()) -> bool:
 def _is_closed(mode: int) -> bool:
     """Whether it is a folder, no link to one, and only its owner can write there."""
     return stat.S_ISDIR(mode) and not mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
-def is_compiled(kernel: str) -> bool:
-    """Whether machine code of a kernel that Python calls is in the folder."""
-    return any(Path(code_folder()).rglob(f"*.{kernel}-*.nbc"))
-
-
-def compile_time() -> str:
-    """How long the solver takes to compile, at most, in words."""
-    return "a few minutes" if is_plain() else "a minute"

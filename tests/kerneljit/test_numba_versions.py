@@ -1,5 +1,6 @@
 """A version of numba whose internals are unknown solves as well, with the same numbers."""
 
+import dataclasses
 import json
 import os
 import subprocess
@@ -10,11 +11,14 @@ import numpy as np
 import pytest
 from support import ROOT, scene_file
 
-from bearingwear.kernels.build.kernel import Kernel
-from bearingwear.kernels.build.versions import SWITCH, TESTED, is_plain, is_tested
 from bearingwear.kernels.equilibrium.body_forces import body_forces
 from bearingwear.kernels.params import BallLoad, Geometry
+from bearingwear.kernels.project import PROJECT
 from bearingwear.scene.read import load_scene
+from kerneljit.kernel import Kernel
+from kerneljit.versions import TESTED, is_tested
+
+SWITCH = PROJECT.switch
 
 SOLVE = """
 import json, sys
@@ -29,7 +33,7 @@ numbers = {
     if v.dtype.kind in "fi"
 }
 numbers["strips"] = (None, found.sizes["strip"])
-print(json.dumps(["bearingwear.kernels.build.code" in sys.modules, numbers]))
+print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
 KERNELS = """
 import json, sys
@@ -38,7 +42,7 @@ from bearingwear.kernels.params import BallLoad, Geometry
 g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
 load = BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 numbers = list(body_forces(g, 2e-3, load, 0.0, 0.3, 0.9, 0.2, 0.95))
-print(json.dumps(["bearingwear.kernels.build.code" in sys.modules, numbers]))
+print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
 OTHER_VERSION = """
 import numba, sys
@@ -107,7 +111,7 @@ def test_a_tested_version(monkeypatch):
     assert all(map(is_tested, ("0.67.0", "0.68.1", "0.68.0rc1")))
     for given, plain in (("0", False), ("1", True)):
         monkeypatch.setenv(SWITCH, given)
-        assert is_plain.__wrapped__() == plain
+        assert dataclasses.replace(PROJECT).is_plain == plain
 
 
 def test_what_is_installed():

@@ -11,7 +11,8 @@ import copy
 import functools
 import gc
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from numba.core import config, event, ir
 from numba.core.base import BaseContext
@@ -28,8 +29,8 @@ from numba.core.transforms import canonicalize_cfg
 from numba.core.typed_passes import IRLegalization, NativeLowering
 from numba.core.types.functions import BaseFunction
 
-from bearingwear.kernels.build.boxing import box_without_python
-from bearingwear.kernels.build.records import Lowering
+from kerneljit.boxing import box_without_python
+from kerneljit.records import Lowering
 
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 VIEWS = {
@@ -211,16 +212,8 @@ def _without_garbage_collection() -> Iterator[None]:
         gc.set_threshold(*often)
 
 
-@contextlib.contextmanager
-def quick_typing() -> Iterator[None]:
-    """Takes 45 % off numba's part of the work and changes nothing in what the code does.
-
-    What an operator or a NumPy function returns for some types is asked for at each call, and found
-    by trying dozens of signatures: here once. So is the size of a type, for which LLVM parses a
-    module. The variables of a statement are found without making lists of what has none, nobody is
-    told of each time a lock is taken (some 80 000 times), and Python looks for no garbage.
-    A record is returned as it is, not number by number, and NumPy's functions get no wrapper for C.
-    """
+def _replacements() -> tuple[tuple[Any, str, Callable], ...]:
+    """Functions of numba that `quick_typing` replaces: owner, name, and what stands there."""
     resolve, known = BaseFunction.get_call_type, {}
     size_of, sizes = BaseContext.get_abi_sizeof, {}
 
@@ -236,22 +229,35 @@ def quick_typing() -> Iterator[None]:
             sizes[key] = size_of(self, kind)
         return sizes[key]
 
+    return (
+        (BaseFunction, "get_call_type", get_call_type),
+        (BaseContext, "get_abi_sizeof", get_abi_sizeof),
+        (CPUContext, "create_cfunc_wrapper", _do_nothing),
+        (StructModel, "as_return", _as_return),
+        (StructModel, "from_return", _from_return),
+        (ir.Inst, "_rec_list_vars", _variables),
+        (PostProcessor, "run", _post_process),
+        (CPUCodegen, "_pass_builder", _pass_builder),
+        (config, "reload_config", _do_nothing),
+        (ll, "get_process_triple", functools.cache(ll.get_process_triple)),
+        (event, "start_event", _do_nothing),
+        (event, "end_event", _do_nothing),
+    )
+
+
+@contextlib.contextmanager
+def quick_typing() -> Iterator[None]:
+    """Takes 45 % off numba's part of the work and changes nothing in what the code does.
+
+    What an operator or a NumPy function returns for some types is asked for at each call, and found
+    by trying dozens of signatures: here once. So is the size of a type, for which LLVM parses a
+    module. The variables of a statement are found without making lists of what has none, nobody is
+    told of each time a lock is taken (some 80 000 times), and Python looks for no garbage.
+    A record is returned as it is, not number by number, and NumPy's functions get no wrapper for C.
+    """
     with global_compiler_lock, contextlib.ExitStack() as stack:
         stack.enter_context(_without_garbage_collection())
-        for owner, name, quick in (
-            (BaseFunction, "get_call_type", get_call_type),
-            (BaseContext, "get_abi_sizeof", get_abi_sizeof),
-            (CPUContext, "create_cfunc_wrapper", _do_nothing),
-            (StructModel, "as_return", _as_return),
-            (StructModel, "from_return", _from_return),
-            (ir.Inst, "_rec_list_vars", _variables),
-            (PostProcessor, "run", _post_process),
-            (CPUCodegen, "_pass_builder", _pass_builder),
-            (config, "reload_config", _do_nothing),
-            (ll, "get_process_triple", functools.cache(ll.get_process_triple)),
-            (event, "start_event", _do_nothing),
-            (event, "end_event", _do_nothing),
-        ):
+        for owner, name, quick in _replacements():
             stack.callback(setattr, owner, name, getattr(owner, name))
             setattr(owner, name, quick)
         yield

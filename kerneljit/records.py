@@ -13,6 +13,9 @@ from numba.core.datamodel.models import TupleModel, UniTupleModel
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
+PACKAGES: set[str] = set()
+"""Packages, each with a dot behind its name, whose records are passed by address."""
+
 _BY_VALUE = 8
 """Numbers and addresses in a record that is passed by value, at most."""
 
@@ -53,13 +56,13 @@ def _room(builder, kind):
 
 
 def _record(model):
-    """A model of named tuples that passes large ones of this package by their address."""
+    """A model of named tuples that passes large ones of `PACKAGES` by their address."""
 
     class Record(model):
         def __init__(self, manager, kind):
             super().__init__(manager, kind)
             self.is_large = (
-                kind.instance_class.__module__.startswith("bearingwear.")
+                kind.instance_class.__module__.startswith(tuple(PACKAGES))
                 and _count(self.get_value_type()) > _BY_VALUE
             )
 

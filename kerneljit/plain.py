@@ -7,23 +7,29 @@ another, processes do not wait for each other, and a full disk ends the process.
 import numba
 from numba.core import event
 
-from bearingwear.kernels.build.folder import code_folder, tell_of_compiling
+from kerneljit.project import Project
 
 
 class _Announcement(event.Listener):
+    def __init__(self, project: Project):
+        self.project = project
+
     def on_start(self, event):
-        if event.data["dispatcher"].py_func.__module__.startswith("bearingwear."):
-            tell_of_compiling()
+        if event.data["dispatcher"].py_func.__module__.startswith(f"{self.project.name}."):
+            self.project.tell_of_compiling()
 
     def on_end(self, event):
         pass
 
 
-event.register("numba:compile", _Announcement())
+def announce(project: Project) -> None:
+    """Say on standard error when a kernel of the project is compiled."""
+    event.register("numba:compile", _Announcement(project))
 
 
-def plain_kernel(function, options, _level):
-    folder, before = code_folder(), numba.config.CACHE_DIR
+def plain_kernel(project: Project, function, options):
+    """A function compiled by `numba.njit`, and kept in the project's folder."""
+    folder, before = project.code_folder, numba.config.CACHE_DIR
     numba.config.CACHE_DIR = folder
     try:
         kernel = numba.njit(cache=True, **options)(function)

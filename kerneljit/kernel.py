@@ -4,12 +4,14 @@ import atexit
 import contextlib
 import fcntl
 import functools
+import hashlib
 import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from pathlib import Path
 
 from numba import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
@@ -18,15 +20,13 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.core.sigutils import normalize_signature
 
-from bearingwear.interrupt import Interrupt
-from bearingwear.kernels.build.code import Callee, entries
-from bearingwear.kernels.build.folder import code_folder, tell_of_compiling
-from bearingwear.provenance import contents_hash, kernels_hash
+from kerneljit.code import Callee, entries
+from kerneljit.interrupt import Interrupt
+from kerneljit.project import Project
+from kerneljit.records import PACKAGES
 
 _INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
 _STACK = 2**26  # bytes, enough for LLVM on any system
-
-_FOLDER = code_folder()  # of the sources as they are imported
 
 
 @functools.cache
@@ -52,29 +52,28 @@ class _ByContents(_CacheLocator):
     numba itself asks for the path and date of a source, and compiles anew in each copy of it.
     """
 
+    project: Project
+
     def __init__(self, function, source):
         self._line, self._source = function.__code__.co_firstlineno, source
 
     from_function = classmethod(lambda cls, function, source: cls(function, source))
 
     def get_cache_path(self):
-        return _FOLDER
+        return self.project.code_folder
 
     def get_source_stamp(self):
-        return contents_hash([self._source])
+        source = Path(self._source)  # none of a function that is typed in
+        return hashlib.sha256(source.read_bytes() if source.is_file() else b"").hexdigest()
 
     def get_disambiguator(self):
         return str(self._line)
 
 
-class _Kept(CompileResultCacheImpl):
-    _locator_classes = [_ByContents]
-
-
 class _Cache(FunctionCache):
     """numba's disk cache, from a disk that may be full or have lost what it held."""
 
-    _impl_class = _Kept
+    project: Project
 
     def load_overload(self, sig, target_context):
         # What numba knows of Python's and NumPy's functions is for who compiles, and takes 0.1 s to
@@ -88,7 +87,7 @@ class _Cache(FunctionCache):
             return None
 
     def save_overload(self, sig, data):
-        if not _FOLDER.endswith(kernels_hash()):
+        if not self.project.code_folder.endswith(self.project.kernels_hash()):
             return  # edited since: what was compiled may be of either source
         with contextlib.suppress(OSError):  # compiled code also runs where it cannot be kept
             super().save_overload(sig, data)
@@ -106,9 +105,17 @@ class _Cache(FunctionCache):
                 try:
                     fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 except BlockingIOError:
-                    tell_of_compiling()
+                    self.project.tell_of_compiling()
                     fcntl.flock(file, fcntl.LOCK_EX)
             yield
+
+
+@functools.cache
+def _cache_of(project: Project) -> type[_Cache]:
+    """The disk cache in the folder of a project: numba asks for classes, not for instances."""
+    locator = type("_Locator", (_ByContents,), {"project": project})
+    kept = type("_Kept", (CompileResultCacheImpl,), {"_locator_classes": [locator]})
+    return type("_ProjectCache", (_Cache,), {"_impl_class": kept, "project": project})
 
 
 def interruptible(work: Callable):
@@ -155,15 +162,17 @@ def _leave(future: Future) -> None:
 class Kernel(CPUDispatcher):
     """A compiled function. Python and other kernels may call it."""
 
-    def __init__(self, function, options, level):
+    def __init__(self, project, function, options, level):
         super().__init__(function, targetoptions={"nopython": True} | options)
+        PACKAGES.add(f"{project.name}.")
+        self.project = project
         self.level = level
         self.companions: list[tuple[Kernel, Callable]] = []
 
     @functools.cached_property
     def disk(self) -> _Cache:
         """Compiled code on disk, for calls from Python; other kernels bring it along in theirs."""
-        return _Cache(self.py_func)
+        return _cache_of(self.project)(self.py_func)
 
     @functools.cached_property
     def callee(self) -> Callee:
@@ -201,7 +210,7 @@ class Kernel(CPUDispatcher):
         with self.disk.locked():
             found = self._known(args)  # by another process, meanwhile
             if found is None:
-                tell_of_compiling()
+                self.project.tell_of_compiling()
                 with global_compiler_lock:
                     _start_without_scipy()
                     group = [(self, args)]

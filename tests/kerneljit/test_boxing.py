@@ -7,7 +7,7 @@ INTERRUPTED = """
 import signal
 from typing import NamedTuple
 import numpy as np
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.decorators import jit
 
 class Inner(NamedTuple):
     x: float
