@@ -3,10 +3,12 @@
 import importlib
 import inspect
 import re
+import tomllib
 
 import pytest
 from support import ROOT
 
+from bearingwear import commands
 from bearingwear.provenance import PACKAGE, sources
 
 FILES = sorted(ROOT.glob("workflow/rules/*.smk"))
@@ -67,3 +69,15 @@ def test_files_of_the_workflow_are_installed():
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     for pattern in ("workflow/rules/*.smk", "workflow/schemas/*.yaml", "workflow/report/*.rst"):
         assert f'"{pattern}"' in project and list(ROOT.glob(pattern))
+
+
+def test_the_image_is_made_by_commands_and_of_folders_that_are_there():
+    """No test builds it."""
+    text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    for line in re.findall(r"^COPY (.+) \S+$", text, re.M):
+        assert all((ROOT / name).exists() for name in line.split()), line
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    packages = project["tool"]["setuptools"]["packages"]["find"]["include"]
+    assert {name.rstrip("*") for name in packages} <= set(re.findall(r"^COPY (\w+) ", text, re.M))
+    run = re.findall(r"^RUN (?:.*&& )?bearingwear (\w+)", text, re.M)
+    assert run and all(hasattr(commands, name) for name in run)
