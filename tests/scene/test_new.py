@@ -12,12 +12,12 @@ from support import only_line
 
 from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
+from bearingwear.kernels.project import PROJECT
 from bearingwear.lives.life import life
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
-from kerneljit.project import Project
 
 SIZE = ["--bore", "40", "--outside", "68"]
 
@@ -205,7 +205,7 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
 
 
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(Project, "code_folder", str(tmp_path / "empty"))
+    monkeypatch.setitem(PROJECT.__dict__, "code_folder", str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "the first solve must compile" in told(capsys)
     assert new(tmp_path / "b.yaml", "608", "--film", "mos2") == 0  # no study has films
