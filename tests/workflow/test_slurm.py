@@ -15,6 +15,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
+import yaml
 
 pytestmark = pytest.mark.cluster
 
@@ -166,6 +167,24 @@ def test_a_study_on_slurm(on_slurm, new_project):
     assert project.results() == here.results()
     again = project.run("-n")
     assert "Nothing to be done" in again.text
+
+
+def test_a_map_on_slurm(slurm, new_project):
+    """Its parts are one job of the cluster; the map has the bytes that it has without one."""
+    target, numbers = "results/gyro_s1/design/design.nc", []
+    axes = {"preload_method": ["constant_force", "fixed_position"], "friction": [0.08]}
+    axes |= {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0, 6.0]}
+    for options in (PROFILE, ()):
+        project = new_project()
+        path = project.root / "config/design.yaml"
+        design = yaml.safe_load(path.read_text(encoding="utf-8"))
+        design["scenes"] = {"gyro_s1": {"map": axes}}
+        path.write_text(yaml.safe_dump(design), encoding="utf-8")
+        run = project.run(*options, target)
+        assert run.status == 0 and run.jobs["map_part"] == 2, run.text
+        numbers.append((project.root / target).read_bytes())
+    assert numbers[0] == numbers[1]
+    assert queued("%T %l")[0].split() == ["COMPLETED", "8:00"]  # four minutes a part
 
 
 def test_a_group_that_is_ended_leaves_nothing_outdated(on_slurm):
