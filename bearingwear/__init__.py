@@ -1,6 +1,6 @@
 """Friction and wear of high-speed angular contact ball bearings.
 
-    scene = bearingwear.new(bore=40, outside=68)  # or load("mine.yaml"), or example()
+    scene = bearingwear.new("7008C")  # or load("mine.yaml"), or example()
     case = bearingwear.solve(scene.with_({"operation.preload_N": 200}))
     lives = bearingwear.sweep(scene, {"operation.preload_N": [100, 200, 300]}, what="life")
 
@@ -11,52 +11,62 @@ variables.
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from bearingwear.application import application_functions
+
 __version__ = "0.1.0"
-__all__ = [
-    "Scene",
-    "SceneError",
-    "__version__",
-    "cage",
-    "calibrate",
-    "example",
-    "life",
-    "load",
-    "new",
-    "plot",
-    "save",
-    "show",
-    "solve",
-    "sweep",
-    "to_ross",
-    "warmup",
-]
+
+_FUNCTIONS = {
+    "Scene": "scene.scene",
+    "SceneError": "scene.scene",
+    "example": "api",
+    "life": "api",
+    "load": "api",
+    "new": "api",
+    "plot": "api",
+    "recommend": "api",
+    "save": "api",
+    "show": "api",
+    "solve": "api",
+    "sweep": "api",
+    "uncertainty": "api",
+    "warmup": "api",
+}
+"""Where the public names are; applications add theirs."""
+
+__all__ = ["__version__", *_FUNCTIONS, *application_functions()]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from bearingwear.api import (
-        cage,
-        calibrate,
-        example,
-        life,
-        load,
-        new,
-        plot,
-        save,
-        show,
-        solve,
-        sweep,
-        to_ross,
-        warmup,
-    )
-    from bearingwear.scene.scene import Scene, SceneError
+    from bearingwear.api import example as example
+    from bearingwear.api import life as life
+    from bearingwear.api import load as load
+    from bearingwear.api import new as new
+    from bearingwear.api import plot as plot
+    from bearingwear.api import recommend as recommend
+    from bearingwear.api import save as save
+    from bearingwear.api import show as show
+    from bearingwear.api import solve as solve
+    from bearingwear.api import sweep as sweep
+    from bearingwear.api import uncertainty as uncertainty
+    from bearingwear.api import warmup as warmup
+    from bearingwear.applications.cage.command import cage as cage
+    from bearingwear.applications.calibrate.command import calibrate as calibrate
+    from bearingwear.applications.export.stiffness import to_ross as to_ross
+    from bearingwear.applications.launch.command import launch as launch
+    from bearingwear.applications.margin.command import margin as margin
+    from bearingwear.scene.scene import Scene as Scene
+    from bearingwear.scene.scene import SceneError as SceneError
 
 
 def __getattr__(name: str) -> Any:
     # numba and xarray take half a second to import: only who solves shall wait for them
-    if name not in __all__:
+    if name in _FUNCTIONS:
+        module, function = f"bearingwear.{_FUNCTIONS[name]}", name
+    elif name in __all__:
+        module, _, function = application_functions()[name].partition(":")
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = "scene.scene" if name.startswith("Scene") else "api"
-    return getattr(importlib.import_module(f"bearingwear.{home}"), name)
+    return getattr(importlib.import_module(module), function)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

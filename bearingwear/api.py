@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import STATUS_SENTENCES
+from bearingwear.measures import LIMITED
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.labels import coded, labelled
 from bearingwear.results.netcdf import CaseFileError, dataset
@@ -27,22 +28,20 @@ from bearingwear.scene.new.scene_file import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
-from bearingwear.studies.export import to_ross
 from bearingwear.studies.sweep import sweep
 
 __all__ = [
-    "cage",
-    "calibrate",
     "example",
     "life",
     "load",
     "new",
     "plot",
+    "recommend",
     "save",
     "show",
     "solve",
     "sweep",
-    "to_ross",
+    "uncertainty",
     "warmup",
 ]
 
@@ -52,7 +51,6 @@ if TYPE_CHECKING:
 
     from bearingwear.document.document import Document
     from bearingwear.solvers.result import Result
-    from bearingwear.studies.uncertainty.calibration import Calibration
 
 
 CHOICES: Mapping[str, Collection[str]] = {
@@ -66,6 +64,8 @@ CHOICES: Mapping[str, Collection[str]] = {
 """Choices of the options of `new`."""
 
 RADIAL_CLEARANCE = "radial_clearance_um"
+
+_OF_NEW = "name", "designation", "bore", "outside"  # parameters with a name of their own
 
 
 def solve(
@@ -153,83 +153,94 @@ def life(
     return _made(lived(checked, fidelity, progress), checked)
 
 
-def cage(
+def uncertainty(
     scene: Source,
-    runs: int = 200,
-    within: float = 0.1,
+    friction: Sequence[float] = (),
+    method: Sequence[str] = (),
+    samples: int = 128,
     seed: int = 1,
-    life: bool = False,
     workers: int = 1,
-    path: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """Cage motion and cage wear from an ensemble of runs, like `bearingwear cage`.
+    """Spread in the life due to uncertain values of a scene, like `bearingwear uncertainty`.
 
     Parameters
     ----------
     scene : path, dict or Scene
-        A scene with a cage. Random values are drawn from `uncertainty` and `cage_uncertainty`.
-    runs : int
-        Maximum number of runs.
-    within : float
-        Target relative half-width of the 90 % interval of the mean work per turn.
+        A scene with at least one criterion under `wear.end_of_life`. A scene without `uncertainty`
+        uses the one in the table of coefficients.
+    friction : sequence of float
+        Ball-race friction coefficients, in place of that of the scene.
+    method : sequence of str
+        Preload methods, in place of that of the scene.
+    samples : int
+        Number of bearings, bearings of a batch, and batches sampled, a power of two.
     seed : int
-    life : bool
-        Whether to compute the life of the cage as well, from ensembles at successive wear states.
     workers : int
         Number of processes, which affects only the time.
-    path : path, optional
-        File to write. If a call is interrupted, the next one continues from this file.
 
     Returns
     -------
     xarray.Dataset
-        The results of each `run`; the `share` of each motion; `mean_*` over all runs and over the
-        runs of each motion (`group`), with intervals; for a life, `cage_life` (turns),
-        `cage_hours` and `node_*`.
+        The contents of the file of the command, with names instead of codes: `life_quantile` and
+        its interval, by preload method (and `friction`, if given).
 
     Raises
     ------
-    SceneError
-        A ValueError with a one-line message.
+    SceneError, NotAvailable
+        Both are ValueErrors with a one-line message.
     """
-    from bearingwear.scene.checking.check import record
-    from bearingwear.studies.cage.life import cage_found
-    from bearingwear.studies.cage.plan import Ensemble
+    from bearingwear.studies.uncertainty.quantiles import uncertain_lives
 
-    plan = record(Ensemble, {"runs": runs, "within": within, "seed": seed}, "cage")
-    file = None if path is None else Path(path)
-    return labelled(cage_found(as_scene(scene), plan, life, workers, path=file))
+    return labelled(uncertain_lives(scene, friction, method, samples, seed, workers))
 
 
-def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration:
-    """A scene calibrated with bearing tests, like `bearingwear calibrate`.
+def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Dataset:
+    """The preload with the longest life that satisfies requirements, like `bearingwear recommend`.
 
     Parameters
     ----------
     scene : path, dict or Scene
-        A scene with `uncertainty.wear_coefficient` and a value that scatters between bearings. A
-        scene without `uncertainty` uses the one in the table of coefficients.
-    tests : path
-        CSV file with a header and one row per test (docs/calibrate.md).
+        A scene with at least one criterion under `wear.end_of_life`.
     workers : int
-        Number of processes that compute the lives.
+        Number of processes, which affects only the time.
+    **requirements : float
+        Named like the options of the command, in their units: `stiffness=20`, `pressure=2`, ...;
+        `at_speed_only=True`, and `warmup` (the time from rest to full speed).
 
     Returns
     -------
-    Calibration
-        `scene`, with the remaining uncertainty, and `data`: friction, K_s/H and life before and
-        after the tests, and the tests.
+    xarray.Dataset
+        By preload method: the recommended `preload`, its life and the extremes of all measures
+        from new to the end of life; NaN if no preload satisfies the requirements. Without
+        requirements, lives and measures over preload instead.
 
     Raises
     ------
-    SceneError, CaseFileError
-        Both are ValueErrors with a one-line message that names the invalid row and column.
-    """
-    from bearingwear.studies.uncertainty.calibration import calibrated
+    SceneError, NotAvailable
+        Both are ValueErrors with a one-line message.
 
-    found = calibrated(for_life(as_scene(scene)), tests, workers)
-    found.data = labelled(found.data)
-    return found
+    Warns
+    -----
+    UserWarning
+        No preload satisfies all requirements.
+    """
+    from bearingwear.scene.checking.check import record
+    from bearingwear.studies.design.plan import DesignLimits
+    from bearingwear.studies.design.recommend import best_method, recommended
+    from bearingwear.studies.solve import life_scene
+
+    keys = {_argument(one.option): key for key, one in LIMITED.items()}
+    keys |= {"at_speed_only": "at_speed_only", "warmup": "warmup_s"}
+    if unknown := sorted(requirements.keys() - keys):
+        raise TypeError(f"recommend: got {unknown[0]!r}, expected {', '.join(sorted(keys))}")
+    given = {keys[name]: value for name, value in requirements.items() if value is not None}
+    limits = record(DesignLimits, given, "recommend")
+    checked = life_scene(scene, films=True)
+    found, lives = recommended(checked, limits, checked.name, workers)
+    if limits.given and best_method(found) is None:
+        text = f"{checked.name}: no preload satisfies all requirements"
+        warnings.warn(text, stacklevel=2)
+    return labelled(found if lives is None else lives)
 
 
 def warmup(
@@ -386,9 +397,10 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
 
 
 def new(
+    designation: str | None = None,
+    *,
     bore: float | None = None,
     outside: float | None = None,
-    *,
     name: str = "bearing",
     **known: float | str,
 ) -> Scene:
@@ -396,12 +408,14 @@ def new(
 
     Parameters
     ----------
+    designation : str, optional
+        Such as `"7008C"`; with `maker`, any designation in that maker's catalogue.
     bore, outside : float, optional
         Diameters [mm], unless a designation gives them.
     name : str
         Name of the scene.
     **known : float or str
-        Further values, named like the options of the command: `designation`, `maker`, `balls`,
+        Further values, named like the options of the command: `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
         `ball_material`, `preload_method`, `pair` and `film`.
@@ -419,7 +433,9 @@ def new(
     from bearingwear.scene.new.scene_file import OPTIONS, checked_scene, scene_text
 
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
-    own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
+    if designation is not None and not isinstance(designation, str):
+        raise TypeError(f"new: got {designation!r}, expected a designation such as '7008C'")
+    own = inspect.signature(scene_text).parameters.keys() - {"given", *_OF_NEW}
     allowed = [*own, *keys, RADIAL_CLEARANCE]
     if unknown := sorted(known.keys() - allowed):
         raise TypeError(f"new: got {unknown[0]!r}, expected {', '.join(sorted(allowed))}")
@@ -434,7 +450,7 @@ def new(
         known["clearance"] = known.pop(RADIAL_CLEARANCE)
     given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
     others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
-    others |= {"bore": bore, "outside": outside}
+    others |= {"bore": bore, "outside": outside, "designation": designation}
     try:
         text, assumed = scene_text(name, given=given, **others)
         return checked_scene(text, f"Assumed or catalogue values: {'; '.join(assumed)}.")

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import argparse
-import math
-import os
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from bearingwear import __version__
-from bearingwear.console import one_line
+from bearingwear.application import applications
+from bearingwear.console import BAD_INPUT, one_line
 from bearingwear.measures import LIMITED
-from bearingwear.scene.blocks import SEEN
+from bearingwear.options import (
+    add_case,
+    add_formats,
+    add_jobs,
+    add_scene,
+    file_name,
+    not_negative,
+    positive,
+    scene_keys,
+)
 from bearingwear.scene.coefficients import FILMS, RUBBING
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
-
-BAD_INPUT = 2
 
 STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustness")
 """Studies of the workflow: rules that collect what belongs together."""
@@ -48,7 +54,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def command_parser() -> argparse.ArgumentParser:
-    """The parser of every command; `run` names the handler."""
+    """The parser of every command; `run` is the dotted name of the handler."""
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
@@ -59,44 +65,40 @@ def command_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    def command(name: str, text: str) -> argparse.ArgumentParser:
+    def command(name: str, text: str, handler: str = "") -> argparse.ArgumentParser:
         sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
-        sub.set_defaults(run=name)
+        sub.set_defaults(run=handler or f"bearingwear.commands:{name}")
         return sub
 
     _add_new(command("new", "write a commented scene file from a few catalogue values"))
     check = command("check", "check a scene; report its model and a table of effects")
     solve = command("solve", "solve a scene and print a summary sheet; -o writes a case file")
-    launch = command("launch", "determine whether the bearings of a rotor gap or dent at launch")
     life = command("life", "compute the wear life and print a summary sheet; -o writes a life file")
     for sub in (check, solve, life):
-        _add_scene(sub)
-    _add_formats(check)
+        _add_fidelity(sub)
+    add_formats(check)
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
         help="continue a dynamic case from its final state; the two scenes may differ only in "
         "wear, model and friction.slip_regularisation_m_s",
     )
-    for sub in (check, solve, life, launch):
-        sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
+    for sub in (check, solve, life):
+        add_case(sub)
     _add_result(solve, several=True)
     _add_result(life)
     for sub in (solve, life):
-        _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+        add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
         "uncertainty", "compute the spread in life due to the uncertain values in the scene"
     )
     _add_uncertainty(spread)
-    _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    _add_calibrate(command("calibrate", "fit friction and wear coefficients to test results"))
-    _add_cage(command("cage", "compute cage motion and cage wear from an ensemble of runs"))
+    add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
     recommend = command("recommend", "recommend a preload for given requirements")
-    _add_scene_with_changes(recommend)
+    add_scene(recommend)
     _add_limits(recommend)
-    _add_formats(recommend)
-    _add_launch(launch)
-    _add_of_machines(command)
+    add_formats(recommend)
+    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
     _add_show(
         command(
             "show", "print the main values in a result file, in two side by side, or in a scene"
@@ -105,44 +107,13 @@ def command_parser() -> argparse.ArgumentParser:
     _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
     _add_many(command)
+    for one in applications():
+        one.add_options(command(one.command, one.description, one.handler))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
 
 # fmt: off
-def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(calibrate)
-    calibrate.add_argument("tests", metavar="TESTS.csv",
-        help="a table with a header and one row per test; the columns are scene keys and one "
-        f"result ({', '.join(SEEN)})")
-    calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
-        help="the scene file to write; values before and after calibration are stored in an .nc "
-        "file of the same name")
-    _add_formats(calibrate)
-
-
-def _add_cage(cage: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(cage)
-    cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs (default: 200)")
-    cage.add_argument("--within", type=_share, metavar="SHARE",
-        help="target relative half-width of the 90 %% interval for the mean work (default: 0.1)")
-    cage.add_argument("--seed", type=int, metavar="N", help="random seed (default: 1)")
-    cage.add_argument("--least-turns", type=int, metavar="N",
-        help="minimum number of shaft turns per run (default: 30); the motion of a hanging cage "
-        "may change after hundreds of turns")
-    cage.add_argument("--turns", dest="most_turns", type=int, metavar="N",
-        help="maximum number of shaft turns in a run that has not settled (default: 150)")
-    cage.add_argument("--life", action="store_true",
-        help="also compute the wear life of the cage from ensembles at successive wear states")
-    cage.add_argument("-j", "--jobs", type=int, metavar="N",
-        help="number of processes (default: one for each core)")
-    cage.add_argument("--record-failures", action="store_true",
-        help="exit status 0 even if no run succeeds; the file contains the reasons")
-    cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
-    _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
-
-
 def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("scenes", nargs="+", metavar="SCENE.yaml",
         help="a scene file, or several, whose results lie along the dimension scene")
@@ -152,7 +123,7 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         help="values of a key, separated by commas, or LOW:HIGH:COUNT; may be repeated, and every "
         "combination is a point")
     for option in (changed, along):
-        option.completer = _scene_keys  # type: ignore[attr-defined]
+        option.completer = scene_keys  # type: ignore[attr-defined]
     sweep.add_argument("--rows", metavar="FILE.csv", type=Path,
         help="a table instead of axes: its header has keys, and each row is a point")
     sweep.add_argument("--what", choices=("solve", "life"), default="solve",
@@ -163,13 +134,12 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         "measure from new to the end of life; or study: what a study keeps of a case")
     sweep.add_argument("--part", type=_part, metavar="K/N",
         help="compute the K-th of N parts; `bearingwear gather` joins their files")
-    sweep.add_argument("-j", "--jobs", type=_count, metavar="N",
-        help="number of processes (default: one per core)")
+    add_jobs(sweep)
     sweep.add_argument("-n", "--dry-run", action="store_true",
         help="compute a few points and state the number of points and the expected time")
     sweep.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no point is solved")
-    sweep.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
+    sweep.add_argument("-o", "--output", metavar="FILE.nc", type=file_name,
         help="the file to write (required unless --dry-run is given)")
 
 
@@ -177,15 +147,7 @@ def _add_step(step: argparse.ArgumentParser) -> None:
     step.add_argument("function", metavar="FUNCTION")
     step.add_argument("words", nargs="*", metavar="NAME=VALUE")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
-    step.set_defaults(run="step")
-
-
-def _add_of_machines(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
-    _add_margin(
-        command("margin", "compute the torque margin of a drive, cold and hot, new and worn")
-    )
-    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
-    _add_export(command("export", "write the stiffness at given speeds as CSV or ROSS TOML"))
+    step.set_defaults(run="bearingwear.commands:step")
 
 
 def _add_many(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
@@ -258,16 +220,12 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 
 
-def _add_scene(sub: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(sub)
+def _add_fidelity(sub: argparse.ArgumentParser) -> None:
+    add_scene(sub)
     sub.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
 
 
-def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    setting = sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-        help="replace a value in the scene, for example operation.preload_N=9; may be repeated")
-    setting.completer = _scene_keys  # type: ignore[attr-defined]
+
 
 
 def _add_limits(sub: argparse.ArgumentParser) -> None:
@@ -278,11 +236,11 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
             unit, metavar = "", "SHARE"
         if one.unit == "1":
             unit, metavar = "", "RATIO"
-        sub.add_argument(one.option, dest=key, type=_not_negative if one.base else _positive,
+        sub.add_argument(one.option, dest=key, type=not_negative if one.base else positive,
             metavar=metavar, help=f"{text}{unit}")
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
-    sub.add_argument("--warmup", dest="warmup_s", type=_not_negative, nargs="?", const=0.0,
+    sub.add_argument("--warmup", dest="warmup_s", type=not_negative, nargs="?", const=0.0,
         metavar="S", help="apply the requirements to the new bearings during the warm-up, too; S "
         "is the time from rest to full speed (default: at once)")
 
@@ -291,21 +249,13 @@ def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
     if several:
         sub.add_argument("--each", metavar="KEY=VALUE,VALUE...",
             help="solve a case for each value of a key in the scene; -o then names a file for each")
-    sub.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=file_name,
         nargs="+" if several else None,
         help="the file to write; its folder is created if missing")
     sub.add_argument("--record-timing", action="store_true",
         help="store the solve time (result files of identical cases then differ)")
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if the solver fails, and store the reason in the file")
-
-
-def _add_formats(sub: argparse.ArgumentParser) -> Any:
-    """Options of the output; one at a time."""
-    formats = sub.add_mutually_exclusive_group()
-    formats.add_argument("--json", action="store_true", help="print the sheet as JSON")
-    formats.add_argument("--csv", action="store_true", help="print the sheet as CSV")
-    return formats
 
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
@@ -344,41 +294,22 @@ def _add_study(study: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_launch(sub: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(sub)
-    for way, words in (("axial", "along"), ("radial", "perpendicular to")):
-        sub.add_argument(f"--{way}", type=_not_negative, metavar="G",
-            help=f"acceleration {words} the bearing axis (sets launch.{way}_g)")
-    _add_formats(sub)
-
-
-def _add_margin(sub: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(sub)
-    sub.add_argument("--drive", type=_positive, metavar="N_M",
-        help="drive torque (sets drive.torque_Nm)")
-    sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
-        help="standard that defines the margin (sets drive.standard; default: ecss)")
-    sub.add_argument("--data", choices=("analysis", "test", "extremes"),
-        help="source of the torque data (sets drive.data; default: analysis)")
-    _add_formats(sub)
-
-
 def _add_warmup(sub: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(sub)
-    sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
+    add_scene(sub)
+    add_case(sub)
     ramp = sub.add_mutually_exclusive_group()
-    ramp.add_argument("--seconds", type=_not_negative, default=None, metavar="S",
+    ramp.add_argument("--seconds", type=not_negative, default=None, metavar="S",
         help="time from rest to full speed, at constant acceleration")
     ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
         help="times and shaft speeds, with linear changes between them")
     ramp.add_argument("--limit", nargs="+", type=_limit_of_ramp, metavar="NAME=VALUE",
         help="find the shortest ramp that keeps pressure=GPA or preload=N from rest to the steady "
         "temperatures")
-    sub.add_argument("--duration", type=_positive, metavar="S",
+    sub.add_argument("--duration", type=positive, metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
         help="the file to write")
-    _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+    add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 
 
 def _limit_of_ramp(text: str) -> tuple[str, float]:
@@ -386,7 +317,7 @@ def _limit_of_ramp(text: str) -> tuple[str, float]:
     name, _, value = text.partition("=")
     if name not in ("pressure", "preload"):
         raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
-    return name, _positive(value)
+    return name, positive(value)
 
 
 def _course(text: str) -> list[tuple[float, float]]:
@@ -405,27 +336,6 @@ def _course(text: str) -> list[tuple[float, float]]:
     return pairs  # type: ignore[return-value]
 
 
-def _add_export(sub: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(sub)
-    sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
-        help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
-        "at least five speeds")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
-        help="a .csv file for the 5 x 5 matrices of all bearings, or a .toml file for one bearing "
-        "in the format read by ross.BearingElement.load")
-    sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
-        help="which bearing of a pair to export (default: 1)")
-    sub.add_argument("--tilt", choices=("held", "released"), default="held",
-        help="whether shaft tilt in the bearing, which ROSS does not model, is held or released "
-            "(default: held)")
-    sub.add_argument("--damping", type=_positive, metavar="N_S_M",
-        help="damping in x, y and z (default: 0, assumed)")
-    sub.add_argument("--node", type=int, default=0, metavar="N",
-        help="rotor node (default: 0)")
-    sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
-        help="major version of ROSS, which determines the name of the speed key (default: 2)")
-
-
 def _add_show(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
     sub.add_argument("second", nargs="?", metavar="B.nc",
@@ -433,7 +343,7 @@ def _add_show(sub: argparse.ArgumentParser) -> None:
         "differences in percent")
     sub.add_argument("--all", action="store_true",
         help="also print residuals, error estimates, steps and versions")
-    _add_formats(sub)
+    add_formats(sub)
 
 
 def _add_plot(sub: argparse.ArgumentParser) -> None:
@@ -448,63 +358,13 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
 # fmt: on
 
 
-def _speeds(text: str) -> list[float]:
-    low, _, rest = text.partition(":")
-    try:
-        if not rest:
-            return [float(one) for one in text.split(",")]
-        high, _, count = rest.partition(":")
-        start, end, n = float(low), float(high), int(count or 8)
-        if not (0.0 <= start < end < math.inf and 2 <= n <= 1000):
-            raise ValueError
-        return [start + (end - start) * k / (n - 1) for k in range(n)]
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers such as 1000,2000,5000"
-        ) from None
-
-
 def is_result(text: str) -> bool:
     """Whether the name of a study is rather that of one of its results."""
     return Path(text).parts[:1] == ("results",)
 
 
-def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan  # within nothing
-    if not within(value):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}")
-    return value
-
-
-def _positive(text: str) -> float:
-    return _number(text, lambda value: 0.0 < value < math.inf, "> 0")
-
-
-def _not_negative(text: str) -> float:
-    return _number(text, lambda value: 0.0 <= value < math.inf, ">= 0")
-
-
-def _share(text: str) -> float:
-    return _number(text, lambda value: 0.0 <= value < 1.0, ">= 0 and < 1")
-
-
-def _file_name(text: str) -> Path:
-    if not os.path.basename(text):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected a file name")
-    return Path(text)
-
-
 def _names(text: str) -> list[str]:
     return text.split(",")
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected 1 or more")
-    return int(text)
 
 
 def _part(text: str) -> tuple[int, int]:
@@ -512,11 +372,3 @@ def _part(text: str) -> tuple[int, int]:
     if not (number.isdecimal() and parts.isdecimal()):
         raise argparse.ArgumentTypeError(f"got {text!r}, expected K/N such as 3/10")
     return int(number), int(parts)
-
-
-def _scene_keys(**_: Any) -> list[str]:
-    """Keys of `--set`, for completion in a shell."""
-    from bearingwear.scene.checking.records import keys, whole
-    from bearingwear.scene.scene import Scene
-
-    return [f"{key}=" for key, part in keys(whole(Scene)) if part.kind != "block"]

@@ -13,7 +13,6 @@ import atexit
 import difflib
 import functools
 import gc
-import importlib
 import io
 import os
 import re
@@ -21,12 +20,12 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
 
-from bearingwear.arguments import BAD_INPUT, command_parser
-from bearingwear.console import UsageError, one_line
+from bearingwear.arguments import command_parser
+from bearingwear.console import BAD_INPUT, SUCCESS, UsageError, one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
-_OK, FULL_DISK, INTERRUPTED = 0, 74, 130
+FULL_DISK, INTERRUPTED = 74, 130
 RENAMED = {"compare": "show A.nc B.nc"}
 """What is typed today in place of commands that are gone."""
 
@@ -48,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:  # `bearingwear show FILE | head`
         _drop(sys.stdout)
-        return _OK
+        return SUCCESS
     except OSError as error:  # a full disk
         _drop(sys.stdout)
         try:
@@ -150,13 +149,15 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
 def _run(args: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
     from bearingwear.atomic import OutputError
+    from bearingwear.results.kinds import function
     from bearingwear.results.netcdf import CaseFileError
     from bearingwear.scene.checking.errors import NotAvailable
     from bearingwear.scene.scene import SceneError
 
-    handler = getattr(importlib.import_module("bearingwear.commands"), args.run)
+    handler = function(args.run)
     try:
-        return handler(args)
+        status: int = handler(args)
+        return status
     except NotAvailable as error:
         # the model knows the scene by its name, the user by its file
         problem = str(error).partition(": ")[2]

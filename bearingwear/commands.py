@@ -8,28 +8,38 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import io
 import re
 import shlex
 import sys
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.atomic import check_folder, check_output
-from bearingwear.console import ProgressLines, UsageError, one_line, printable
+from bearingwear.console import (
+    INFEASIBLE,
+    NOT_SOLVED,
+    SUCCESS,
+    ProgressLines,
+    UsageError,
+    one_line,
+)
 from bearingwear.measures import LIMITED, plain
+from bearingwear.options import given_scene
+from bearingwear.printing import (
+    print_file,
+    print_sheet,
+    print_text,
+    print_warnings,
+    tell_of_new_folder,
+)
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
 
 if TYPE_CHECKING:
-    from bearingwear.document.document import Document
     from bearingwear.scene.scene import Scene
     from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
-
-OK, NOT_SOLVED, INFEASIBLE = 0, 3, 4
 
 NEXT = (
     ("check", ""),
@@ -56,7 +66,7 @@ def new(args: argparse.Namespace) -> int:
     names = "bore outside clearance ball_material preload_method preload_class maker pair film"
     others = {name: getattr(args, name) for name in names.split()}
     check_folder(Path(path))
-    _tell_of_new_folder(Path(path))
+    tell_of_new_folder(Path(path))
     lines = write_scene(path, given=known, designation=designation, **others)
     print(f"{path}: written; values assumed or taken from a catalogue, as marked in the file:")
     for line in lines:
@@ -72,7 +82,7 @@ def new(args: argparse.Namespace) -> int:
             continue
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
         print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
-    return OK
+    return SUCCESS
 
 
 def _list(words: list[str]) -> int:
@@ -84,8 +94,8 @@ def _list(words: list[str]) -> int:
     if maker not in MAKERS:
         problem = f"got {shown(words[0])}, expected {', '.join(MAKERS)}"
         raise SceneError("", problem, source="--list")
-    _print("\n".join(listed(maker, " ".join(words[1:]))))
-    return OK
+    print_text("\n".join(listed(maker, " ".join(words[1:]))))
+    return SUCCESS
 
 
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
@@ -106,14 +116,14 @@ def check(args: argparse.Namespace) -> int:
     from bearingwear.document.effects import check_document
     from bearingwear.solvers.effects.choice import choice
 
-    scene = _scene(args)
+    scene = given_scene(args)
     chosen = choice(scene, args.fidelity)
     if scene.duty is not None:
         from bearingwear.lives.duty.result import choices_of_phases
 
         choices_of_phases(scene, args.fidelity)
-    _print_sheet(check_document(args.scene, scene, chosen), args)
-    return OK
+    print_sheet(check_document(args.scene, scene, chosen), args)
+    return SUCCESS
 
 
 def solve(args: argparse.Namespace) -> int:
@@ -121,7 +131,7 @@ def solve(args: argparse.Namespace) -> int:
         return _solve_each(args)
     args.output = _only_output(args.output)
     with ProgressLines(args.scene) as tell:
-        scene = _scene(args)
+        scene = given_scene(args)
         from bearingwear.solvers.solve import solve as solved
 
         restart = _restart(scene, args) if args.restart is not None else None
@@ -155,7 +165,7 @@ def _solve_each(args: argparse.Namespace) -> int:
 
     variants = [changes_of([*args.set, f"{key}={value}"]) for value in each]
     solved = solved_variants(args.scene, variants, args.fidelity, args.case)
-    status = OK
+    status = SUCCESS
     for result, path in zip(solved, outputs, strict=True):
         if args.record_timing:
             result.attrs["wall_time_s"] = float(result.wall_time_s)
@@ -183,10 +193,10 @@ def sweep(args: argparse.Namespace) -> int:
         from bearingwear.studies.sweep_cost import cost_lines
 
         print("\n".join(cost_lines(asked, args.jobs, args.part[1] if args.part else 1)))
-        return OK
+        return SUCCESS
     for path in args.scenes:
         check_output(args.output, path)
-    _tell_of_new_folder(args.output)
+    tell_of_new_folder(args.output)
     with ProgressLines() as tell:
         made = asked.dataset(args.jobs, tell, args.part)
     from bearingwear.results.labels import coded
@@ -196,7 +206,7 @@ def sweep(args: argparse.Namespace) -> int:
     write_dataset(coded(made), args.output)
     for text in sweep_warnings(made):
         sys.stderr.write(one_line(f"{args.output}: {text}"))
-    return OK if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
+    return SUCCESS if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
 
 
 def gather(args: argparse.Namespace) -> int:
@@ -208,11 +218,11 @@ def gather(args: argparse.Namespace) -> int:
         from bearingwear.studies.sweep_dataset import gathered_parts
 
         write_dataset(coded(gathered_parts(args.files)), args.output)
-        return OK
+        return SUCCESS
     from bearingwear.studies.grid.gather import study as gathered
 
     write_dataset(gathered(args.files), args.output)
-    return OK
+    return SUCCESS
 
 
 def page(args: argparse.Namespace) -> int:
@@ -220,7 +230,7 @@ def page(args: argparse.Namespace) -> int:
     from bearingwear.page.page import page as written
 
     write_text(args.output, written(args.results, args.docs, args.answers, args.scenes))
-    return OK
+    return SUCCESS
 
 
 def compile(args: argparse.Namespace) -> int:
@@ -230,14 +240,14 @@ def compile(args: argparse.Namespace) -> int:
     for model in args.models or MODELS:
         with ProgressLines(model):
             compile_model(model)
-    return OK
+    return SUCCESS
 
 
 def life(args: argparse.Namespace) -> int:
     with ProgressLines(args.scene) as tell:
         from bearingwear.scene.read import for_life
 
-        scene = for_life(_scene(args), args.scene)
+        scene = for_life(given_scene(args), args.scene)
         from bearingwear.lives.life import life as lived
 
         result = lived(scene, args.fidelity, tell)
@@ -260,52 +270,14 @@ def uncertainty(args: argparse.Namespace) -> int:
             workers=args.jobs or usable_cores(),
             tell=tell,
         )
-    _tell_of_new_folder(args.output)
+    tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not (found["solved_share"] > 0.0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed (see {args.output})"))
-        return OK if args.record_failures else NOT_SOLVED
+        return SUCCESS if args.record_failures else NOT_SOLVED
     if not args.quiet:
-        _print_file(args.output, args)
-    return OK
-
-
-def cage(args: argparse.Namespace) -> int:
-    scene = _scene(args)
-    from bearingwear.scene.checking.check import record
-    from bearingwear.studies.cage.life import cage_found
-    from bearingwear.studies.cage.plan import Ensemble
-    from bearingwear.studies.sampling import usable_cores
-
-    names = ("runs", "within", "seed", "least_turns", "most_turns")
-    given = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
-    plan = record(Ensemble, given, "cage")
-    _tell_of_new_folder(args.output)
-    with ProgressLines(args.scene) as tell:
-        workers = args.jobs or usable_cores()
-        found = cage_found(scene, plan, args.life, workers, tell, args.output)
-    if not args.quiet:
-        _print_file(args.output, args)
-    if (found["status"] == 0).any():
-        return OK
-    sys.stderr.write(one_line(f"{args.scene}: none of the cage runs succeeded"))
-    return OK if args.record_failures else NOT_SOLVED
-
-
-def calibrate(args: argparse.Namespace) -> int:
-    from bearingwear.scene.read import load_scene
-    from bearingwear.studies.sampling import usable_cores
-    from bearingwear.studies.uncertainty.calibration import calibrated, files_of
-
-    data = files_of(args.output)
-    check_output(data, args.scene)
-    with ProgressLines() as tell:
-        found = calibrated(load_scene(args.scene, args.set), args.tests, usable_cores(), tell)
-    _tell_of_new_folder(args.output)
-    found.write(args.output)
-    _print_file(data, args)
-    _tell(f"{args.output}: calibrated scene; {data}: results, for `show` and `plot`")
-    return OK
+        print_file(args.output, args)
+    return SUCCESS
 
 
 def recommend(args: argparse.Namespace) -> int:
@@ -320,47 +292,18 @@ def recommend(args: argparse.Namespace) -> int:
         limits = _limits(args)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
-    if lives is not None and not (lives["status"] == OK).any():
+    if lives is not None and not (lives["status"] == 0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
         return NOT_SOLVED
-    _print_sheet(sheet, args)
+    print_sheet(sheet, args)
     if not limits.given or best_method(found) is not None:
-        return OK
+        return SUCCESS
     sys.stderr.write(one_line(f"{args.scene}: no preload satisfies all requirements"))
     return INFEASIBLE
 
 
-def launch(args: argparse.Namespace) -> int:
-    from bearingwear.document.launch import launch_document
-    from bearingwear.lives.margin import launched_by_wear
-    from bearingwear.solvers.bearing.launch import check_launch
-
-    given = {"axial": args.axial, "radial": args.radial}
-    args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
-    scene = _scene(args)
-    check_launch(scene, args.scene)
-    _print_sheet(launch_document(scene, launched_by_wear(scene)), args)
-    return OK
-
-
-def margin(args: argparse.Namespace) -> int:
-    given = {"torque_Nm": args.drive, "standard": args.standard, "data": args.data}
-    args.set += [f"drive.{key}={value}" for key, value in given.items() if value is not None]
-    scene = _scene(args)
-    if scene.drive is None:
-        raise UsageError(f"{args.scene}: drive: got nothing, expected a drive block or --drive N_M")
-    from bearingwear.document.margin import margin_document, worst_corner
-    from bearingwear.lives.margin import torque_corners
-
-    corners = torque_corners(scene)
-    _print_sheet(margin_document(scene, corners), args)
-    if worst_corner(corners).margin < 0.0:
-        return INFEASIBLE
-    return OK if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
-
-
 def warmup(args: argparse.Namespace) -> int:
-    scene = _scene(args)
+    scene = given_scene(args)
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
     from bearingwear.studies.warmup.transient import course_of, ramp
@@ -377,31 +320,11 @@ def warmup(args: argparse.Namespace) -> int:
             seconds = shortest
         course = course_of(scene, args.course) if args.course else ramp(seconds)
         found = warm_up_dataset(scene, course, args.duration)
-    _tell_of_new_folder(args.output)
+    tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not args.quiet:
-        _print_file(args.output, args)
-    return OK if found["status"] == 0 else NOT_SOLVED
-
-
-def export(args: argparse.Namespace) -> int:
-    from bearingwear.atomic import write_text
-    from bearingwear.studies.export import NotExported, StiffnessOverSpeed
-
-    scene, path = _scene(args), Path(args.output)
-    if path.suffix not in (".csv", ".toml"):
-        raise UsageError(f"-o: got {args.output}, expected a name that ends in .csv or .toml")
-    try:
-        found = StiffnessOverSpeed.of(scene, args.speeds)
-    except NotExported as error:
-        sys.stderr.write(one_line(f"{args.scene}: {error}"))
-        return NOT_SOLVED
-    name = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)
-    more = args.bearing, args.tilt, args.damping, args.node, args.ross
-    _tell_of_new_folder(path)
-    write_text(path, found.csv if path.suffix == ".csv" else found.toml(name, *more))
-    print(f"{path}: written; dynamic stiffness at {len(args.speeds)} speeds")
-    return OK
+        print_file(args.output, args)
+    return SUCCESS if found["status"] == 0 else NOT_SOLVED
 
 
 def show(args: argparse.Namespace) -> int:
@@ -409,15 +332,15 @@ def show(args: argparse.Namespace) -> int:
         from bearingwear.document.comparison import comparison_sheet
         from bearingwear.studies import STUDY_SHEETS
 
-        _print_sheet(comparison_sheet(args.file, args.second, STUDY_SHEETS, args.all), args)
+        print_sheet(comparison_sheet(args.file, args.second, STUDY_SHEETS, args.all), args)
     elif args.file.endswith(SCENE_SUFFIXES):
         from bearingwear.document.show import scene_sheet
         from bearingwear.scene.read import load_scene
 
-        _print_sheet(scene_sheet(load_scene(args.file)), args)
+        print_sheet(scene_sheet(load_scene(args.file)), args)
     else:
-        _print_file(args.file, args, args.all)
-    return OK
+        print_file(args.file, args, args.all)
+    return SUCCESS
 
 
 def plot(args: argparse.Namespace) -> int:
@@ -426,11 +349,11 @@ def plot(args: argparse.Namespace) -> int:
 
     for path in args.output:
         check_folder(path)
-        _tell_of_new_folder(path)
+        tell_of_new_folder(path)
     draw(args.file, args.output, STUDY_PLOTS, args.bearing)
     for path in args.output:
         print(f"{path}: written")
-    return OK
+    return SUCCESS
 
 
 def study(args: argparse.Namespace) -> int:
@@ -454,7 +377,7 @@ def study(args: argparse.Namespace) -> int:
             write_study(file, folder, _limits(args))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
-        _print(f"page: {page}")
+        print_text(f"page: {page}")
     return status
 
 
@@ -467,7 +390,7 @@ def step(args: argparse.Namespace) -> int:
     except NotSolved as error:
         sys.stderr.write(f"{error}\n")
         return NOT_SOLVED
-    return OK
+    return SUCCESS
 
 
 def _tried(path: str) -> list[str]:
@@ -523,32 +446,6 @@ def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
     return restart_from(args.restart, scene)
 
 
-def _tell(text: str) -> None:
-    """Write a line at once; a run goes on where nobody reads about its progress any more."""
-    with contextlib.suppress(OSError, ValueError):
-        sys.stderr.write(one_line(text))
-        sys.stderr.flush()
-
-
-def _scene(args: argparse.Namespace) -> Scene:
-    from bearingwear.scene.read import load_scene
-
-    scene = load_scene(args.scene, args.set)
-    if (case := getattr(args, "case", None)) is not None:
-        from bearingwear.scene.cases import in_case
-
-        scene = in_case(scene, case, "--case")
-    if getattr(args, "output", None) is not None:
-        check_output(args.output, args.scene)
-    return scene
-
-
-def _tell_of_new_folder(path: Path) -> None:
-    """Tell of folders that are made, since a name may be mistyped."""
-    if not path.parent.exists():
-        _tell(f"{path.parent}: new folder")
-
-
 def _finish(result: Result, args: argparse.Namespace) -> int:
     """Write the file, print the sheet; say so if the solver failed."""
 
@@ -557,46 +454,16 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
     if args.output is not None:
         from bearingwear.results.netcdf import write_result
 
-        _tell_of_new_folder(args.output)
+        tell_of_new_folder(args.output)
         write_result(result, args.output)
     if args.quiet or args.json or args.csv:  # the sheet as text has them
-        _warn(result.attrs)
+        print_warnings(result.attrs)
     if not args.quiet:
         from bearingwear.document.show import sheet, sheet_of_result
 
-        _print_sheet(sheet(args.output) if args.output else sheet_of_result(result), args)
+        print_sheet(sheet(args.output) if args.output else sheet_of_result(result), args)
     if result.status == "ok":
-        return OK
+        return SUCCESS
     where = f" (see {args.output})" if args.output else ""
     sys.stderr.write(one_line(f"{args.scene}: {result.status}: {result.reason}{where}"))
-    return OK if args.record_failures else NOT_SOLVED
-
-
-def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
-    from bearingwear.document.data import as_csv, as_json
-    from bearingwear.document.text import as_text
-
-    if args.csv and isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(encoding="utf-8")  # whatever the locale, as files are
-    render = as_json if args.json else as_csv if args.csv else as_text
-    _print(render(sheet))
-
-
-def _print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
-    """The sheet of a result file of any kind."""
-    from bearingwear.document.show import sheet
-    from bearingwear.studies import STUDY_SHEETS
-
-    _print_sheet(sheet(path, STUDY_SHEETS, every), args)
-
-
-def _warn(attributes: Mapping[str, Any]) -> None:
-    from bearingwear.results.warnings import warning_lines
-
-    for line in warning_lines(attributes):
-        _tell(line)
-
-
-def _print(text: str) -> None:
-    """Mask control characters: names in a foreign file may hold some."""
-    print("\n".join(map(printable, text.split("\n"))))
+    return SUCCESS if args.record_failures else NOT_SOLVED

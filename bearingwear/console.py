@@ -10,6 +10,9 @@ import time
 import unicodedata
 from typing import Any, TextIO
 
+SUCCESS, BAD_INPUT, NOT_SOLVED, INFEASIBLE = 0, 2, 3, 4
+"""Exit statuses of commands (`cli`)."""
+
 LINE_EVERY = 2.0
 """Seconds between two lines of progress, and before the first."""
 

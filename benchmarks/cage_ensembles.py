@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.applications.cage.ensemble import half_interval, is_met, kept_in
+from bearingwear.applications.cage.plan import FEWEST, Ensemble
+from bearingwear.applications.cage.show import shares_in_words
 from bearingwear.scene.read import variant
-from bearingwear.studies.cage.ensemble import half_interval, is_met, kept_in
-from bearingwear.studies.cage.plan import FEWEST, Ensemble
-from bearingwear.studies.cage.show import shares_in_words
 from bearingwear.studies.dataset import write_dataset
 
 SCENE = "config/scenes/gyro_s1.yaml"

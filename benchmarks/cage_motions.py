@@ -10,9 +10,8 @@ import numpy as np
 
 from bearingwear.kernels.status import OK
 from bearingwear.scene.read import variant
-from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.system import CageStart, DynamicSystem
 from bearingwear.solvers.start import start_of
-from bearingwear.studies.cage.run import CageStart, placed
 
 SCENE = "config/scenes/gyro_s1.yaml"
 GRAVITY = {"operation.gravity_m_s2": [0.0, 0.0, -9.81]}
@@ -24,7 +23,7 @@ def whirl(friction: float, tolerance: float) -> tuple[float, float]:
     """Power in the pockets [W] and whirl over the shaft's rate, over turns 15 to 30."""
     scene = variant(SCENE, {"friction.cage": friction})
     system = DynamicSystem.of(scene, start_of(scene).u)
-    placed(system, CageStart(offset=0.95, whirl=0.6875, lag=0.0))
+    system.start_cage(CageStart(offset=0.95, whirl=0.6875, lag=0.0))
     assert system.advance(15 * system.turn, tolerance).status == OK
     pockets = slice(system.layout.pockets, system.layout.land)
     before, place = system.y[pockets].sum(), []

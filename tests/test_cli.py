@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from support import only_line, step
 
+from bearingwear.application import applications
 from bearingwear.arguments import command_parser
 from bearingwear.cli import _parsed, main
 from bearingwear.kernels import status as code
@@ -310,11 +311,15 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
 
 def test_every_command_has_a_handler():
     from bearingwear import commands
+    from bearingwear.results.kinds import function
 
     (choices,) = (action.choices for action in command_parser()._actions if action.choices)
+    handlers = {name: function(parser.get_default("run")) for name, parser in choices.items()}
     functions = inspect.getmembers(commands, inspect.isfunction)
     own = {name for name, made in functions if made.__module__ == commands.__name__}
-    assert {name for name in own if not name.startswith("_")} == set(choices)
+    of_applications = {one.command for one in applications()}
+    assert {name for name in own if not name.startswith("_")} == set(choices) - of_applications
+    assert all(handlers[name] is getattr(commands, name) for name in set(choices) - of_applications)
 
 
 @pytest.mark.parametrize(

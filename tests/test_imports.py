@@ -10,6 +10,7 @@ import pytest
 from support import syntax_nodes
 
 import bearingwear
+from bearingwear.provenance import sources
 
 PACKAGE = Path(bearingwear.__file__).parent
 ROOT = PACKAGE.parent
@@ -17,6 +18,7 @@ ROOT = PACKAGE.parent
 # A part may import itself and what is listed; `__init__` is the package itself.
 SOLVING = {"lives", "solvers", "scene", "kernels", "provenance", "sides", "measures"}
 READING = {"results", "atomic", "__init__"} | SOLVING
+COMMANDS = {"options", "printing", "console", "studies", "document", "plotting"} | READING
 MAY_IMPORT = {
     "kernels": {"provenance"},
     "scene": {"kernels", "provenance", "atomic", "measures"},
@@ -25,9 +27,11 @@ MAY_IMPORT = {
     "results": READING,
     "document": READING,
     "plotting": READING,
-    "studies": {"document", "plotting", "console", "process"} | READING,
+    "studies": {"document", "plotting", "console", "process", "application"} | READING,
     "page": {"document", "plotting"} | READING,
-    "workflow": {"studies", "document", "plotting", "console"} | READING,
+    "workflow": {"studies", "document", "plotting", "console", "applications"} | READING,
+    "application": set(),  # finds the folders of `applications` by their names
+    "applications": {"application"} | COMMANDS,
     "provenance": set(),
     "sides": set(),
     "measures": set(),
@@ -35,10 +39,13 @@ MAY_IMPORT = {
     "console": set(),
     "process": set(),
     "run_module": {"__init__"},
-    "__init__": {"api", "scene"},
+    # the types of applications; `test_nothing_imports_an_application` sees that it is no more
+    "__init__": {"api", "scene", "application", "applications"},
     "api": {"studies", "document", "plotting"} | READING,
-    "commands": {"arguments", "studies", "page", "document", "plotting", "console"} | READING,
-    "arguments": {"studies", "console"} | READING,
+    "options": {"scene", "atomic"},
+    "printing": {"studies", "document", "console", "results"},
+    "commands": {"arguments", "page"} | COMMANDS,
+    "arguments": {"application", "options", "studies", "console"} | READING,
     "cli": {"arguments", "commands", "studies", "console"} | READING,
     "__main__": {"cli", "process"},
 }
@@ -65,6 +72,79 @@ SHARED_NEEDS = {
 }
 """What modules that studies share may import of one of them."""
 
+INTERFACE = {
+    # commands and files
+    "application",
+    "atomic",
+    "console",
+    "options",
+    "printing",
+    "provenance",
+    # scenes
+    "scene.blocks",
+    "scene.checking.check",
+    "scene.checking.errors",
+    "scene.checking.records",
+    "scene.checking.strict_yaml",
+    "scene.coefficients",
+    "scene.distributions",
+    "scene.read",
+    "scene.requirements",
+    "scene.scene",
+    "scene.uncertain",
+    # what solves and asks
+    "kernels.status",
+    "lives.life",
+    "measures",
+    "solvers.bearing.mounted",
+    "solvers.effects.choice",
+    "solvers.solve",
+    "solvers.state",
+    "studies.answers",
+    "studies.axis",
+    "studies.dataset",
+    "studies.sampling",
+    # sheets, figures and datasets
+    "document.bearing_line",
+    "document.document",
+    "document.markdown",
+    "document.rows",
+    "plotting.drawing",
+    "results.labels",
+    "results.netcdf",
+    "results.quantiles",
+    "results.units",
+    "results.variable",
+    "results.variables",
+    "results.words",
+}
+"""What any application may import, besides the names of `bearingwear` itself."""
+
+MODELS_OF_APPLICATIONS = {
+    "cage": {  # it steers runs of the dynamic model, and follows a life of its own
+        "interrupt",
+        "lives.dynamic_life",
+        "lives.ends",
+        "lives.follow",
+        "lives.methods",
+        "lives.motion",
+        "lives.worn_parts",
+        "scene.accuracy",
+        "solvers.dynamic.errors",
+        "solvers.dynamic.outputs",
+        "solvers.dynamic.run",
+        "solvers.dynamic.system",
+        "solvers.dynamic.windows",
+        "solvers.start",
+        "solvers.warm",
+    },
+    "calibrate": {"solvers.bearing.films", "studies.uncertainty.sample"},
+    # what the requirements of `recommend` compute as well
+    "launch": {"document.launch", "lives.margin", "solvers.bearing.launch"},
+    "margin": {"document.margin", "lives.margin"},
+}
+"""What single applications import of the models besides."""
+
 MOST_IMPORTS = {"solvers": 12, "lives": 15}
 """Of other modules of the package in a file, kernels aside: more is a meeting room."""
 
@@ -83,6 +163,9 @@ LIBRARIES = {
     "process": set(),
     "run_module": set(),
     "commands": set(),
+    "application": set(),
+    "options": set(),
+    "printing": set(),
     "__init__": set(),
     "__main__": set(),
     "api": {"xarray", "matplotlib"},
@@ -175,6 +258,59 @@ def test_studies_know_only_what_they_share():
     in_studies = [module for module in modules() if module.parts[1] == "studies"]
     assert not offenders(stands_alone, (m for m in in_studies if len(m.parts) == 4))
     assert not offenders(knows_no_study, (m for m in in_studies if len(m.parts) == 3))
+
+
+APPLICATIONS = sorted(path.parent.name for path in PACKAGE.glob("applications/*/__init__.py"))
+
+
+def application_of(name: str) -> str:
+    """Application that a dotted name belongs to; empty for others."""
+    return name.removeprefix("bearingwear.applications.").split(".")[0] * name.startswith(
+        "bearingwear.applications."
+    )
+
+
+def is_public(module: Path, name: str) -> bool:
+    """Whether an application may import a name: its own, of the interface, or a library."""
+    own = module.parts[2]
+    if not name.startswith("bearingwear.") or application_of(name) == own:
+        return True
+    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(own, set())
+    return name.removeprefix("bearingwear.") in allowed
+
+
+def knows_no_application(module: Path, name: str) -> bool:
+    own = module.parts[2] if part_of(module) == "applications" else ""
+    return application_of(name) in ("", own)
+
+
+def test_applications_import_the_interface():
+    files = [m for m in modules() if part_of(m) == "applications" and len(m.parts) == 4]
+    assert {m.parts[2] for m in files} == set(APPLICATIONS)
+    assert not offenders(is_public, files)
+
+
+def test_nothing_imports_an_application():
+    """Nor does one application import another."""
+    mine = Path("workflow/studies/accuracy/cages.py")  # on the accuracy of an ensemble
+    files = [m for m in modules() if m not in (mine, Path("bearingwear/__init__.py"))]
+    assert not offenders(knows_no_application, files)
+    assert not loaded_by("import bearingwear") & {"argparse", "pathlib"}
+
+
+def circles(reached):
+    """Pairs of files in different folders that import each other, directly or in turn."""
+    pairs = ((a, b) for a, files in reached.items() for b in files if a.parent < b.parent)
+    return [(a, b) for a, b in pairs if a in reached.get(b, ())]
+
+
+def test_no_circle_goes_through_two_folders():
+    named = {".".join(module.with_suffix("").parts): module for module in modules()}
+    reached = {ROOT / file: sources(name) for name, file in named.items()}
+    assert len(reached) > 300 and sum(map(len, reached.values())) > 1000
+    assert not circles(reached)
+    a, b, c = Path("x/a.py"), Path("y/b.py"), Path("z/c.py")
+    assert circles({a: [b], b: [a], c: [a, b]}) == [(a, b)]
 
 
 def test_what_the_snakefile_reads_is_light():

@@ -19,6 +19,8 @@ REPEATING = {
     "commands.py": "a handler has the name of its command, which is what is typed",
 }
 
+IN_EACH_APPLICATION = "APPLICATION"
+
 
 def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
     """Functions, classes and constants that statements at the top of a module define."""
@@ -49,7 +51,7 @@ def defined_twice(*folders: Path) -> dict[str, list[str]]:
         place = path.relative_to(top)
         if place.as_posix() in REPEATING or "__pycache__" in place.parts:
             continue
-        for name in set(public_names(syntax_nodes(path)[0].body)):
+        for name in {*public_names(syntax_nodes(path)[0].body)} - {IN_EACH_APPLICATION}:
             files.setdefault(name, []).append(place.as_posix())
     return {name: places for name, places in sorted(files.items()) if len(places) > 1}
 

@@ -1,27 +1,16 @@
-"""The sheet of a torque margin: the worst corner, and every other one."""
+"""What is said of a torque margin: the worst corner in sentences, and a table of all."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.document import Block, Row
 from bearingwear.lives.margin import Corner
 from bearingwear.results.units import digits, display
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.requirements import STANDARDS
 from bearingwear.scene.scene import Scene
-
-
-def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
-    """Torque margin of a scene with a drive."""
-    worst = worst_corner(corners)
-    heading = (
-        f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",
-        *margin_sentences(scene, corners),
-    )
-    facts = {"kind": "torque margin", "scene": scene.name, "worst": corner_words(worst)}
-    return Document(heading, facts, (margin_block(scene, corners),))
 
 
 def worst_corner(corners: Sequence[Corner]) -> Corner:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from bearingwear.measures import ENDS
 from bearingwear.scene.checking.records import NAME, Key, keyed, optional_numbers, setting
@@ -244,34 +244,6 @@ class Wear:
     def counts_races(self) -> bool:
         """Whether the total wear depth includes the depths of both grooves."""
         return self.counts == COUNTS[1]
-
-
-SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
-    "life_h",
-    "run_out_h",
-    "loss_um",
-    "preload_left_N",
-    "torque_Nmm",
-)
-"""Columns of what was seen: a life, a run that had not ended, a loss of ball diameter or a residual
-preload after a time, a shaft torque."""
-
-
-class Seen(NamedTuple):
-    """One of them in words, its unit, and its standard error where none is given, assumed [%]."""
-
-    words: str
-    unit: str
-    error: float
-
-
-SEEN_AS = {
-    SEEN_LIFE: Seen("life", "h", 0.0),
-    SEEN_RUN_OUT: Seen("run-out", "h", 0.0),
-    SEEN_LOSS: Seen("loss", "um", 10.0),
-    SEEN_PRELOAD: Seen("residual preload", "N", 10.0),
-    SEEN_TORQUE: Seen("torque", "N mm", 10.0),
-}
 
 
 @keyed

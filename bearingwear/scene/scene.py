@@ -245,6 +245,18 @@ class Scene:
         except SceneError as error:  # its text is for the command line
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
+    def case(self, name: str) -> Scene:
+        """The scene in one of its cases, like `--case`; `nominal` is the scene as it stands.
+
+        Raises
+        ------
+        SceneError
+            A ValueError with a one-line message that lists the cases.
+        """
+        from bearingwear.scene.cases import in_case
+
+        return in_case(self, name, "case")
+
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain nested data, in the order of a scene file, all defaults filled in.
 

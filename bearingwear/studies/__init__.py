@@ -9,15 +9,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from bearingwear.application import application_plots, application_sheets
+
 _ROOT = Path(__file__).resolve().parents[2]
 _HERE = "bearingwear.studies"
 _THERE = "workflow.studies"
 
 STUDY_SHEETS = {
     "recommendation": f"{_HERE}.design.document.sheets:recommendation_sheet",
-    "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_sheet",
-    "cage ensemble": f"{_HERE}.cage.show:ensemble_sheet",
     "warm-up": f"{_HERE}.warmup.sheet:warm_up_sheet",
+    **application_sheets(),
 }
 """What `bearingwear show` says of a file, by its kind: a function of the open file."""
 
@@ -29,10 +30,8 @@ STUDY_PLOTS = {
     "design map": f"{_HERE}.design.figures.plots:map_plot",
     "uncertainty": f"{_HERE}.design.figures.plots:uncertainty_plot",
     "recommendation": f"{_HERE}.design.figures.plots:recommendation_plot",
-    "calibration": f"{_HERE}.uncertainty.calibration_shown:calibration_figure",
-    "cage ensemble": f"{_HERE}.cage.show:ensemble_figure",
     "warm-up": f"{_HERE}.warmup.sheet:warm_up_figure",
-    "cage map": f"{_HERE}.cage.figures:shares_and_work",
+    **application_plots(),
 }
 """What `bearingwear plot` draws of a file, by its kind: a function of the dataset."""
 

@@ -23,7 +23,6 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
-from bearingwear.studies.cage.plan import FEWEST
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
 from bearingwear.studies.solve import life_scene
@@ -39,6 +38,9 @@ STATES_OF_WEAR = 8
 
 LANDS = (0.5, 1.0)
 """Clearances of the cage at its land over the scene's own."""
+
+CAGE_RUNS = 20
+"""Runs of each cage: the fewest that workflow/schemas/cage.schema.yaml allows."""
 
 
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
@@ -103,7 +105,7 @@ def _cages(scene: Scene, name: str) -> dict[str, Any]:
         "pocket_clearance_mm": [cage.pocket_clearance_mm],
         "guide_clearance_mm": gaps if cage.guiding_race != "ball" else gaps[-1:],
         "cage_friction": sorted(frictions),
-        "ensemble": {"runs": FEWEST},
+        "ensemble": {"runs": CAGE_RUNS},
         "in_main_study": True,
     }
 

@@ -10,8 +10,9 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.cases import in_case
+from bearingwear.scene.changes import changes_of
 from bearingwear.scene.friction import changes_as_it_wears
-from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
+from bearingwear.scene.read import Source, as_data, changed_scene, for_life, variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
@@ -68,18 +69,19 @@ def _report(text: str) -> None:
     sys.stderr.flush()
 
 
-def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = False) -> Scene:
+def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False) -> Scene:
     """A scene with an end of life and a steady state; `films` says whether it may have any."""
     from bearingwear.solvers.effects.choice import choice_for_life
 
-    scene = for_life(load_scene(path, settings), os.fspath(path))
+    source = os.fspath(scene) if isinstance(scene, str | os.PathLike) else "scene"
+    scene = for_life(variant(scene, changes_of(settings)), source)
     if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
         raise SceneError(
             "friction.film",
             "got a film, or a material with film or running_in, expected a single "
             "friction.ball_race for a study (to compute a single life, use bearingwear life "
-            f"{os.fspath(path)})",
-            source=os.fspath(path),
+            f"{source})",
+            source=source,
         )
     if scene.duty is not None:
         from bearingwear.lives.duty.result import choices_of_phases
@@ -90,8 +92,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
         raise SceneError(
             "",
             f"got a scene whose life requires the {fidelity} model, expected one with a steady "
-            f"state (to compute a single life, use bearingwear life {os.fspath(path)} --fidelity "
-            "dynamic)",
-            source=os.fspath(path),
+            f"state (to compute a single life, use bearingwear life {source} --fidelity dynamic)",
+            source=source,
         )
     return scene

@@ -7,8 +7,9 @@ import pytest
 from support import scene_file
 
 import bearingwear
+from bearingwear.applications.margin.sheet import margin_document
 from bearingwear.cli import main
-from bearingwear.document.margin import margin_document, worst_corner
+from bearingwear.document.margin import worst_corner
 from bearingwear.kernels import status as code
 from bearingwear.lives import margin
 from bearingwear.lives.many import worse_states

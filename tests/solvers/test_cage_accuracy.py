@@ -4,9 +4,8 @@ import pytest
 
 from bearingwear.kernels.status import OK
 from bearingwear.scene.accuracy import CAGE_ERROR
-from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.system import CageStart, DynamicSystem
 from bearingwear.solvers.start import start_of
-from bearingwear.studies.cage.run import CageStart, placed
 
 FINE = 1e-4  # tolerance of a reference: 1e-5 gives 0.2 % less (benchmarks/cage_motions.py)
 TURNS = 15.0
@@ -19,7 +18,7 @@ def pocket_power(scene):
     def found(changes):
         whirling = scene("gyro_s1", {"friction.cage": 0.05} | changes)
         system = DynamicSystem.of(whirling, start_of(whirling).u)
-        placed(system, CageStart(offset=0.95, whirl=0.6875, lag=0.0))
+        system.start_cage(CageStart(offset=0.95, whirl=0.6875, lag=0.0))
         pockets = slice(system.layout.pockets, system.layout.land)
         tolerance, work = whirling.model.dynamic_tolerance, []
         for _ in range(2):

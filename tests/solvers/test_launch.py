@@ -9,8 +9,8 @@ import pytest
 from support import benchmark
 
 import bearingwear
+from bearingwear.applications.launch.sheet import SOFT_PAIR_GAPS, launch_document
 from bearingwear.cli import main
-from bearingwear.document.launch import SOFT_PAIR_GAPS, launch_document
 from bearingwear.lives.margin import launched_by_wear
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, SceneError

@@ -6,11 +6,11 @@ import pytest
 import yaml
 from support import scene_file
 
+from bearingwear.applications.cage.plan import cage_axes, check_cage
 from bearingwear.console import UsageError
 from bearingwear.lives.life import life
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
-from bearingwear.studies.cage.plan import cage_axes, check_cage
 from bearingwear.studies.configuration import validated
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.own_study import plan_of, write_study

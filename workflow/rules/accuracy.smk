@@ -86,7 +86,7 @@ rule trade_ensemble:
     resources:
         runtime=60,
     params:
-        code=sources("bearingwear.studies.cage.life"),
+        code=sources("bearingwear.applications.cage.life"),
         scene=scene_values(
             f"config/scenes/{ACCURACY['cages']['file']}.yaml",
             replaced=ACCURACY["cages"]["set"],

@@ -1,6 +1,6 @@
 # Which motions a cage takes and what they wear, a map of cages: `snakemake -j2 cage` (config/cage.yaml).
 
-from bearingwear.studies.cage import plan as cage_plan
+from bearingwear.applications.cage import plan as cage_plan
 
 CAGE = checked("cage", cage_plan.check_cage)
 CAGE_SCENE = f"config/scenes/{CAGE.get('scene')}.yaml"
@@ -22,7 +22,7 @@ rule cage_ensemble:
     resources:
         runtime=30,
     params:
-        code=sources("bearingwear.studies.cage.life"),
+        code=sources("bearingwear.applications.cage.life"),
         scene=scene_values(CAGE_SCENE, replaced=CAGE_KEYS, cage=True, uncertainty=True),
         changes=lambda wildcards: settings(
             {**CAGE["set"], **CAGES[wildcards.cage].changes}
@@ -46,12 +46,12 @@ rule gather_cages:
         "logs/gather_cages.log",
     localrule: True
     params:
-        code=sources("bearingwear.studies.cage.gather"),
+        code=sources("bearingwear.applications.cage.gather"),
         scene=scene_values(CAGE_SCENE, cage=True, uncertainty=True),
         axes=lambda wildcards: cage_plan.cage_axes(CAGE),
         changes=CAGE["set"],
     shell:
-        "bearingwear step bearingwear.studies.cage.gather.gathered_ensembles scene={input.scene}"
+        "bearingwear step bearingwear.applications.cage.gather.gathered_ensembles scene={input.scene}"
         " paths={input.paths} axes={params.axes:q} changes={params.changes:q} -o {output} &> {log}"
 
 
@@ -65,9 +65,9 @@ rule cage_answer:
         "logs/cage_answer.log",
     localrule: True
     params:
-        code=sources("bearingwear.studies.cage.tables"),
+        code=sources("bearingwear.applications.cage.tables"),
     shell:
-        "bearingwear step bearingwear.studies.cage.tables.cage_answer motions={input}"
+        "bearingwear step bearingwear.applications.cage.tables.cage_answer motions={input}"
         " -o {output} &> {log}"
 
 
@@ -87,9 +87,9 @@ rule cage_figure:
         "logs/cage_figure.log",
     localrule: True
     params:
-        code=sources("bearingwear.studies.cage.figures"),
+        code=sources("bearingwear.applications.cage.figures"),
     shell:
-        "bearingwear step bearingwear.studies.cage.figures.cage_figure motions={input}"
+        "bearingwear step bearingwear.applications.cage.figures.cage_figure motions={input}"
         " -o {output} &> {log}"
 
 
@@ -108,9 +108,9 @@ rule cage_table:
         "logs/cage_table.log",
     localrule: True
     params:
-        code=sources("bearingwear.studies.cage.tables"),
+        code=sources("bearingwear.applications.cage.tables"),
     shell:
-        "bearingwear step bearingwear.studies.cage.tables.cage_table motions={input}"
+        "bearingwear step bearingwear.applications.cage.tables.cage_table motions={input}"
         " -o {output} &> {log}"
 
 

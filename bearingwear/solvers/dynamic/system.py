@@ -3,6 +3,7 @@
 import functools
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -45,6 +46,15 @@ STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
 TOLERANCE = 1e-3  # of the mean slip, see step_control.step_error
 _ONLY_READY = -1  # intervals to simulate: none, but buffers and rates are brought to the state
 POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
+
+
+class CageStart(NamedTuple):
+    """Start of a cage: its centre, and the orbit rate of the centre."""
+
+    offset: float = 0.5  # from the axis, over the clearance
+    angle: float = -0.5 * math.pi  # from Y towards Z; below the axis
+    whirl: float = 0.0  # turns round the axis for a turn of the shaft
+    lag: float = CAGE_LAG  # share by which the cage turns slower than the balls
 
 
 @dataclass(frozen=True)
@@ -141,6 +151,19 @@ class DynamicSystem:
         momentum = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, OMEGA].mean()
         z[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
 
+    def start_cage(self, start: CageStart) -> None:
+        """Put the cage at a start, wherever `place_cage` has put it."""
+        cage, z, omega = self.bearing.cage, self.cage_state, self.balls[:, OMEGA].mean()
+        race_centre = self.buffers.balls.delta if cage.land == INNER_LAND else np.zeros(3)
+        room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
+        outward = np.array([math.cos(start.angle), math.sin(start.angle)])
+        radius, rate = start.offset * room, start.whirl * 2.0 * math.pi / self.turn
+        z[CENTRE + 1 : CENTRE + 3] = (
+            race_centre[1:] + radius * outward + np.array([0.0, cage.imbalance])
+        )
+        z[VELOCITY + 1 : VELOCITY + 3] = rate * radius * np.array([-outward[1], outward[0]])
+        z[MOMENTUM : MOMENTUM + 3] = cage.I_x * (1.0 - start.lag) * omega, 0.0, 0.0
+
     @property
     def layout(self) -> StateLayout:
         """Offsets into the state vector `y`."""
@@ -157,6 +180,11 @@ class DynamicSystem:
         """States (n, 5) of the balls: w_x, w_y, w_z, Omega, psi; a view."""
         n = len(self.bearing.D)
         return self.y[: BALL * n].reshape(n, BALL)
+
+    @property
+    def ball_ratio(self) -> float:
+        """Mean orbit rate of the balls, over the rate of the shaft or of the faster race."""
+        return float(self.balls[:, OMEGA].mean()) * self.turn / (2.0 * math.pi)
 
     @property
     def cage_state(self) -> np.ndarray:

@@ -300,13 +300,18 @@ class TimeRun:
 
     def land_room(self, stretch: slice) -> float:
         """Mean room of the cage to its land over instants of the history, over the clearance."""
-        cage, history = self.system.bearing.cage, self.recorder.history
+        cage = self.system.bearing.cage
         if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
             return 1.0
+        return 1.0 - float(np.hypot(*self.cage_offset(stretch).T).mean()) / cage.gap
+
+    def cage_offset(self, stretch: slice) -> np.ndarray:
+        """Places (n, 2) of the cage's centre along Y and Z, from the axis of what guides it [m]."""
+        history = self.recorder.history
         offset = history.cage[stretch, record.POSITION + 1 : record.POSITION + 3].astype(float)
-        if cage.land == INNER_LAND:
+        if self.system.bearing.cage.land == INNER_LAND:
             offset -= history.displacement[stretch, 1:]
-        return 1.0 - float(np.hypot(*offset.T).mean()) / cage.gap
+        return offset
 
     def window(self, length: int) -> int:
         """Simulate a window and record it; returns a status."""

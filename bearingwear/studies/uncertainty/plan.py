@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 
 from bearingwear.scene.coefficients import with_usual_spread
+from bearingwear.scene.read import Source
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.studies.answers import Tell
 from bearingwear.studies.solve import life_scene
@@ -18,15 +18,13 @@ OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
 """The preloads at which lives are sampled: the scene's own, and the design study's."""
 
 
-def uncertain_scene(
-    path: str | Path, settings: Sequence[str] = (), tell: Tell | None = None
-) -> Scene:
+def uncertain_scene(scene: Source, settings: Sequence[str] = (), tell: Tell | None = None) -> Scene:
     """A scene whose lives can be sampled: `life_scene`, with distributions.
 
     tell: given what distributions are taken where the scene has none.
     """
-    scene, source = life_scene(path, settings, films=True), os.fspath(path)
-    scene, said = with_usual_spread(scene)
+    source = os.fspath(scene) if isinstance(scene, str | os.PathLike) else "scene"
+    scene, said = with_usual_spread(life_scene(scene, settings, films=True))
     if tell and said:
         tell(said)
     for name, given in (scene.uncertainty or {}).items():

@@ -24,6 +24,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.distributions import value_at, values_at
+from bearingwear.scene.read import Source
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.answers import Tell, Workers
 from bearingwear.studies.dataset import filled
@@ -69,7 +70,7 @@ class MethodLives(NamedTuple):
 
 
 def uncertain_lives(
-    scene: str | Path,
+    scene: Source,
     frictions: Sequence[float] = (),
     methods: Sequence[str] = (),
     samples: int = SAMPLES,

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.applications.cage.ensemble import half_interval
 from bearingwear.results.netcdf import load
 from bearingwear.results.units import Rough
-from bearingwear.studies.cage.ensemble import half_interval
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable
 from workflow.studies.accuracy.plan import Plan
 

@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 from support import ROOT, scene_file, step
 
-from bearingwear.console import UsageError
-from bearingwear.page.page import page
-from bearingwear.plotting.drawing import save
-from bearingwear.scene.read import variant
-from bearingwear.studies.cage import ensemble
-from bearingwear.studies.cage.figures import cage_figure
-from bearingwear.studies.cage.motion import (
+from bearingwear.applications.cage import ensemble
+from bearingwear.applications.cage.figures import cage_figure
+from bearingwear.applications.cage.motion import (
     FLOATS,
     HANGS,
     IRREGULAR,
@@ -21,14 +17,18 @@ from bearingwear.studies.cage.motion import (
     is_drifting,
     path_of,
 )
-from bearingwear.studies.cage.plan import Ensemble, cage_axes, cage_points, check_cage
-from bearingwear.studies.cage.tables import (
+from bearingwear.applications.cage.plan import Ensemble, cage_axes, cage_points, check_cage
+from bearingwear.applications.cage.tables import (
     cage_answer,
     cage_table,
     designs,
     quiet_region,
     recommended_cage,
 )
+from bearingwear.console import UsageError
+from bearingwear.page.page import page
+from bearingwear.plotting.drawing import save
+from bearingwear.scene.read import variant
 from bearingwear.studies.configuration import validated
 from bearingwear.studies.dataset import write_dataset
 
@@ -146,7 +146,7 @@ def small(plan, tmp_path_factory):
             write_dataset(ensemble.ensemble_of(changed, Ensemble(**plan["ensemble"])), paths[-1])
     # as its rule gives the axes
     asked = {"axes": cage_axes(plan), "changes": plan["set"]}
-    run, file = "studies.cage.gather.gathered_ensembles", folder / "cage.nc"
+    run, file = "applications.cage.gather.gathered_ensembles", folder / "cage.nc"
     assert step(run, file, settings=asked, scene=scene, paths=paths) == 0
     return file, ensemble.load(file)
 

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.applications.cage.life import WEARING
+from bearingwear.applications.cage.motion import HANGS, JAMS, MOTIONS
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -18,8 +20,6 @@ from bearingwear.results.units import Interval, Rough, display, key_in_words, to
 from bearingwear.results.words import in_words, scene_of
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.studies.cage.life import WEARING
-from bearingwear.studies.cage.motion import HANGS, JAMS, MOTIONS
 
 MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C5", "0.4", "C4", "C3")))
 

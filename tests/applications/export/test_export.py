@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import bearingwear
+from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
 from bearingwear.cli import main
 from bearingwear.results.variables import DOFS
 from bearingwear.scene.scene import SceneError
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.export import NotExported, StiffnessOverSpeed
 
 SPEEDS = [1000.0, 3000.0, 5000.0, 7000.0, 9000.0]
 MASS, SPAN = 3.0, 0.06

@@ -9,18 +9,18 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtri
 
-from bearingwear.results.variable import Variable, table
-from bearingwear.scene.blocks import SEEN, SEEN_TORQUE
-from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import filled
-from bearingwear.studies.uncertainty.calibration_tests import BearingTest
-from bearingwear.studies.uncertainty.posterior import (
+from bearingwear.applications.calibrate.bearing_tests import BearingTest
+from bearingwear.applications.calibrate.posterior import (
     LogModel,
     Normal,
     Observation,
     Posterior,
     Prior,
 )
+from bearingwear.applications.calibrate.seen import SEEN, SEEN_TORQUE
+from bearingwear.results.variable import Variable, table
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.dataset import filled
 
 CALIBRATION_KIND = "calibration"
 STAGES = ("before", "after")

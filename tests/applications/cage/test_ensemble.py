@@ -5,14 +5,14 @@ import pytest
 from support import ROOT, only_line
 
 import bearingwear
+from bearingwear.applications.cage import ensemble
+from bearingwear.applications.cage.draws import CLOSE, cage_drawn, cage_spread
+from bearingwear.applications.cage.ensemble import Journal, ensemble_of, kept_in, share_interval
+from bearingwear.applications.cage.motion import JAMS, WHIRLS
+from bearingwear.applications.cage.plan import Ensemble
+from bearingwear.applications.cage.run import CageStart, cage_run
 from bearingwear.cli import main
 from bearingwear.kernels.status import BEYOND_GROOVE, CAGE_JAMMED
-from bearingwear.studies.cage import ensemble
-from bearingwear.studies.cage.draws import CLOSE, cage_drawn, cage_spread
-from bearingwear.studies.cage.ensemble import Journal, ensemble_of, kept_in, share_interval
-from bearingwear.studies.cage.motion import JAMS, WHIRLS
-from bearingwear.studies.cage.plan import Ensemble
-from bearingwear.studies.cage.run import CageStart, cage_run
 from bearingwear.studies.dataset import write_dataset
 
 S1 = ROOT / "config/scenes/gyro_s1.yaml"

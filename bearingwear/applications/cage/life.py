@@ -17,6 +17,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.applications.cage.draws import WEAR, cage_spread
+from bearingwear.applications.cage.ensemble import END, OF_MOTION, ensemble_of, kept_in
+from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.kernels.status import OK
 from bearingwear.lives.dynamic_life import steady_life
 from bearingwear.lives.ends import Criteria, with_end
@@ -32,13 +35,10 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import quantile, values_at
 from bearingwear.scene.scene import WORN, EndOfLife, Scene, SceneError
-from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.mounted import UM
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
 from bearingwear.studies.answers import Tell
-from bearingwear.studies.cage.draws import WEAR, cage_spread
-from bearingwear.studies.cage.ensemble import END, OF_MOTION, ensemble_of, kept_in
-from bearingwear.studies.cage.plan import Ensemble
 from bearingwear.studies.dataset import filled, write_dataset
 from bearingwear.studies.sampling import wear_factor
 
@@ -152,7 +152,7 @@ class EnsembleWear(Motion):
 
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:
-            pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
+            pocket, land = self.parts.cage_depths(node.worn) / UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
                 f"turns; wear depth {pocket:.3g} um in the pockets, {land:.3g} um at the "
                 "land")  # fmt: skip

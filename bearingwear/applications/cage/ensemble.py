@@ -18,6 +18,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm, t
 
+from bearingwear.applications.cage.draws import CageDraw, cage_drawn, cage_spread
+from bearingwear.applications.cage.motion import MOTIONS
+from bearingwear.applications.cage.plan import FEWEST, Ensemble
+from bearingwear.applications.cage.run import ACROSS, CAGE_RUN, cage_run
 from bearingwear.atomic import write_text
 from bearingwear.console import LINE_EVERY
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
@@ -29,10 +33,6 @@ from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.warm import warm_scene
 from bearingwear.studies.answers import PROBLEM, Tell, Workers
-from bearingwear.studies.cage.draws import CageDraw, cage_drawn, cage_spread
-from bearingwear.studies.cage.motion import MOTIONS
-from bearingwear.studies.cage.plan import FEWEST, Ensemble
-from bearingwear.studies.cage.run import ACROSS, CAGE_RUN, cage_run
 from bearingwear.studies.dataset import filled
 
 RunRow = dict[str, Any]
@@ -186,7 +186,7 @@ def ensemble_of(
         "assumed": said,
         "drawn_by": json.dumps([plan.seed, plan.least_turns, plan.most_turns, plan.worn_um]),
         "dynamic_tolerance": solved.model.dynamic_tolerance,
-        "run_sources": result_hash("bearingwear.studies.cage.run"),
+        "run_sources": result_hash("bearingwear.applications.cage.run"),
     }
 
     rows = _rows_of(before, attributes)

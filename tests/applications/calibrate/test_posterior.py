@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import multivariate_normal, norm
 
-from bearingwear.studies.uncertainty.posterior import (
+from bearingwear.applications.calibrate.posterior import (
     Normal,
     Observation,
     Prior,

@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 from support import ROOT
 
+from bearingwear.applications.cage.life import cage_life, followed, with_cage_end
+from bearingwear.applications.cage.motion import MOTIONS, WHIRLS, WITH_BALLS
 from bearingwear.lives.worn_parts import cage_surfaces
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import variant
 from bearingwear.scene.scene import SceneError
-from bearingwear.studies.cage.life import cage_life, followed, with_cage_end
-from bearingwear.studies.cage.motion import MOTIONS, WHIRLS, WITH_BALLS
 
 S1 = ROOT / "config/scenes/gyro_s1.yaml"
 FILM = {"cage.film": {"thickness_um": 10.0, "wear_coefficient": 1e-5, "brinell_hardness_GPa": 0.1}}
@@ -103,7 +103,7 @@ def test_work_that_rises_as_the_clearance_opens(monkeypatch):
     _, surface = cage_surfaces(scene)
     exact = surface * scale * (1.0 - math.exp(-50e-6 / scale)) / (CAGE_K * 5e-5)
     assert float(found["cage_life"]) == pytest.approx(exact, rel=0.01)  # four steps: 0.0096
-    monkeypatch.setattr("bearingwear.studies.cage.life.LIFE_STEPS", 8)
+    monkeypatch.setattr("bearingwear.applications.cage.life.LIFE_STEPS", 8)
     finer, _ = life_of(limit, rising)
     assert float(finer["cage_life"]) == pytest.approx(exact, rel=5e-4)
     film, _ = life_of(FILM, rising)

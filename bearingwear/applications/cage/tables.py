@@ -10,6 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from bearingwear.applications.cage.gather import CAGE_AXES
+from bearingwear.applications.cage.motion import FLOATS, HANGS, WITH_BALLS
+from bearingwear.applications.cage.show import shares_in_words, within
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
@@ -18,9 +21,6 @@ from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
-from bearingwear.studies.cage.gather import CAGE_AXES
-from bearingwear.studies.cage.motion import FLOATS, HANGS, WITH_BALLS
-from bearingwear.studies.cage.show import shares_in_words, within
 from bearingwear.studies.dataset import loaded
 
 

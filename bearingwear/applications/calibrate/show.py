@@ -9,6 +9,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.applications.calibrate.file import STAGES
+from bearingwear.applications.calibrate.seen import (
+    SEEN,
+    SEEN_AS,
+    SEEN_LIFE,
+    SEEN_LOSS,
+    SEEN_PRELOAD,
+    SEEN_RUN_OUT,
+)
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
 from bearingwear.measures import plain
@@ -19,15 +28,6 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import Interval, digits
-from bearingwear.scene.blocks import (
-    SEEN,
-    SEEN_AS,
-    SEEN_LIFE,
-    SEEN_LOSS,
-    SEEN_PRELOAD,
-    SEEN_RUN_OUT,
-)
-from bearingwear.studies.uncertainty.calibration_file import STAGES
 
 _UNLIKELY = 0.01
 """Probability below which a test and the model are said to disagree."""

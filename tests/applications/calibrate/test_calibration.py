@@ -15,6 +15,8 @@ from scipy.stats import norm
 from support import scene_file
 
 import bearingwear
+from bearingwear.applications.calibrate.bearing_tests import bearing_tests
+from bearingwear.applications.calibrate.calibration import calibrated
 from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError
@@ -24,8 +26,6 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.sampling import Sampling, perturbed
-from bearingwear.studies.uncertainty.calibration import calibrated
-from bearingwear.studies.uncertainty.calibration_tests import bearing_tests
 from bearingwear.studies.uncertainty.plan import OWN
 from bearingwear.studies.uncertainty.quantiles import life_quantiles
 

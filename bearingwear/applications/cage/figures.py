@@ -10,6 +10,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.patches import Rectangle
 
+from bearingwear.applications.cage.motion import MOTIONS
+from bearingwear.applications.cage.show import MOTION_COLOURS
+from bearingwear.applications.cage.tables import (
+    DESIGN,
+    MOSTLY,
+    QUIET,
+    in_design_words,
+    recommended_cage,
+)
 from bearingwear.plotting.drawing import (
     Figure,
     frame,
@@ -18,9 +27,6 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.units import digits, display
 from bearingwear.results.words import in_words, scene_of
-from bearingwear.studies.cage.motion import MOTIONS
-from bearingwear.studies.cage.show import MOTION_COLOURS
-from bearingwear.studies.cage.tables import DESIGN, MOSTLY, QUIET, in_design_words, recommended_cage
 from bearingwear.studies.dataset import loaded
 
 _HIGH, _WIDE = 0.62, 0.9

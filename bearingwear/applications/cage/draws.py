@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
 from bearingwear.scene.distributions import possible, quantile, values_at
 from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
-from bearingwear.studies.cage.plan import Ensemble
-from bearingwear.studies.cage.run import CageStart
+from bearingwear.solvers.dynamic.system import CageStart
 from bearingwear.studies.sampling import perturbed
 
 CLOSE = 0.95

@@ -19,20 +19,32 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 from scipy.stats import qmc
 
+from bearingwear.applications.calibrate.bearing_tests import BearingTest, bearing_tests
+from bearingwear.applications.calibrate.file import calibration_dataset
+from bearingwear.applications.calibrate.posterior import (
+    Conformity,
+    LogModel,
+    Normal,
+    Observation,
+    Posterior,
+    Prior,
+    conformities,
+    posterior,
+)
+from bearingwear.applications.calibrate.seen import (
+    SEEN_AS,
+    SEEN_LOSS,
+    SEEN_PRELOAD,
+    SEEN_RUN_OUT,
+    SEEN_TORQUE,
+)
 from bearingwear.atomic import OutputError, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import digits
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.blocks import (
-    SEEN_AS,
-    SEEN_LOSS,
-    SEEN_PRELOAD,
-    SEEN_RUN_OUT,
-    SEEN_TORQUE,
-    Calibrated,
-)
+from bearingwear.scene.blocks import Calibrated
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
@@ -46,18 +58,6 @@ from bearingwear.solvers.solve import solve
 from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import perturbed, with_wear
-from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
-from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
-from bearingwear.studies.uncertainty.posterior import (
-    Conformity,
-    LogModel,
-    Normal,
-    Observation,
-    Posterior,
-    Prior,
-    conformities,
-    posterior,
-)
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4

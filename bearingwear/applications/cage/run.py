@@ -8,20 +8,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
-from bearingwear.kernels.dynamic.record import POSITION
-from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
+from bearingwear.applications.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
+from bearingwear.applications.cage.plan import STRETCH
 from bearingwear.kernels.status import CAGE_JAMMED, OK, UNVERIFIED
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.errors import TIGHTER
 from bearingwear.solvers.dynamic.outputs import window_values
 from bearingwear.solvers.dynamic.run import LARGEST_ACCOUNT, LARGEST_UNBALANCED, TIGHTEST_RUN
-from bearingwear.solvers.dynamic.system import CAGE_LAG, DynamicSystem
+from bearingwear.solvers.dynamic.system import CageStart, DynamicSystem
 from bearingwear.solvers.dynamic.windows import TREND_OF_TORQUE, TimeRun
 from bearingwear.solvers.start import start_of
-from bearingwear.studies.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
-from bearingwear.studies.cage.plan import STRETCH
 from kerneljit.interrupt import Interrupt
 
 ACROSS = Variable(
@@ -69,27 +66,6 @@ drifts by 0.03 of its place in ten turns, one that whirls scatters by 0.002."""
 POINTS = 20  # instants a turn
 
 
-class CageStart(NamedTuple):
-    """Start of a cage: its centre, and the orbit rate of the centre."""
-
-    offset: float = 0.5  # from the axis, over the clearance
-    angle: float = -0.5 * math.pi  # from Y towards Z; below the axis
-    whirl: float = 0.0  # turns round the axis for a turn of the shaft
-    lag: float = CAGE_LAG  # share by which the cage turns slower than the balls
-
-
-def placed(system: DynamicSystem, start: CageStart) -> None:
-    """Put a system's cage at a start."""
-    cage, z, omega = system.bearing.cage, system.cage_state, system.balls[:, OMEGA].mean()
-    race = system.buffers.balls.delta if cage.land == INNER_LAND else np.zeros(3)
-    room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
-    outward = np.array([math.cos(start.angle), math.sin(start.angle)])
-    radius, rate = start.offset * room, start.whirl * 2.0 * math.pi / system.turn
-    z[CENTRE + 1 : CENTRE + 3] = race[1:] + radius * outward + np.array([0.0, cage.imbalance])
-    z[VELOCITY + 1 : VELOCITY + 3] = rate * radius * np.array([-outward[1], outward[0]])
-    z[MOMENTUM : MOMENTUM + 3] = cage.I_x * (1.0 - start.lag) * omega, 0.0, 0.0
-
-
 def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
     """Values of `CAGE_RUN` of one start; a run whose energy balance stays open is repeated.
 
@@ -112,7 +88,7 @@ def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) 
 
 def _run(scene: Scene, start: CageStart, least_turns: int, tolerance: float) -> dict[str, Any]:
     system = DynamicSystem.of(scene, start_of(scene).u)
-    placed(system, start)
+    system.start_cage(start)
     begun = system.packed(), system.time
     status = system.diagnose(system.update())
     if status != OK:
@@ -159,15 +135,8 @@ def _stretch(run: TimeRun, length: int) -> _Stretch:
 
 
 def _path(run: TimeRun, part: slice, power: float) -> CagePath:
-    system, history = run.system, run.recorder.history
-    place = history.cage[part, POSITION + 1 : POSITION + 3].astype(float)
-    if system.bearing.cage.land == INNER_LAND:
-        place -= history.displacement[part, 1:]
-    return path_of(place[:, 0] + 1j * place[:, 1], 1.0 / POINTS, power, _ball_ratio(system))
-
-
-def _ball_ratio(system: DynamicSystem) -> float:
-    return float(system.balls[:, OMEGA].mean()) * system.turn / (2.0 * math.pi)
+    y, z = run.cage_offset(part).T
+    return path_of(y + 1j * z, 1.0 / POINTS, power, run.system.ball_ratio)
 
 
 def _is_settled(found: list[_Stretch]) -> bool:
@@ -203,7 +172,7 @@ def _evaluated(run: TimeRun, found: list[_Stretch]) -> dict[str, Any]:
         "shaft_torque": float(torque),
         "torque_noise": math.sqrt(max(squares / count - torque**2, 0.0) * count / (count - 1.0)),
         "whirl_ratio": path.whirl,
-        "ball_ratio": _ball_ratio(run.system),
+        "ball_ratio": run.system.ball_ratio,
         "offset": path.offset,
         "offset_scatter": path.scatter,
         "centre": [path.centre.real, path.centre.imag],

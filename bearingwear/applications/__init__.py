@@ -1,0 +1,1 @@
+"""Applications, a folder each, as `bearingwear.application` finds them."""

@@ -1,0 +1,30 @@
+"""What tests of bearings may have seen: the columns of a file of tests."""
+
+from typing import NamedTuple
+
+SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
+    "life_h",
+    "run_out_h",
+    "loss_um",
+    "preload_left_N",
+    "torque_Nmm",
+)
+"""Columns of what was seen: a life, a run that had not ended, a loss of ball diameter or a residual
+preload after a time, a shaft torque."""
+
+
+class Seen(NamedTuple):
+    """One of them in words, its unit, and its standard error where none is given, assumed [%]."""
+
+    words: str
+    unit: str
+    error: float
+
+
+SEEN_AS = {
+    SEEN_LIFE: Seen("life", "h", 0.0),
+    SEEN_RUN_OUT: Seen("run-out", "h", 0.0),
+    SEEN_LOSS: Seen("loss", "um", 10.0),
+    SEEN_PRELOAD: Seen("residual preload", "N", 10.0),
+    SEEN_TORQUE: Seen("torque", "N mm", 10.0),
+}

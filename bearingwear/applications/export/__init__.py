@@ -1,0 +1,66 @@
+"""The stiffness of bearings over speed, for programs of rotor dynamics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearingwear.application import Application
+
+if TYPE_CHECKING:
+    import argparse
+
+
+# fmt: off
+def export_options(sub: argparse.ArgumentParser) -> None:
+    """Add the arguments of `bearingwear export`."""
+    from bearingwear.options import add_scene, file_name, positive
+
+    add_scene(sub)
+    sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
+        help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
+        "at least five speeds")
+    sub.add_argument("-o", "--output", required=True, metavar="FILE", type=file_name,
+        help="a .csv file for the 5 x 5 matrices of all bearings, or a .toml file for one bearing "
+        "in the format read by ross.BearingElement.load")
+    sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
+        help="which bearing of a pair to export (default: 1)")
+    sub.add_argument("--tilt", choices=("held", "released"), default="held",
+        help="whether shaft tilt in the bearing, which ROSS does not model, is held or released "
+            "(default: held)")
+    sub.add_argument("--damping", type=positive, metavar="N_S_M",
+        help="damping in x, y and z (default: 0, assumed)")
+    sub.add_argument("--node", type=int, default=0, metavar="N",
+        help="rotor node (default: 0)")
+    sub.add_argument("--ross", type=int, choices=(2, 3), default=2,
+        help="major version of ROSS, which determines the name of the speed key (default: 2)")
+
+# fmt: on
+
+
+def _speeds(text: str) -> list[float]:
+    """Read shaft speeds: LOW:HIGH:COUNT, or numbers."""
+    import argparse
+    import math
+
+    low, _, rest = text.partition(":")
+    try:
+        if not rest:
+            return [float(one) for one in text.split(",")]
+        high, _, count = rest.partition(":")
+        start, end, n = float(low), float(high), int(count or 8)
+        if not (0.0 <= start < end < math.inf and 2 <= n <= 1000):
+            raise ValueError
+        return [start + (end - start) * k / (n - 1) for k in range(n)]
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers such as 1000,2000,5000"
+        ) from None
+
+
+APPLICATION = Application(
+    command="export",
+    description="write the stiffness at given speeds as CSV or ROSS TOML",
+    add_options=export_options,
+    handler=f"{__name__}.command:export_command",
+    functions={"to_ross": f"{__name__}.stiffness:to_ross"},
+)

@@ -1,0 +1,33 @@
+"""`bearingwear export`."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from bearingwear.console import NOT_SOLVED, SUCCESS, UsageError, one_line
+from bearingwear.options import given_scene
+from bearingwear.printing import tell_of_new_folder
+
+
+def export_command(args: argparse.Namespace) -> int:
+    """Write the stiffness over speed as CSV, or as ROSS's TOML."""
+    from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
+    from bearingwear.atomic import write_text
+
+    scene, path = given_scene(args), Path(args.output)
+    if path.suffix not in (".csv", ".toml"):
+        raise UsageError(f"-o: got {args.output}, expected a name that ends in .csv or .toml")
+    try:
+        found = StiffnessOverSpeed.of(scene, args.speeds)
+    except NotExported as error:
+        sys.stderr.write(one_line(f"{args.scene}: {error}"))
+        return NOT_SOLVED
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)
+    more = args.bearing, args.tilt, args.damping, args.node, args.ross
+    tell_of_new_folder(path)
+    write_text(path, found.csv if path.suffix == ".csv" else found.toml(name, *more))
+    print(f"{path}: written; dynamic stiffness at {len(args.speeds)} speeds")
+    return SUCCESS

@@ -1,0 +1,34 @@
+"""Whether the bearings of a rotor gap or dent at launch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearingwear.application import Application
+
+if TYPE_CHECKING:
+    import argparse
+
+
+# fmt: off
+def launch_options(sub: argparse.ArgumentParser) -> None:
+    """Add the arguments of `bearingwear launch`."""
+    from bearingwear.options import add_case, add_formats, add_scene, not_negative
+
+    add_scene(sub)
+    for way, words in (("axial", "along"), ("radial", "perpendicular to")):
+        sub.add_argument(f"--{way}", type=not_negative, metavar="G",
+            help=f"acceleration {words} the bearing axis (sets launch.{way}_g)")
+    add_case(sub)
+    add_formats(sub)
+
+# fmt: on
+
+
+APPLICATION = Application(
+    command="launch",
+    description="determine whether the bearings of a rotor gap or dent at launch",
+    add_options=launch_options,
+    handler=f"{__name__}.command:launch_command",
+    functions={"launch": f"{__name__}.command:launch"},
+)

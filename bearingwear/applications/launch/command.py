@@ -1,0 +1,64 @@
+"""`bearingwear launch`, and the same in Python."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from bearingwear.console import SUCCESS
+from bearingwear.options import given_scene
+from bearingwear.printing import print_sheet
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from bearingwear.scene.read import Source
+
+
+def launch_command(args: argparse.Namespace) -> int:
+    """Print the sheet of a launch."""
+    from bearingwear.applications.launch.sheet import launch_document
+    from bearingwear.lives.margin import launched_by_wear
+    from bearingwear.solvers.bearing.launch import check_launch
+
+    given = {"axial": args.axial, "radial": args.radial}
+    args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
+    scene = given_scene(args)
+    check_launch(scene, args.scene)
+    print_sheet(launch_document(scene, launched_by_wear(scene)), args)
+    return SUCCESS
+
+
+def launch(scene: Source, axial: float | None = None, radial: float | None = None) -> xr.Dataset:
+    """Gaps and pressures of the bearings of a rotor at launch, like `bearingwear launch`.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+        A scene with `arrangement.rotor_mass_kg`.
+    axial, radial : float, optional
+        Accelerations [g], in place of `launch.axial_g` and `launch.radial_g` of the scene.
+
+    Returns
+    -------
+    xarray.Dataset
+        By `state` of wear (in each case, if there are several): the accelerations at which a
+        bearing gaps and dents; by `load`, the displacement of the rotor; by `bearing`, its load,
+        its gap and its peak pressures. What nothing holds is NaN.
+
+    Raises
+    ------
+    SceneError
+        A ValueError with a one-line message.
+    """
+    from bearingwear.applications.launch.dataset import launch_dataset
+    from bearingwear.lives.margin import launched_by_wear
+    from bearingwear.scene.read import as_scene
+    from bearingwear.solvers.bearing.launch import check_launch
+
+    given = {"launch.axial_g": axial, "launch.radial_g": radial}
+    changes = {key: value for key, value in given.items() if value is not None}
+    checked = as_scene(scene)
+    checked = checked.with_(changes) if changes else checked
+    check_launch(checked, checked.name)
+    return launch_dataset(checked, launched_by_wear(checked))

@@ -1,0 +1,85 @@
+"""`bearingwear margin`, and the same in Python."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from bearingwear.console import INFEASIBLE, NOT_SOLVED, SUCCESS
+from bearingwear.options import given_scene
+from bearingwear.printing import print_sheet
+from bearingwear.scene.checking.errors import SceneError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from bearingwear.scene.read import Source
+    from bearingwear.scene.scene import Scene
+
+
+def margin_command(args: argparse.Namespace) -> int:
+    """Print the sheet of a torque margin."""
+    from bearingwear.applications.margin.sheet import margin_document
+    from bearingwear.document.margin import worst_corner
+    from bearingwear.lives.margin import torque_corners
+
+    given = {"torque_Nm": args.drive, "standard": args.standard, "data": args.data}
+    args.set += [f"drive.{key}={value}" for key, value in given.items() if value is not None]
+    scene = given_scene(args)
+    _check_drive(scene, args.scene)
+    corners = torque_corners(scene)
+    print_sheet(margin_document(scene, corners), args)
+    if worst_corner(corners).margin < 0.0:
+        return INFEASIBLE
+    return SUCCESS if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
+
+
+def margin(
+    scene: Source,
+    drive: float | None = None,
+    standard: str | None = None,
+    data: str | None = None,
+) -> xr.Dataset:
+    """The torque margin of a drive in every case, state of wear and friction.
+
+    Like `bearingwear margin`.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+    drive : float, optional
+        Torque of the drive [N m], in place of `drive.torque_Nm` of the scene.
+    standard : {"ecss", "nasa", "own"}, optional
+        Standard of the margin, in place of `drive.standard`.
+    data : {"analysis", "test", "extremes"}, optional
+        Source of the torque data, in place of `drive.data`.
+
+    Returns
+    -------
+    xarray.Dataset
+        By `corner`: `case`, `wear`, `friction`, `torque`, `required_torque` and `torque_margin`.
+        `problem` gives the reason where the torque is NaN.
+
+    Raises
+    ------
+    SceneError, NotAvailable
+        Both are ValueErrors with a one-line message.
+    """
+    from bearingwear.applications.margin.dataset import margin_dataset
+    from bearingwear.lives.margin import torque_corners
+    from bearingwear.results.labels import labelled
+    from bearingwear.scene.read import as_scene
+
+    given = {"drive.torque_Nm": drive, "drive.standard": standard, "drive.data": data}
+    changes = {key: value for key, value in given.items() if value is not None}
+    checked = as_scene(scene)
+    checked = checked.with_(changes) if changes else checked
+    _check_drive(checked, checked.name)
+    return labelled(margin_dataset(checked, torque_corners(checked)))
+
+
+def _check_drive(scene: Scene, source: str) -> None:
+    """Refuse a scene without a drive."""
+    if scene.drive is None:
+        problem = "got nothing, expected a drive block, or the torque of the drive (--drive N_M)"
+        raise SceneError("drive", problem, source=source)

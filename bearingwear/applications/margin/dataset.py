@@ -1,0 +1,57 @@
+"""The torque margin in every corner, as a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import xarray as xr
+
+from bearingwear.lives.margin import Corner
+from bearingwear.results.variable import Variable, table
+from bearingwear.scene.requirements import STANDARDS
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.dataset import filled
+
+CORNER = Variable("corner", ("corner",), "1", "index of the corner", "i8")
+
+CORNERS = table(
+    Variable("case", (), "", "case of the scene", "O"),
+    Variable("wear", (), "", "state of wear", "O"),
+    Variable("friction", (), "", "friction coefficient, or shear strength of the film [MPa]"),
+    Variable("torque", (), "N m", "torque of all bearings together"),
+    Variable("required_torque", (), "N m", "torque that the standard requires of the drive"),
+    Variable("torque_margin", (), "1", "torque of the drive over the required one, less one"),
+    Variable("stalls", (), "", "whether the drive stalls", "i1", flags=("no", "yes")),
+    Variable("problem", (), "", "why the torque was not computed", "O"),
+)
+"""What is known of a corner: a case, a state of wear and a friction."""
+
+
+def margin_dataset(scene: Scene, corners: Sequence[Corner]) -> xr.Dataset:
+    """Corners of a scene with a drive, along `corner`."""
+    drive = scene.drive
+    assert drive is not None
+    rows = [
+        {
+            "case": one.case,
+            "wear": one.wear,
+            "friction": one.friction,
+            "torque": one.torque,
+            "required_torque": drive.required(one.torque),
+            "torque_margin": one.margin,
+            "stalls": int(one.stalls),
+            "problem": one.why,
+        }
+        for one in corners
+    ]
+    return filled(
+        CORNERS,
+        {CORNER: range(len(rows))},
+        rows,
+        title=f"Torque margin of {scene.name}",
+        kind="torque margin",
+        scene=scene,
+        standard=STANDARDS[drive.standard],
+        drive_torque=drive.torque_Nm,
+        friction_key=corners[0].key,
+    )

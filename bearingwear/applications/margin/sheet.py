@@ -1,0 +1,21 @@
+"""The sheet of a torque margin: the worst corner, and every other one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from bearingwear.document.document import Document
+from bearingwear.document.margin import corner_words, margin_block, margin_sentences, worst_corner
+from bearingwear.lives.margin import Corner
+from bearingwear.scene.scene import Scene
+
+
+def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
+    """Torque margin of a scene with a drive."""
+    worst = worst_corner(corners)
+    heading = (
+        f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",
+        *margin_sentences(scene, corners),
+    )
+    facts = {"kind": "torque margin", "scene": scene.name, "worst": corner_words(worst)}
+    return Document(heading, facts, (margin_block(scene, corners),))

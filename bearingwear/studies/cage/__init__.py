@@ -1,1 +1,0 @@
-"""Which motion a cage takes, by its friction, its clearances and its weight."""

@@ -1,0 +1,55 @@
+"""The application that docs/develop.md writes."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from support import ROOT, scene_file
+
+PROGRAM = """
+import json, sys
+import bearingwear
+from bearingwear.cli import main
+
+scene, output = sys.argv[1:]
+assert main(["frequencies", scene, "-o", output, "--json"]) == 0
+found = bearingwear.frequencies(scene)
+print("---")
+print(json.dumps({name: one.values.ravel().tolist() for name, one in found.data_vars.items()}))
+assert found.equals(bearingwear.load(output)) and "frequencies" in dir(bearingwear)
+"""
+
+
+def test_the_example_of_the_docs(tmp_path):
+    """Its command and its function agree, and with the kinematics of rolling."""
+    page = (ROOT / "docs" / "develop.md").read_text(encoding="utf-8")
+    files = dict(re.findall(r"^```py\n# (\w+\.py)\n(.*?)^```$", page, re.M | re.S))
+    assert set(files) == {"__init__.py", "command.py"}
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=ignored)
+    folder = tmp_path / "bearingwear" / "applications" / "frequencies"
+    folder.mkdir()
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, scene_file("gyro_s1"), "frequencies.nc"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    sheet, found = map(json.loads, done.stdout.split("---"))
+    for row in sheet["quantities"]:
+        values = row.get("values", [row.get("value")])
+        assert values == pytest.approx([one * {"Hz": 1.0, "kHz": 1e-3}[row["unit"]]
+            for one in found[row["name"]]], rel=1e-12)  # fmt: skip
+    # 9 balls pass each race; the outer ring stands still, and the inner one turns at 500 Hz
+    (cage,), (inner, outer) = found["cage_frequency"], found["ball_pass_frequency"]
+    assert outer == pytest.approx(9 * cage, rel=1e-6)
+    assert inner + outer == pytest.approx(9 * 500.0, rel=1e-6)

@@ -1,0 +1,51 @@
+"""The program without one of its applications: the rest stays as it is."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from support import ROOT, scene_file
+
+import bearingwear
+from bearingwear.application import applications
+
+PROGRAM = """
+import json, sys
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
+
+scene, case = sys.argv[1:]
+statuses = []
+for line in (["--help"], ["check", scene], ["solve", scene, "-o", case, "--quiet"], ["show", case]):
+    statuses.append(main(line))
+public = {name: type(getattr(bearingwear, name)).__name__ for name in bearingwear.__all__}
+print()
+print(json.dumps([bearingwear.__file__, statuses, public, [*STUDY_SHEETS, *STUDY_PLOTS]]))
+"""
+
+
+@pytest.mark.parametrize("one", applications(), ids=lambda one: one.command)
+def test_the_program_without_an_application(one, tmp_path):
+    """Imports, `--help`, `check`, `solve` and `show`, with a copy that lacks the folder."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=ignored)
+    folder = one.handler.split(".")[2]
+    shutil.rmtree(tmp_path / "bearingwear" / "applications" / folder)
+    environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, scene_file("gyro_s1"), "case.nc"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    file, statuses, public, kinds = json.loads(done.stdout.splitlines()[-1])
+    assert file.startswith(str(tmp_path)) and statuses == [0, 0, 0, 0]
+    assert f"    {one.command} " not in done.stdout  # in the list of commands
+    assert set(public) == set(bearingwear.__all__) - set(one.functions)
+    assert not set(kinds) & {*one.sheets, *one.plots}
