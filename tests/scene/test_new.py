@@ -92,7 +92,7 @@ def test_nothing_is_replaced(tmp_path, capsys):
         (["6204C"], "designation: got '6204C', expected 6204 alone, or with C2, CN, C3"),
         (
             ["7008C3"],
-            "designation: got '7008C3', expected 7008 alone, or with C, FB, FE, AC, A5, E, A",
+            "designation: got '7008C3', expected 7008 alone, or with C, FB, FE, AC, A5, AD, E",
         ),
         (["7008C", "--clearance", "CN"], "--clearance: got CN; only allowed for a deep groove"),
         (

@@ -210,7 +210,7 @@ def _is_number(value: Any) -> bool:
 def _is_permitted(value: Any, part: Part) -> bool:
     """Whether a value of the right type is a choice, in the range, or fits the pattern."""
     key = part.key
-    if part.kind == "boolean" or value in key.choices:
+    if part.kind == "boolean" or value in key.choices or value in key.synonyms:
         return True
     if part.kind == "text":
         return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
@@ -277,4 +277,6 @@ def _value(value: Any, part: Part, path: str) -> Any:
         return tuple(_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
     if part.kind == "integer":
         return int(value)
+    if part.kind == "choice":
+        return part.key.synonyms.get(value, value)
     return float(value) if _is_number(value) else value

@@ -36,6 +36,7 @@ from bearingwear.scene.new.assumed import (
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
+from bearingwear.scene.new.letters import CLASS_OF_LETTER
 from bearingwear.scene.scene import key_of_scene, most_balls
 
 if TYPE_CHECKING:
@@ -158,8 +159,9 @@ def _assumed(
     """A line for each thing that was not given."""
     lines = []
     said = size.letters.meanings
-    if size.letters.ignored:
-        said.append(f"ignored: {size.letters.ignored}")
+    load = size.letters.load
+    if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
+        said.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
     if said:
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [
