@@ -14,7 +14,7 @@ from bearingwear import __version__
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.blocks import SEEN
-from bearingwear.scene.coefficients import FILMS, RUBBING
+from bearingwear.scene.coefficients import LUBRICATIONS
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
@@ -249,11 +249,9 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         "is computed (default: CN)")
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
         help="radial clearance, as an alternative to --clearance")
-    new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
-        help="materials of the balls and races; sets wear and friction coefficients from the table "
-        "in docs/coefficients.md (default: assumed coefficients)")
-    new.add_argument("--film", choices=FILMS, help="solid film between the balls and races; sets "
-        "its coefficients from the table in docs/coefficients.md")
+    new.add_argument("--lubrication", choices=LUBRICATIONS,
+        help="sets wear and friction coefficients and their spread from the table in "
+        "docs/coefficients.md; mos2 is a sputtered film (default: assumed coefficients)")
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 

@@ -53,7 +53,7 @@ def new(args: argparse.Namespace) -> int:
     path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     known = {key: value for key, value in values.items() if value is not None}
-    names = "bore outside clearance ball_material preload_method preload_class maker pair film"
+    names = "bore outside clearance ball_material preload_method preload_class maker lubrication"
     others = {name: getattr(args, name) for name in names.split()}
     check_folder(Path(path))
     _tell_of_new_folder(Path(path))
@@ -66,10 +66,7 @@ def new(args: argparse.Namespace) -> int:
     print("next:")
     limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
     stem = str(Path(path).with_suffix(""))
-    filmed = args.film not in (None, "none")  # which no limit is chosen by
     for name, output in NEXT:
-        if filmed and name in TO_CHOOSE_BY:
-            continue
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
         print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
     return OK

@@ -208,10 +208,6 @@ def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(folder, "code_folder", lambda: str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "the first solve must compile" in told(capsys)
-    assert new(tmp_path / "b.yaml", "608", "--film", "mos2") == 0  # no study has films
-    assert re.findall(r"^  bearingwear (\w+)", told(capsys), re.M) == [
-        "check", "solve", "life", "uncertainty",
-    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
