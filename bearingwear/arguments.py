@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
 import os
 import re
@@ -14,6 +15,7 @@ from bearingwear import __version__
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.blocks import SEEN
+from bearingwear.scene.checking.errors import SceneError, check_thousands, number_hint
 from bearingwear.scene.coefficients import LUBRICATIONS
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
@@ -30,12 +32,10 @@ MODELS = ("steady", "worn", "dynamic")
 """Models whose kernels `compile` compiles."""
 
 
-_EXPECTED = {
-    r"int value: (.+)": "a whole number",
-    r"float value: (.+)": "a number",
-    r"choice: (.+?) \(choose from (.+)\)": r"\2",
-}
+_EXPECTED = {r"int value: '(.+)'": "a whole number", r"float value: '(.+)'": "a number"}
 """Messages of argparse, and what is expected instead."""
+
+_CHOICE = re.compile(r"invalid choice: '(.+?)' \(choose from (.+)\)")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -43,7 +43,19 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         for said, expected in _EXPECTED.items():
-            message = re.sub(f"invalid {said}", f"got \\1, expected {expected}", message)
+            if found := re.search(f"invalid {said}", message):
+                hint = number_hint(found[1])
+                hint = f" ({hint})" if hint else ""
+                message = f"{message[: found.start()]}got {found[1]!r}, expected {expected}{hint}"
+        if found := _CHOICE.search(message):
+            choices = found[2].replace("'", "").split(", ")
+            by_letters = {choice.lower(): choice for choice in choices}
+            near = difflib.get_close_matches(found[1].lower(), by_letters, n=2, cutoff=0.7)
+            meant = f"; did you mean {' or '.join(by_letters[name] for name in near)}"
+            message = (
+                f"{message[: found.start()]}got {found[1]!r}, expected {', '.join(choices)}"
+                f"{meant if near else ''}"
+            )
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
@@ -237,7 +249,8 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("--outside", type=float, metavar="MM",
         help="outside diameter, if no designation is given")
     for option, key, metavar, text in OPTIONS:
-        kind = int if key == "bearing.ball_count" else float
+        kind: Callable[[str], float] = int if key == "bearing.ball_count" else float
+        kind = _speed if key.endswith("_rpm") else kind
         text = f"{text} (assumed if omitted)"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
@@ -473,8 +486,18 @@ def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
     except ValueError:
         value = math.nan  # within nothing
     if not within(value):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}")
+        hint = number_hint(text)
+        hint = f" ({hint})" if hint else ""
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}{hint}")
     return value
+
+
+def _speed(text: str) -> float:
+    try:
+        check_thousands("", text)
+    except SceneError as error:
+        raise argparse.ArgumentTypeError(error.problem) from None
+    return _number(text, math.isfinite, "in r/min")
 
 
 def _positive(text: str) -> float:

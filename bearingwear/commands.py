@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from bearingwear.atomic import check_folder, check_output
 from bearingwear.console import ProgressLines, UsageError, one_line, printable
 from bearingwear.measures import LIMITED, plain
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
 
@@ -74,7 +75,7 @@ def new(args: argparse.Namespace) -> int:
 
 def _list(words: list[str]) -> int:
     """The bearings of a maker."""
-    from bearingwear.scene.checking.errors import SceneError, shown
+    from bearingwear.scene.checking.errors import shown
     from bearingwear.scene.new.catalogue import MAKERS, listed
 
     maker = words[0].upper()
@@ -88,8 +89,6 @@ def _list(words: list[str]) -> int:
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     """The scene's file and the designation, of words that are typed; SEA 60 is two."""
     if not names:
-        from bearingwear.scene.checking.errors import SceneError
-
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
     file, *words = names
@@ -306,6 +305,7 @@ def calibrate(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
+    limits = _limits(args)
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene
 
@@ -314,7 +314,6 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
-        limits = _limits(args)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
     if lives is not None and not (lives["status"] == OK).any():
@@ -507,7 +506,11 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
 
     given = {name: getattr(args, name) for name in LIMITED}
     given |= {"at_speed_only": args.at_speed_only, "warmup_s": args.warmup_s}
-    return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
+    try:
+        return record(DesignLimits, {k: v for k, v in given.items() if v is not None})
+    except SceneError as error:
+        option = LIMITED[error.key].option if error.key in LIMITED else "limits"
+        raise SceneError("", error.problem, source=option) from None
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

@@ -14,10 +14,10 @@ from pathlib import Path
 from bearingwear.scene.coefficients import (
     ASSUMED_FRICTION,
     ASSUMED_WEAR,
-    CERAMIC,
     FILM_SCATTER,
     M2_PER_N,
     MEASURED_WEAR,
+    NITRIDE,
     RUBBING,
     STEEL,
     WEAR_SCATTER,
@@ -71,7 +71,7 @@ ASSUMED = (
 """Assumed values, because no source was found."""
 
 
-_BALLS = {STEEL: "balls of steel", CERAMIC: "balls of silicon nitride"}
+_BALLS = {STEEL: "balls of steel", NITRIDE: "balls of silicon nitride"}
 
 _INTRODUCTION = """\
 # Wear and friction coefficients

@@ -123,7 +123,7 @@ def _bound(row: str) -> LogSpread:
     return LogSpread(median=M2_PER_N * MEASURED_WEAR[row].wear[1], factor=ASSUMED_WEAR.factor)
 
 
-STEEL, CERAMIC = "bearing_steel", "silicon_nitride"
+STEEL, NITRIDE = "bearing_steel", "silicon_nitride"
 
 RUBBING = {
     ("dry", STEEL): RubbingPair(
@@ -136,7 +136,7 @@ RUBBING = {
     ("starved", STEEL): RubbingPair(
         rows=("nesc_r4",), wear=_bound("nesc_r4"), friction=ASSUMED_FRICTION, why=_STARVED
     ),
-    ("starved", CERAMIC): RubbingPair(
+    ("starved", NITRIDE): RubbingPair(
         rows=("nesc_r4_hybrid",),
         wear=_bound("nesc_r4_hybrid"),
         friction=ASSUMED_FRICTION,

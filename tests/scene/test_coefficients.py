@@ -10,11 +10,11 @@ from support import ROOT, benchmark, scene_file
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.coefficients import (
-    CERAMIC,
     M2_PER_N,
     MEASURED_WEAR,
     MOS2_WEAR,
     NEAREST,
+    NITRIDE,
     RUBBING,
     STEEL,
 )
@@ -71,7 +71,7 @@ def test_what_no_source_has_is_called_assumed(surface, name, material):
     assert not np.isclose(ends, K, rtol=0.05, atol=0.0).any()
 
 
-@pytest.mark.parametrize("lubrication, balls", [*RUBBING, ("oil", STEEL), ("grease", CERAMIC)])
+@pytest.mark.parametrize("lubrication, balls", [*RUBBING, ("oil", STEEL), ("grease", NITRIDE)])
 def test_a_scene_takes_a_lubrication_with_its_spread(lubrication, balls):
     one = RUBBING[NEAREST.get(lubrication, lubrication), balls]
     assert set(one.rows) <= MEASURED_WEAR.keys()

@@ -23,6 +23,7 @@ from bearingwear.scene.checking.errors import (
     DEEPEST,
     SceneError,
     key_path,
+    number_hint,
     short,
     shown,
     yaml_number,
@@ -170,6 +171,8 @@ def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) 
 
 def _meant(unknown: str, given: Mapping[str, Any], block: Part, file: Part) -> str:
     """The key that an unknown one may mean: of its block, or of another one."""
+    if unknown.isdigit():  # {poisson_ratio: 0,3}
+        return "write decimals with a point, not a comma"
     near = difflib.get_close_matches(unknown, block.below, n=2)
     if near := near or [name for name in block.below if len(unknown) > 2 and unknown in name]:
         return f"did you mean {' or '.join(near)}"
@@ -231,7 +234,8 @@ def _hint(value: Any, part: Part) -> str:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        return ", text, not a number"
+        hint = number_hint(value, part.item.unit if part.key.single else part.unit)
+        return f", text, not a number{f' ({hint})' if hint else ''}"
     is_whole = number == int(number) and abs(number) < 1e9
     return f", text, not a number (write {int(number) if is_whole else yaml_number(number)})"
 

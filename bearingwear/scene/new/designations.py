@@ -150,6 +150,8 @@ def designation_of(text: str) -> Designation:
             text,
             f"{series}{code} (deep groove), or {prefix}{series}{code} C or E (GMN spindle bearing)",
         )
+    if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", rest):
+        raise SceneError("", f"got {shown(text)}, expected one", source="designation")
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
     suffix, ignored = _suffix(rest, suffixes, deep_groove)
     if ignored is None:

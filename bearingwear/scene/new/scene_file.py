@@ -79,8 +79,10 @@ MATERIALS = {
 
 def _materials(wear: float | None) -> dict[str, str]:
     """`MATERIALS`, steel and silicon nitride with a K_s/H [m2/N]."""
+    if wear is None:
+        return MATERIALS
     made = dict(MATERIALS)
-    for name in BALL_MATERIALS if wear is not None else ():
+    for name in BALL_MATERIALS:
         hardness = float(re.findall(r"brinell_hardness_GPa: ([\d.]+)", made[name])[0])
         coefficient = yaml_number(float(f"{wear * hardness * 1e9:.3g}"))
         made[name] = re.sub(
