@@ -20,7 +20,7 @@ from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
-from bearingwear.scene.coefficients import FILMS, RUBBING
+from bearingwear.scene.coefficients import LUBRICATIONS
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
@@ -58,8 +58,7 @@ CHOICES: Mapping[str, Collection[str]] = {
     "preload_class": CLASSES,
     "maker": tuple(MAKERS),
     "clearance": CLEARANCES,
-    "pair": tuple(pair for pair, _ in RUBBING),
-    "film": FILMS,
+    "lubrication": LUBRICATIONS,
 }
 """Choices of the options of `new`."""
 
@@ -418,7 +417,7 @@ def new(
         Further values, named like the options of the command: `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
-        `ball_material`, `preload_method`, `pair` and `film`.
+        `ball_material`, `preload_method` and `lubrication`.
 
     Returns
     -------

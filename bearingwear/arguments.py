@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -21,8 +22,10 @@ from bearingwear.options import (
     not_negative,
     positive,
     scene_keys,
+    speed,
 )
-from bearingwear.scene.coefficients import FILMS, RUBBING
+from bearingwear.scene.checking.errors import number_hint
+from bearingwear.scene.coefficients import LUBRICATIONS
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
@@ -36,12 +39,10 @@ MODELS = ("steady", "worn", "dynamic")
 """Models whose kernels `compile` compiles."""
 
 
-_EXPECTED = {
-    r"int value: (.+)": "a whole number",
-    r"float value: (.+)": "a number",
-    r"choice: (.+?) \(choose from (.+)\)": r"\2",
-}
+_EXPECTED = {r"int value: '(.+)'": "a whole number", r"float value: '(.+)'": "a number"}
 """Messages of argparse, and what is expected instead."""
+
+_CHOICE = re.compile(r"invalid choice: '(.+?)' \(choose from (.+)\)")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -49,7 +50,19 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         for said, expected in _EXPECTED.items():
-            message = re.sub(f"invalid {said}", f"got \\1, expected {expected}", message)
+            if found := re.search(f"invalid {said}", message):
+                hint = number_hint(found[1])
+                hint = f" ({hint})" if hint else ""
+                message = f"{message[: found.start()]}got {found[1]!r}, expected {expected}{hint}"
+        if found := _CHOICE.search(message):
+            choices = found[2].replace("'", "").split(", ")
+            by_letters = {choice.lower(): choice for choice in choices}
+            near = difflib.get_close_matches(found[1].lower(), by_letters, n=2, cutoff=0.7)
+            meant = f"; did you mean {' or '.join(by_letters[name] for name in near)}"
+            message = (
+                f"{message[: found.start()]}got {found[1]!r}, expected {', '.join(choices)}"
+                f"{meant if near else ''}"
+            )
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
@@ -199,7 +212,8 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("--outside", type=float, metavar="MM",
         help="outside diameter, if no designation is given")
     for option, key, metavar, text in OPTIONS:
-        kind = int if key == "bearing.ball_count" else float
+        kind: Callable[[str], float] = int if key == "bearing.ball_count" else float
+        kind = speed if key.endswith("_rpm") else kind
         text = f"{text} (assumed if omitted)"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
@@ -211,11 +225,9 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         "is computed (default: CN)")
     clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
         help="radial clearance, as an alternative to --clearance")
-    new.add_argument("--pair", choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
-        help="materials of the balls and races; sets wear and friction coefficients from the table "
-        "in docs/coefficients.md (default: assumed coefficients)")
-    new.add_argument("--film", choices=FILMS, help="solid film between the balls and races; sets "
-        "its coefficients from the table in docs/coefficients.md")
+    new.add_argument("--lubrication", choices=LUBRICATIONS,
+        help="sets wear and friction coefficients and their spread from the table in "
+        "docs/coefficients.md; mos2 is a sputtered film (default: assumed coefficients)")
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 

@@ -29,6 +29,9 @@ FULL_DISK, INTERRUPTED = 74, 130
 RENAMED = {"compare": "show A.nc B.nc"}
 """What is typed today in place of commands that are gone."""
 
+RENAMED_OPTIONS = {"--film": "--lubrication", "--pair": "--lubrication"}
+"""Options of earlier versions."""
+
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 
 
@@ -106,10 +109,13 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
     elif left:
-        options = of_commands[args.command]._option_string_actions
-        near = difflib.get_close_matches(left[0].partition("=")[0], options, n=2)
+        command = of_commands[args.command]
+        option = left[0].partition("=")[0]
+        near = difflib.get_close_matches(option, command._option_string_actions, n=2)
         hint = f"; did you mean {' or '.join(near)}" if near else ""
-        parser.error(f"got {left[0]!r}, which this command does not accept{hint}")
+        if option in RENAMED_OPTIONS:
+            hint = f"; it is now {RENAMED_OPTIONS[option]}"
+        command.error(f"got {left[0]!r}, which this command does not accept{hint}")
     return args
 
 

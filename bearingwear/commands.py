@@ -33,6 +33,7 @@ from bearingwear.printing import (
     print_warnings,
     tell_of_new_folder,
 )
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
 
@@ -63,7 +64,7 @@ def new(args: argparse.Namespace) -> int:
     path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     known = {key: value for key, value in values.items() if value is not None}
-    names = "bore outside clearance ball_material preload_method preload_class maker pair film"
+    names = "bore outside clearance ball_material preload_method preload_class maker lubrication"
     others = {name: getattr(args, name) for name in names.split()}
     check_folder(Path(path))
     tell_of_new_folder(Path(path))
@@ -76,10 +77,7 @@ def new(args: argparse.Namespace) -> int:
     print("next:")
     limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
     stem = str(Path(path).with_suffix(""))
-    filmed = args.film not in (None, "none")  # which no limit is chosen by
     for name, output in NEXT:
-        if filmed and name in TO_CHOOSE_BY:
-            continue
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
         print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
     return SUCCESS
@@ -87,7 +85,7 @@ def new(args: argparse.Namespace) -> int:
 
 def _list(words: list[str]) -> int:
     """The bearings of a maker."""
-    from bearingwear.scene.checking.errors import SceneError, shown
+    from bearingwear.scene.checking.errors import shown
     from bearingwear.scene.new.catalogue import MAKERS, listed
 
     maker = words[0].upper()
@@ -101,8 +99,6 @@ def _list(words: list[str]) -> int:
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     """The scene's file and the designation, of words that are typed; SEA 60 is two."""
     if not names:
-        from bearingwear.scene.checking.errors import SceneError
-
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
     file, *words = names
@@ -281,6 +277,7 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
+    limits = _limits(args)
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene
 
@@ -289,7 +286,6 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
-        limits = _limits(args)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
     if lives is not None and not (lives["status"] == 0).any():
@@ -433,7 +429,11 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
 
     given = {name: getattr(args, name) for name in LIMITED}
     given |= {"at_speed_only": args.at_speed_only, "warmup_s": args.warmup_s}
-    return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
+    try:
+        return record(DesignLimits, {k: v for k, v in given.items() if v is not None})
+    except SceneError as error:
+        option = LIMITED[error.key].option if error.key in LIMITED else "limits"
+        raise SceneError("", error.problem, source=option) from None
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

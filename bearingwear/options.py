@@ -9,6 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bearingwear.scene.checking.errors import SceneError, check_thousands, number_hint
+
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
 
@@ -65,8 +67,19 @@ def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
     except ValueError:
         value = math.nan  # within nothing
     if not within(value):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}")
+        hint = number_hint(text)
+        hint = f" ({hint})" if hint else ""
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}{hint}")
     return value
+
+
+def speed(text: str) -> float:
+    """Read a speed [r/min], which has no separator of thousands."""
+    try:
+        check_thousands("", text)
+    except SceneError as error:
+        raise argparse.ArgumentTypeError(error.problem) from None
+    return _number(text, math.isfinite, "in r/min")
 
 
 def positive(text: str) -> float:

@@ -17,7 +17,9 @@ from bearingwear.scene.coefficients import (
     FILM_SCATTER,
     M2_PER_N,
     MEASURED_WEAR,
+    NITRIDE,
     RUBBING,
+    STEEL,
     WEAR_SCATTER,
 )
 
@@ -36,8 +38,8 @@ ASSUMED = (
     Assumed(
         surface="races and balls of the study",
         wear=7.6e-16,
-        taken_by="`gyro_s1` to `gyro_s3`, `bearing218`, and `new` without `--pair`; `turbine` and "
-        "`turbopump` use 7.2e-16 m²/N",
+        taken_by="`gyro_s1` to `gyro_s3`, `bearing218`, and `new` without `--lubrication`; "
+        "`turbine` and `turbopump` use 7.2e-16 m²/N",
         why="the value used in the paper is unknown; the magnitude is typical of a solid film",
     ),
     Assumed(
@@ -69,6 +71,8 @@ ASSUMED = (
 """Assumed values, because no source was found."""
 
 
+_BALLS = {STEEL: "balls of steel", NITRIDE: "balls of silicon nitride"}
+
 _INTRODUCTION = """\
 # Wear and friction coefficients
 
@@ -85,11 +89,12 @@ hours](calibrate.md)). [Film tests](film_tests.md) compares predictions based on
 published test results."""
 
 _TAKEN = """\
-`bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` uses the median for the pair and a
-lognormal distribution whose 90 % interval covers the values from the sources for that pair. The
-K_s/H of MoS2 holds in the test of estl whose life is 1. The scene takes the lives of its six tests
-as `friction.film.wear_table` ([section 23](theory/23-films.md)).
-*Factor* denotes the geometric standard deviation."""
+`bearingwear new mine.yaml 7008C --lubrication mos2` uses the median for the lubrication and a
+lognormal distribution whose 90 % interval covers the values from its sources. The K_s/H of MoS2
+holds in the test of estl whose life is 1. The scene takes the lives of its six tests as
+`friction.film.wear_table` ([section 23](theory/23-films.md)). No source has oil or grease:
+`--lubrication oil` and `grease` take the row of starved oil and say so. Oil films are not
+modelled. *Factor* denotes the geometric standard deviation."""
 
 _SPREAD = """\
 If a scene has no `uncertainty`, the commands `uncertainty` and `calibrate` apply the spread for its
@@ -117,10 +122,10 @@ def page_of_coefficients() -> str:
         for name, m in MEASURED_WEAR.items()
     ]
     pairs = [
-        f"**{pair}, film {film}**: K_s/H: {one.wear.median:.2g} m²/N, "
+        f"**{lubrication}, {_BALLS[balls]}**: K_s/H: {one.wear.median:.2g} m²/N, "
         f"factor {one.wear.factor:.2g}; friction: {one.friction.median:.2g}, "
         f"factor {one.friction.factor:.2g}. Sources: {', '.join(one.rows)}. {one.why}."
-        for (pair, film), one in RUBBING.items()
+        for (lubrication, balls), one in RUBBING.items()
     ]
     assumed = [
         f"**{one.surface}**: {'none' if math.isnan(one.wear) else f'{one.wear:.2g} m²/N'}. Used "
@@ -130,7 +135,7 @@ def page_of_coefficients() -> str:
     spread = _SPREAD.format(
         wear=ASSUMED_WEAR, friction=ASSUMED_FRICTION, scatter=WEAR_SCATTER, films=FILM_SCATTER
     )
-    parts = [_INTRODUCTION, _items(rows), "## Pairs", _TAKEN, _items(pairs), _wrapped(spread)]
+    parts = [_INTRODUCTION, _items(rows), "## Lubrication", _TAKEN, _items(pairs), _wrapped(spread)]
     return "\n\n".join([*parts, "## Assumed", _wrapped(_NO_SOURCE), _items(assumed)]) + "\n"
 
 

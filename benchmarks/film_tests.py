@@ -21,6 +21,7 @@ from bearingwear.scene.coefficients import (
     MOS2_WEAR,
     NINETY,
     RUBBING,
+    STEEL,
     STEEL_GPA,
 )
 from bearingwear.scene.scene import Scene
@@ -36,7 +37,7 @@ def nasa_bearing() -> Scene:
     """The bearing of the NASA test, whose life ends when half of a track is bare."""
     return bearingwear.new(
         designation="7204C", maker="NSK", speed=1750, preload=137.9,
-        preload_method="constant_force", pair="steel/steel", film="mos2",
+        preload_method="constant_force", lubrication="mos2",
     ).with_({"wear.end_of_life": {"film_worn_share": 0.5}})  # fmt: skip
 
 
@@ -109,7 +110,7 @@ def rounded(value: float, digits: int) -> str:
 def page() -> str:
     scene = nasa_bearing()
     rev, K, least = revolutions(scene), film_factor(scene), bound()
-    wear = RUBBING["steel/steel", "mos2"].wear
+    wear = RUBBING["mos2", STEEL].wear
     low, high = (rev * K / (wear.median * wear.factor**z) for z in (NINETY, -NINETY))
     seen = LIVES[0] / LIVES[1]
     least_ratio, most_ratio = (life_over_loads(p) for p in (1349.0, 2000.0))
@@ -124,9 +125,9 @@ def page() -> str:
 
 This page compares predictions with published tests of solid-lubricant films. All predictions use
 the same published [coefficients](coefficients.md) and lives by pressure and temperature
-(`friction.film.wear_table` of `new --film mos2`), which were not tuned to any test. Three of the
-seven test results can be predicted: one prediction fails by a factor of {SEEN / rev:.2g}, one by \
-{computed / measured:.2g}, and one
+(`friction.film.wear_table` of `new --lubrication mos2`), which were not tuned to any test. Three of
+the seven test results can be predicted: one prediction fails by a factor of {SEEN / rev:.2g}, one \
+by {computed / measured:.2g}, and one
 is right only if the test had a pressure that its abstract does not state.
 
 ![Revolutions to wear-through of a film, and life against load](figures/film_tests.svg)

@@ -65,7 +65,7 @@ def _typed(part: Part) -> dict[str, Any]:
         own = key.bounds if key.single else {}
         return _without_none(type=kinds, **own, items=items, **limits)
     if part.kind == "choice":
-        return {"enum": [*key.choices, *([None] if part.nullable else [])]}
+        return {"enum": [*key.choices, *key.synonyms, *([None] if part.nullable else [])]}
     if part.kind == "choice_or_number":
         return {"anyOf": [{"enum": list(key.choices)}, {"type": "number", **key.bounds}]}
     if part.kind in ("integer", "number"):

@@ -13,7 +13,12 @@ from bearingwear.solvers.effects.sizes import effect_sizes
 from bearingwear.solvers.effects.table import EFFECTS
 from bearingwear.solvers.effects.warnings import warnings_of
 
-STATED = frozenset({"pair", "film_worn", "contact_angle_too_small", "motion_unstable", "criteria"})
+STATED = frozenset(
+    {
+        "pair", "film_worn", "contact_angle_too_small", "unit_in_doubt", "motion_unstable",
+        "criteria",
+    }
+)  # fmt: skip
 """Effects whose sentences state values of the scene, which no row of the table has."""
 
 LIMIT = "limit: the size beyond which an effect is modelled, or a warning asks for the key"

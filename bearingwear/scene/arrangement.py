@@ -43,6 +43,12 @@ OWN_BLOCKS = (
 """Blocks of a scene in which the second bearing may differ."""
 
 
+ORIENTATIONS = MappingProxyType(
+    {"O": "back_to_back", "DB": "back_to_back", "X": "face_to_face", "DF": "face_to_face"}
+)
+"""Makers' letters of an arrangement."""
+
+
 @keyed
 class Arrangement:
     """Bearings of the rotor and their arrangement."""
@@ -52,8 +58,8 @@ class Arrangement:
         "with a spring on the second bearing (constant_force)", choices=ARRANGEMENTS,
         default="single")
     orientation: str = setting("Orientation of a pair: the contact lines meet the axis outside the "
-        "pair (back to back) or inside it (face to face)", choices=("back_to_back", "face_to_face"),
-        default="back_to_back")
+        "pair (back to back; also O or DB) or inside it (face to face; also X or DF)",
+        choices=("back_to_back", "face_to_face"), synonyms=ORIENTATIONS, default="back_to_back")
     external_axial_N: float = setting("Axial force towards +X on the rotor of a pair, which loads "
         "the first bearing and unloads the second", "N", "[-1e7, 1e7]", default=0.0)
     spring_stiffness_N_um: float = setting("Stiffness of the preload spring in a spring pair",

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from bearingwear.scene.arrangement import METHODS, PAIRS
-from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.errors import SceneError, check_thousands, shown
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.scene import key_of_scene
 
@@ -25,6 +25,8 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
         if not equals or not re.fullmatch(KEY, key):
             problem = f"got {shown(text)}, expected KEY=VALUE, for example operation.preload_N=7"
             raise SceneError("", problem, source="--set")
+        if key.endswith("_rpm"):
+            check_thousands("", value, f"--set {key}")
         changes.append((key, data_of(value, f"--set {key}")))
     keys = [key for key, _ in changes]
     for key in keys:

@@ -112,15 +112,37 @@ MOS2_WEAR = (4.7e-18, 5.0e-15)
 SHEAR_STRENGTH_MPA, PRESSURE_COEFFICIENT = 24.8, 0.001
 """Of sputtered MoS2: Singer and others, Appl. Phys. Lett. 57 (1990) 995."""
 
+_STARVED = (
+    "A bound, because oil and cage ended the lives of those motors: lives are at least what this "
+    "computes. Spread and friction are assumed"
+)
+
+
+def _bound(row: str) -> LogSpread:
+    """The largest K_s/H of a row, with the spread that is assumed."""
+    return LogSpread(median=M2_PER_N * MEASURED_WEAR[row].wear[1], factor=ASSUMED_WEAR.factor)
+
+
+STEEL, NITRIDE = "bearing_steel", "silicon_nitride"
+
 RUBBING = {
-    ("steel/steel", "none"): RubbingPair(
+    ("dry", STEEL): RubbingPair(
         rows=("archard", "dry_steel"),
         wear=LogSpread.of(*_ends("archard"), least=3.0),
         friction=LogSpread.of(0.8, 0.8, least=1.2),
         why="The spread for dry steel is assumed, because the source covers only one steel and one "
         "load",
     ),
-    ("steel/steel", "mos2"): RubbingPair(
+    ("starved", STEEL): RubbingPair(
+        rows=("nesc_r4",), wear=_bound("nesc_r4"), friction=ASSUMED_FRICTION, why=_STARVED
+    ),
+    ("starved", NITRIDE): RubbingPair(
+        rows=("nesc_r4_hybrid",),
+        wear=_bound("nesc_r4_hybrid"),
+        friction=ASSUMED_FRICTION,
+        why=_STARVED,
+    ),
+    ("mos2", STEEL): RubbingPair(
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins", "estl"),
         wear=LogSpread.of(*MOS2_WEAR),
         friction=LogSpread.of(0.03, 0.04),
@@ -128,9 +150,12 @@ RUBBING = {
         "for two discs during running-in, both at 1500 MPa and 23 degC by the lives of estl",
     ),
 }
-"""What `new` takes, by balls/races and film."""
+"""What `new` takes, by lubrication and material of the balls; the races are of steel."""
 
-FILMS = ("none", "mos2")
+NEAREST = {"oil": "starved", "grease": "starved"}
+"""Lubrications of which no source has K_s/H, and the one whose K_s/H bounds theirs."""
+
+LUBRICATIONS = (*dict.fromkeys(name for name, _ in RUBBING), *NEAREST)
 STEEL_GPA = 6.6
 """Hardness of the bearing steel that `new` writes."""
 
@@ -139,55 +164,67 @@ STEEL_GPA = 6.6
 class Rubbing:
     """Wear and friction values that `new` writes."""
 
-    steel: float  # wear coefficient of the steel [1]
+    wear: float | None  # K_s/H of balls and races [m2/N]; None where each material has its own
     friction: float  # of ball and race, or where the film is worn through
     film: dict[str, object] | None  # by the names of the template
     spread: dict[str, str]
-    rule: str  # where they come from
+    rule: str  # where wear comes from, empty where it is assumed
+    friction_rule: str
+    told: str  # what `new` says
 
 
-def rubbing(pair: str | None, film: str | None) -> Rubbing:
-    """Coefficients of a pair of materials and a film; assumed without both.
+def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
+    """Coefficients of a lubrication and a material of the balls; assumed without a lubrication.
 
     KeyError where no source has them.
     """
-
-    scatter = FILM_SCATTER if film == "mos2" else WEAR_SCATTER
+    scatter = FILM_SCATTER if lubrication == "mos2" else WEAR_SCATTER
 
     def spread(wear: LogSpread, friction: LogSpread, rule: str) -> dict[str, str]:
         factors = {"wear": wear.factor, "friction": friction.factor, "scatter": scatter}
         return {name: f"{value:.2g}" for name, value in factors.items()} | {"rule": rule}
 
-    if pair is None and film is None:
+    dry = RUBBING["dry", STEEL]
+    if lubrication is None:
         return Rubbing(
-            steel=5.0e-6,
+            wear=None,
             friction=ASSUMED_FRICTION.median,
             film=None,
             spread=spread(ASSUMED_WEAR, ASSUMED_FRICTION, ""),
             rule="",
+            friction_rule="",
+            told=f"not given, so K_s/H ({ASSUMED_WEAR.median:g} m2/N for steel) is assumed, and "
+            "lives, which go as 1/(K_s/H), only compare designs; --lubrication dry takes "
+            f"{dry.wear.median:.2g}, starved at most {RUBBING['starved', STEEL].wear.median:.2g}",
         )
-    found, dry = RUBBING[pair or "steel/steel", film or "none"], RUBBING["steel/steel", "none"]
+    found = RUBBING[NEAREST.get(lubrication, lubrication), ball_material or STEEL]
     rule = f"docs/coefficients.md: {', '.join(found.rows)}"
-
-    def coefficient(spread: LogSpread) -> float:
-        return float(f"{spread.median * STEEL_GPA * 1e9:.3g}")
-
+    told = f"{lubrication}; K_s/H {found.wear.median:.2g} m2/N, {rule}"
+    if found.why == _STARVED:
+        told += ", a bound: lives are at least these"
+    if lubrication in NEAREST:
+        told += (
+            f"; no source has {lubrication}, so that of {NEAREST[lubrication]} bearings is taken"
+        )
     on_it: dict[str, object] | None = None
-    if film == "mos2":
+    if lubrication == "mos2":
         on_it = {
             "shear_strength": SHEAR_STRENGTH_MPA,
             "pressure_coefficient": PRESSURE_COEFFICIENT,
-            "wear_coefficient": yaml_number(coefficient(found.wear)),
+            "wear_coefficient": yaml_number(float(f"{found.wear.median * STEEL_GPA * 1e9:.3g}")),
             "lives": MOS2_LIVES,
             "bare": dry.friction.median,
             "rule": rule,
         }
+    below = dry if on_it else found
     return Rubbing(
-        steel=coefficient(dry.wear),
+        wear=below.wear.median,
         friction=found.friction.median,
         film=on_it,
         spread=spread(found.wear, found.friction, f"; {rule}"),
-        rule=f"docs/coefficients.md: {', '.join(dry.rows)}",
+        rule=f"docs/coefficients.md: {', '.join(below.rows)}",
+        friction_rule="" if found.friction is ASSUMED_FRICTION else rule,
+        told=told,
     )
 
 
@@ -203,8 +240,8 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     bearing, on_it = scene["bearing"], scene["friction"].get("film")
     parts = [scene["materials"][bearing[f"{part}_material"]] for part in ("ball", "race")]
     coated = on_it is not None or any(part.get("film") for part in parts)
-    pair = "steel/steel" if all(map(_is_steel, parts)) else ""
-    row = RUBBING.get((pair, "mos2" if coated else "none"))
+    pair = STEEL if all(map(_is_steel, parts)) else ""
+    row = RUBBING.get(("mos2" if coated else "dry", pair))
     wear, friction = (row.wear, row.friction) if row else (ASSUMED_WEAR, ASSUMED_FRICTION)
     block, key = (on_it, "shear_strength_MPa") if on_it else (scene["friction"], "ball_race")
     scatter = FILM_SCATTER if coated else WEAR_SCATTER
@@ -214,7 +251,7 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     text = {name: f"{factor:.2g}" for name, factor in factors.items()}
     if row:
         film = "film mos2 (no source for other films)" if coated else "dry"
-        said = f"spread for {pair}, {film}, from {', '.join(row.rows)}"
+        said = f"spread for steel/steel, {film}, from {', '.join(row.rows)}"
     else:
         said = "spread assumed, because no source covers these materials"
     said += f": K_s/H by a factor of {text['wear_coefficient']}"

@@ -128,7 +128,7 @@ def test_interval_of_the_friction(scene):
 def filmed():
     """Of a slow bearing with MoS2 at a fixed position, whose preload wears off with the film."""
     made = bearingwear.new(
-        designation="7004C", film="mos2", speed=60.0, preload_method="fixed_position"
+        designation="7004C", lubrication="mos2", speed=60.0, preload_method="fixed_position"
     )
     return made.with_({"friction.slip_regularisation_m_s": 1e-6, "drive.torque_Nm": 0.05})
 

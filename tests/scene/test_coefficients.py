@@ -9,7 +9,15 @@ from support import ROOT, benchmark, scene_file
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.strict_yaml import data_of
-from bearingwear.scene.coefficients import M2_PER_N, MEASURED_WEAR, MOS2_WEAR, RUBBING
+from bearingwear.scene.coefficients import (
+    M2_PER_N,
+    MEASURED_WEAR,
+    MOS2_WEAR,
+    NEAREST,
+    NITRIDE,
+    RUBBING,
+    STEEL,
+)
 from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.bearing.films import Films
@@ -63,22 +71,26 @@ def test_what_no_source_has_is_called_assumed(surface, name, material):
     assert not np.isclose(ends, K, rtol=0.05, atol=0.0).any()
 
 
-@pytest.mark.parametrize("pair, film", RUBBING)
-def test_a_scene_takes_a_pair_with_its_spread(pair, film):
-    one = RUBBING[pair, film]
+@pytest.mark.parametrize("lubrication, balls", [*RUBBING, ("oil", STEEL), ("grease", NITRIDE)])
+def test_a_scene_takes_a_lubrication_with_its_spread(lubrication, balls):
+    one = RUBBING[NEAREST.get(lubrication, lubrication), balls]
     assert set(one.rows) <= MEASURED_WEAR.keys()
-    text, _ = scene_text(
-        "a", None, None, {"operation.shaft_speed_rpm": 9000.0}, designation="7008C",
-        pair=pair, film=film,
+    text, told = scene_text(
+        "a", None, None, {"operation.shaft_speed_rpm": 9000.0}, balls, designation="7008C",
+        lubrication=lubrication,
     )  # fmt: skip
+    (line,) = [line for line in told if line.startswith("lubrication: ")]
+    assert f"{lubrication}; K_s/H {one.wear.median:.2g} m2/N" in line
+    assert ("lives are at least these" in line) == ("nesc_r4" in one.rows[0])
+    assert ("no source has" in line) == (lubrication in NEAREST)
     assert f"docs/coefficients.md: {', '.join(one.rows)}" in text
     scene = scene_from_dict(data_of(text, "a"), "a")
-    race = Films.of(scene).race
-    worn = race.film or race.below
-    assert_allclose(worn.factor, one.wear.median, rtol=0.03)
+    films = Films.of(scene)
+    for part in (films.race, films.ball)[: 1 if films.race.film else 2]:  # the film is on the races
+        assert_allclose((part.film or part.below).factor, one.wear.median, rtol=0.03)
     spread = scene.uncertainty["wear_coefficient"]
     assert_allclose(spread.factor, one.wear.factor, rtol=0.02)
-    if film == "none":
+    if lubrication != "mos2":
         assert scene.friction.ball_race == one.friction.median
     else:
         assert scene.friction.ball_race is None and scene.friction.film.thickness_um == 0.6
@@ -86,8 +98,18 @@ def test_a_scene_takes_a_pair_with_its_spread(pair, film):
         assert scene_from_dict(scene.to_dict(), "a") == scene
 
 
+def test_an_assumed_lubrication_is_said():
+    """What `new` always wrote, and what that makes of lives."""
+    text, told = scene_text("a", None, None, {}, designation="7008C")
+    (line,) = [line for line in told if line.startswith("lubrication: ")]
+    assert "lubrication: not given, so K_s/H (7.6e-16 m2/N for steel) is assumed" in line
+    assert "lives, which go as 1/(K_s/H), only compare designs; --lubrication dry" in line
+    steel = scene_from_dict(data_of(text, "a"), "a").materials["bearing_steel"]
+    assert_allclose(steel.wear_coefficient / (1e9 * steel.brinell_hardness_GPa), 7.6e-16, rtol=0.01)
+
+
 def test_ninety_percent_lie_between_the_rows():
-    mos2 = RUBBING["steel/steel", "mos2"].wear
+    mos2 = RUBBING["mos2", STEEL].wear
     ends = [mos2.median * mos2.factor ** (sign * 1.6449) for sign in (-1, 1)]
     assert_allclose(ends, MOS2_WEAR, rtol=1e-6)
 
@@ -95,9 +117,9 @@ def test_ninety_percent_lie_between_the_rows():
 def test_what_has_no_source_is_refused():
     speed = {"operation.shaft_speed_rpm": 9000.0}
     with pytest.raises(SceneError, match="--ball-material: got silicon_nitride, expected bearing"):
-        scene_text("a", 40, 68, speed, "silicon_nitride", pair="steel/steel")
+        scene_text("a", 40, 68, speed, "silicon_nitride", lubrication="dry")
     with pytest.raises(SceneError, match="--friction: got 0.1; only allowed"):
-        scene_text("a", 40, 68, speed | {"friction.ball_race": 0.1}, film="mos2")
+        scene_text("a", 40, 68, speed | {"friction.ball_race": 0.1}, lubrication="mos2")
 
 
 def test_the_scene_with_a_film_takes_the_pair():

@@ -15,6 +15,7 @@ from support import benchmark
 from bearingwear.scene import read as config
 from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
+from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.checking.errors import yaml_number
 from bearingwear.scene.checking.records import keys, whole
 from bearingwear.scene.checking.strict_yaml import data_of
@@ -241,3 +242,17 @@ def test_key_list_is_up_to_date():
     text = (CONFIG / "README.md").read_text(encoding="utf-8")
     assert key_lists.key_list() in text
     assert key_lists.renewed(text) == text, "run: python benchmarks/key_lists.py config/README.md"
+
+
+@pytest.mark.parametrize(
+    ("text", "orientation"),
+    [("O", "back_to_back"), ("DB", "back_to_back"), ("X", "face_to_face"), ("DF", "face_to_face")],
+)
+def test_letters_of_an_arrangement(text, orientation, plain):
+    """Makers' letters are the same scene, in the schema too."""
+    kind = PAIRS[plain["operation"]["preload_method"]]
+    given = plain | {"arrangement": {"kind": kind, "orientation": text}}
+    jsonschema.Draft202012Validator(schema()).validate(given)
+    words = plain | {"arrangement": {"kind": kind, "orientation": orientation}}
+    assert config.scene_from_dict(given) == config.scene_from_dict(words)
+    assert config.scene_from_dict(given).to_dict()["arrangement"]["orientation"] == orientation

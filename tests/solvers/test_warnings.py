@@ -84,6 +84,16 @@ ABSURD = {
     "twenty kilonewtons": ({"operation.preload_N": 20_000}, {"pressure_above_practice"}),
     "kN typed for N": ({"operation.preload_N": 0.14}, {"preload_too_small", "inner_load_lost"}),
     "radians typed for degrees": ({"bearing.contact_angle_deg": 0.26}, {"contact_angle_too_small"}),
+    "the nominal angle of a deep groove": (
+        {"bearing.contact_angle_deg": 0, "operation.shaft_speed_rpm": 3000}, {"contact_angle_zero"},
+    ),
+    "K_s/H typed for K_s": (
+        {"materials.steel.wear_coefficient": 7.6e-16}, {"unit_in_doubt"},
+    ),
+    "HRC typed for GPa": ({"materials.steel.brinell_hardness_GPa": 62}, {"unit_in_doubt"}),
+    "interference in mm": (
+        {"bearing.bore_mm": 40, "fits.shaft_interference_um": 0.008}, {"unit_in_doubt", "fit_lost"},
+    ),
     "one newton at rest": (
         {"operation.preload_N": 1.0, "operation.shaft_speed_rpm": 100}, {"preload_too_small"},
     ),

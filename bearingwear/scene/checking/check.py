@@ -23,6 +23,7 @@ from bearingwear.scene.checking.errors import (
     DEEPEST,
     SceneError,
     key_path,
+    number_hint,
     short,
     shown,
     yaml_number,
@@ -170,6 +171,8 @@ def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) 
 
 def _meant(unknown: str, given: Mapping[str, Any], block: Part, file: Part) -> str:
     """The key that an unknown one may mean: of its block, or of another one."""
+    if unknown.isdigit():  # {poisson_ratio: 0,3}
+        return "write decimals with a point, not a comma"
     near = difflib.get_close_matches(unknown, block.below, n=2)
     if near := near or [name for name in block.below if len(unknown) > 2 and unknown in name]:
         return f"did you mean {' or '.join(near)}"
@@ -210,7 +213,7 @@ def _is_number(value: Any) -> bool:
 def _is_permitted(value: Any, part: Part) -> bool:
     """Whether a value of the right type is a choice, in the range, or fits the pattern."""
     key = part.key
-    if part.kind == "boolean" or value in key.choices:
+    if part.kind == "boolean" or value in key.choices or value in key.synonyms:
         return True
     if part.kind == "text":
         return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
@@ -231,7 +234,8 @@ def _hint(value: Any, part: Part) -> str:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        return ", text, not a number"
+        hint = number_hint(value, part.item.unit if part.key.single else part.unit)
+        return f", text, not a number{f' ({hint})' if hint else ''}"
     is_whole = number == int(number) and abs(number) < 1e9
     return f", text, not a number (write {int(number) if is_whole else yaml_number(number)})"
 
@@ -277,4 +281,6 @@ def _value(value: Any, part: Part, path: str) -> Any:
         return tuple(_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
     if part.kind == "integer":
         return int(value)
+    if part.kind == "choice":
+        return part.key.synonyms.get(value, value)
     return float(value) if _is_number(value) else value

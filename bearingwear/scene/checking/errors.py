@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -79,6 +80,47 @@ def shown(value: Any) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
     return short(yaml_number(value) if isinstance(value, float) else repr(value))
+
+
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:[ _'\u00a0\u202f]\d{3})+(?:\.\d*)?")
+_WITH_UNIT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.,+-].*)")
+
+_CONVERTED = {
+    "lbf": (4.4482216, "N"), "lb": (4.4482216, "N"), "kgf": (9.80665, "N"), "kN": (1e3, "N"),
+    "in": (25.4, "mm"), "inch": (25.4, "mm"), '"': (25.4, "mm"),
+    "rad": (180.0 / math.pi, "degrees"),
+}  # fmt: skip
+"""Units that are typed for those of a scene, by their factors."""
+
+
+def number_hint(text: str, unit: str = "") -> str:
+    """How a text that was meant as a number is written; empty where that is not seen.
+
+    unit: of the number, where it is known.
+    """
+    if re.fullmatch(r"[-+]?\d{1,3}(,\d{3})+(\.\d*)?", text):
+        as_decimal = f" or {float(text.replace(',', '.')):g}" if text.count(",") == 1 else ""
+        return f"write {text.replace(',', '')}{as_decimal}, without a comma"
+    if re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text):
+        return f"write {text.replace(',', '.')}, with a decimal point"
+    if _THOUSANDS.fullmatch(text):
+        return f"write {re.sub(r'[^-+.0-9]', '', text)}, without separators"
+    if match := _WITH_UNIT.fullmatch(text):
+        if match[2] == "%":
+            return f"write {float(match[1]) / 100.0:.6g}, as a share"
+        if match[2] in _CONVERTED:
+            factor, others = _CONVERTED[match[2]]
+            return f"write {factor * float(match[1]):.5g}, which is it in {others}"
+        return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
+    return ""
+
+
+def check_thousands(path: str, text: str, source: str = "scene") -> None:
+    """Refuse a speed such as 18.000, which may be 18 or 18000 r/min."""
+    if re.fullmatch(r"[-+]?\d{1,3}\.000", text):
+        whole, thousands = text.partition(".")[0], text.replace(".", "")
+        problem = f"got {text}, which may be a thousand times more, expected {thousands} or {whole}"
+        raise SceneError(path, problem, source=source)
 
 
 def short(text: str) -> str:

@@ -47,6 +47,7 @@ class Key:
     # those above 0
     within: str = ""
     choices: tuple[str, ...] = ()  # the texts that are allowed
+    synonyms: Mapping[str, str] = field(default_factory=dict)  # other texts for choices
     pattern: str = ""  # regular expression of a text
     longest: int | None = None  # most characters of a text
     # fewest and most values of a list, blocks of a mapping

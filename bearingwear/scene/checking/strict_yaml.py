@@ -14,7 +14,12 @@ from typing import Any
 
 import yaml
 
-from bearingwear.scene.checking.errors import DEEPEST, SceneError, key_path
+from bearingwear.scene.checking.errors import (
+    DEEPEST,
+    SceneError,
+    check_thousands,
+    key_path,
+)
 
 LARGEST_FILE = 1_000_000  # bytes; a scene takes two thousand
 MOST_VALUES = 5000  # and keys; a scene has some hundred, a thousand unequal balls a thousand more
@@ -96,6 +101,9 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
         where = f" on line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
         problem = f"got text that is not YAML{where} ({reason}), expected YAML"
+        line = text.split("\n")[mark.line] if mark else ""
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            problem = f"got a tab{where}, expected spaces before a key"
         raise SceneError("", problem, source=source) from None
 
 
@@ -149,6 +157,8 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool, depth: int = 0) -> 
             else:
                 block[key] = value
         return merged | block
+    if path.endswith("_rpm"):
+        check_thousands(path, node.value)
     try:
         return loader.construct_object(node)
     except ValueError:  # an integer of thousands of digits

@@ -156,7 +156,7 @@ def numbers_of(
         raise refused_option("--preload-class", preload_class, "only allowed without --preload")
     if preload_class is None and preload_key not in given and (load := size.letters.load):
         own = size.entry is not None and size.entry.preloads
-        preload_class = load if own else CLASS_OF_LETTER.get(load, load)
+        preload_class = load if own else CLASS_OF_LETTER.get(load)
     found: dict[str, Origin] = {}
 
     def decide(key: str, value: float, rule: str, assumed: bool = True) -> float:

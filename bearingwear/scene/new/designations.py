@@ -19,6 +19,7 @@ from bearingwear.scene.new.catalogue import (
     makers_with,
 )
 from bearingwear.scene.new.letters import (
+    CERAMIC_BALLS,
     CERAMIC_PREFIX,
     PAIR,
     PAIR_ALONE,
@@ -59,9 +60,11 @@ _SMALL = {
 }
 
 ANGLES = {
-    "C": 15.0, "FB": 18.0, "FE": 18.0, "AC": 25.0, "A5": 25.0, "E": 25.0, "A": 30.0, "B": 40.0
+    "C": 15.0, "FB": 18.0, "FE": 18.0, "AC": 25.0, "A5": 25.0, "AD": 25.0, "E": 25.0, "A": 30.0,
+    "B": 40.0,
 }  # fmt: skip
-"""Contact angle [degree] by the suffix of an angular contact bearing. FB and FE are SKF's."""
+"""Contact angle [degree] by the suffix of an angular contact bearing: FB and FE are SKF's, AD is
+NTN's."""
 
 _MAKERS_DIFFER = "EA"
 """Suffixes that are not every maker's: 25 degrees are E, AC, A5 or AD, and 30 degrees A or none."""
@@ -88,9 +91,9 @@ _CLEARANCE_TABLE = (
 )
 
 ALLOWED = (
-    "70xx, 72xx, 73xx, 719xx (suffix C, FB, FE, AC, A5, E, A or B), 60xx, 62xx, 63xx "
+    "70xx, 72xx, 73xx, 719xx (suffix C, FB, FE, AC, A5, AD, E, A or B), 60xx, 62xx, 63xx "
     "(suffix C2, CN or C3), xx from 00 to 22 or an even number from 24 to 40, 604 to 609, 623 to "
-    "629, 682 to 689, 692 to 699"
+    "629, 682 to 689, 692 to 699; or --bore, --outside and --contact-angle"
 )
 
 
@@ -127,15 +130,19 @@ def designation_of(text: str) -> Designation:
     plain = text.strip().upper()
     if len(plain) > LONGEST_DESIGNATION:
         raise _unknown(text, ALLOWED)
-    if (spindle := _gmn_spindle(plain)) is not None:
-        return spindle
+    for of_a_maker in (_gmn_spindle, _nsk_robust):
+        if (spindle := of_a_maker(plain)) is not None:
+            return spindle
     match = re.fullmatch(rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", plain)
     size = match and _size(match["series"], match["code"])
     if not match or not size:
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
     if not re.fullmatch(_PREFIX, prefix):
-        known = "B, S, HS, HSS, RS, W, SS, HC.., XC.., HY, CB, 5S or 3NC before the number"
+        known = (
+            "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
+            "the number; or --bore, --outside and --contact-angle"
+        )
         raise _unknown(text, f"no letters or {known}")
     deep_groove = series.startswith("6")
     if deep_groove and prefix in ("S", "SS") and not rest.strip(" /_-."):
@@ -143,10 +150,13 @@ def designation_of(text: str) -> Designation:
             text,
             f"{series}{code} (deep groove), or {prefix}{series}{code} C or E (GMN spindle bearing)",
         )
+    if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", rest):
+        raise SceneError("", f"got {shown(text)}, expected one", source="designation")
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
     suffix, ignored = _suffix(rest, suffixes, deep_groove)
     if ignored is None:
-        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}")
+        also = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
+        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}{also}")
     name = f"{series}{code}{suffix}"
     letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
@@ -177,6 +187,28 @@ def _gmn_spindle(plain: str) -> Designation | None:
     return Designation(*size, parts.name, False, angle, rule, letters=letters)
 
 
+_NSK_ROBUST = re.compile(
+    r"(?P<bore>\d\d\d?)B(?P<angle>[NE])R(?P<series>10|19)(?P<balls>[SHX]?)(.*)"
+)
+
+
+def _nsk_robust(plain: str) -> Designation | None:
+    """A bearing of NSK's ROBUST series: 40BNR10STYNDBLP4; None for any other."""
+    match = _NSK_ROBUST.fullmatch(re.sub(r"[\s/_.-]", "", plain))
+    if match is None:
+        return None
+    bore = int(match["bore"])
+    code = {10: 0, 12: 1, 15: 2, 17: 3}.get(bore, bore // 5)
+    size = _size({"10": "70", "19": "719"}[match["series"]], f"{code:02d}")
+    if size is None or size[0] != bore:
+        return None
+    letters = letters_of("", match[5], PAIR)
+    if match["balls"] in ("H", "X"):
+        letters = letters._replace(ball_material=CERAMIC_BALLS, ball_letters=match["balls"])
+    angle, rule = {"N": (18.0, "NSK's BNR"), "E": (25.0, "NSK's BER")}[match["angle"]]
+    return Designation(*size, match[0][: match.end("series")], False, angle, rule, letters=letters)
+
+
 def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
     """The size of a catalogue's bearing, with what other letters say."""
     size = entry.bore, entry.outside, entry.width
@@ -197,6 +229,9 @@ def _suffix(rest: str, known: tuple[str, ...], deep_groove: bool) -> tuple[str, 
     if deep_groove:
         return _clearance_suffix(words)
     first, others = words[0], words[1:]
+    ntn = re.match(r"U(?=C|AD)", first)  # its standard design, before the angle: 7008UCG
+    if ntn:
+        first, others = first[1:], [*others, "U"]
     for name in sorted(known, key=len, reverse=True):
         if first.startswith(name):
             behind = first[len(name) :]

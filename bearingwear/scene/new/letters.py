@@ -3,10 +3,13 @@
 A letter that says angle, type or material of the balls is understood here or refused, never
 dropped. What is left (cage, seals, tolerance, grease) changes no number of a scene.
 
-Sources: NSK super-precision bearings, p. 49 (SN24, DB, EL to H); GMN catalogue 4000 0813 EN, pp. 20
-and 50 (HY, S, SM, KH, C, E, 18, UL, UM, US); SNFA general catalogue, p. 63 (NS, angle digit). The
-ceramic letters of FAG (HC, XC), SKF (HC), IBC (CB), NTN (5S) and Koyo (3NC) are from memory of
-their catalogues.
+Sources: NSK super-precision bearings, p. 49 (SN24, DB, EL to H), and its ROBUST series
+(https://paperzz.com/doc/7289087: S, H, X); GMN catalogue 4000 0813 EN, pp. 20 and 50 (HY, S, SM,
+KH, C, E, 18, UL, UM, US); SNFA general catalogue, p. 63 (NS, angle digit); SKF rolling bearings,
+p. 406 (AC, A, B; CA, CB, CC), and NTN's nomenclature (https://nodeshk.com/ntn, 5S). Classes of
+preload of NTN (GN, GM, GH), SKF (A, B, C) and FAG (UL, UM, UH) stand beside each other in the
+interchange table of https://eibc.in/prefix-suffix-guide.php. The ceramic letters of FAG (HC, XC),
+SKF (HC), IBC (CB), SNR (CH) and Koyo (3NC) are from memory of their catalogues.
 """
 
 from __future__ import annotations
@@ -16,7 +19,9 @@ from typing import NamedTuple
 
 CERAMIC_BALLS = "silicon_nitride"
 
-CERAMIC_PREFIX = r"HC[A-Z]{0,2}|XC[A-Z]{0,2}|HY|CB|5S|3NC"
+CERAMIC_PREFIX = r"[HX]C(?:B|S|RS|SS)?|HY|CB|CH|5S|3NC"
+"""Not FAG's HCM and XCM: its series M has other angles by the same letters."""
+
 STEEL_PREFIX = r"B|S|HS|HSS|RS|W|SS"
 """Spindle bearings of FAG (B, HS, RS), sealed ones of SKF and FAG (S, HSS), stainless ones."""
 
@@ -29,31 +34,44 @@ _GMN = re.compile(
     rf"(?P<rest>(?:{GMN_CAGES})?.*)"
 )
 
-CLASS_OF_LETTER = {"L": "light", "M": "medium", "H": "heavy", "S": "heavy", "F": "heavy"}
-"""Class of preload by its letter; a maker's own classes go by the letter itself."""
+CLASS_OF_LETTER = {
+    "L": "light", "M": "medium", "H": "heavy", "S": "heavy", "F": "heavy",
+    "GN": "light", "GM": "medium", "GH": "heavy", "A": "light", "B": "medium", "C": "heavy",
+}  # fmt: skip
+"""Class of preload by its letters; a maker's own classes go by the letter itself."""
 
-_OTHER_MAKERS = ("FAG", "SKF", "NTN", "KOYO", "IBC")
+_OTHER_MAKERS = ("FAG", "SKF", "NTN", "KOYO", "IBC", "SNR", "RHP", "BARDEN", "NACHI")
 
+_ANY = "for any arrangement"
 _PAIRS = {
-    "DB": "a pair back to back",
-    "DF": "a pair face to face",
-    "DT": "a pair in tandem",
-    "DD": "a pair back to back",
-    "FF": "a pair face to face",
-    "DU": "a pair for any arrangement",
-    "SU": "one bearing for any arrangement",
-    "TU": "three bearings for any arrangement",
-    "QU": "four bearings for any arrangement",
-    "U": "one bearing for any arrangement",
-}
+    "DB": "a pair back to back", "DF": "a pair face to face", "DT": "a pair in tandem",
+    "DD": "a pair back to back", "FF": "a pair face to face",
+    "DU": f"a pair {_ANY}", "DG": f"a pair {_ANY}", "TU": f"three bearings {_ANY}",
+    "QU": f"four bearings {_ANY}", "SU": f"one bearing {_ANY}", "U": f"one bearing {_ANY}",
+    "G": f"one bearing {_ANY}", "UA": f"one bearing {_ANY}, with axial clearance",
+    "UO": f"one bearing {_ANY}, without preload", "CA": f"one bearing {_ANY}, with small clearance",
+    "CB": f"one bearing {_ANY}, with axial clearance",
+    "CC": f"one bearing {_ANY}, with large clearance",
+}  # fmt: skip
+_SETS = {"T": "three bearings, see tandem", "Q": "four bearings, see tandem"}
+"""Sets by their first letter: TBT, TFT, TT, QBC, QFC, QBT, QFT, QT."""
 
-# A tolerance, or nothing, follows a pair and its class of preload.
-PAIR = re.compile(
-    r"(?P<pair>DB|DF|DT|DU|SU|TU|QU|DD|FF|(?<![A-Z])U)\s*(?P<load>EL|[LMHSF])?(?=\s|$|P\d|A\d)"
+_ORDER = r"DB|DF|DT|DG|DU|SU|TU|QU|DD|FF|TBT|TFT|TT|QBC|QFC|QBT|QFT|QT"
+
+PAIR = (
+    # SKF: after the tolerance, with its own classes; one bearing after the design, BE with a cage
+    re.compile(rf"(?<=P4A|A9A|.P7|.P5|.P4)(?P<pair>{_ORDER}|G)(?P<load>[A-D])?(?=\s|$)"),
+    re.compile(r"(?:\b[BDE]?|(?<=E))(?P<pair>G)(?P<load>[A-D])(?=[PMFJY]?(?:\s|$))"),
+    re.compile(r"^E?(?P<pair>C[ABC])(?P<load>)(?=[PMFJY]?(?:\s|$))"),
+    # NTN: G, or the order, then a class of two letters
+    re.compile(rf"(?P<pair>{_ORDER}|G)\s*(?P<load>G[LNMH])(?=\s|$|P\d)"),
+    # the others: a tolerance, or nothing, follows the class
+    re.compile(rf"(?P<pair>{_ORDER}|(?<![A-Z])U)\s*(?P<load>EL|[LMHSF])?(?=\s|$|P\d|A\d)"),
+    re.compile(r"(?P<pair>(?<![A-Z])U[AO])(?P<load>)(?=\s|$)"),
 )
-"""Letters of a pair of angular contact bearings."""
+"""Letters of a pair of angular contact bearings, and of its class of preload; the first counts."""
 
-PAIR_ALONE = re.compile(r"\b(?P<pair>DB|DF|DT)(?P<load>)\b")
+PAIR_ALONE = (re.compile(r"\b(?P<pair>DB|DF|DT)(?P<load>)\b"),)
 """Those of deep groove bearings, whose DU and DDU are seals."""
 
 
@@ -71,13 +89,17 @@ class Letters(NamedTuple):
         """A clause for each of them that says something."""
         said = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
         if self.pair:
-            said.append(f"{self.pair}: {_PAIRS[self.pair]} (see arrangement in the file)")
+            meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
+            more = "" if meaning.startswith("one") else "; the scene has one, see its arrangement"
+            said.append(f"{self.pair}: {meaning}{more}")
         if self.load:
-            said.append(f"{self.load}: class of the preload")
+            said.append(f"{self.load}: class of preload")
+        if self.ignored:
+            said.append(f"ignored: {self.ignored} (cage, seals, tolerance: they change no number)")
         return said
 
 
-def letters_of(prefix: str, suffix: str, pairs: re.Pattern[str]) -> Letters:
+def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> Letters:
     """What prefix and suffix say, without the letters of size, angle and clearance.
 
     pairs: `PAIR`, or what stands for it in bearings of another type.
@@ -97,7 +119,7 @@ def letters_of(prefix: str, suffix: str, pairs: re.Pattern[str]) -> Letters:
             balls = balls or found[0]
             suffix = suffix.replace(found[0], " ", 1)
     load = pair = ""
-    if found := pairs.search(suffix):
+    if found := next(filter(None, (pattern.search(suffix) for pattern in pairs)), None):
         pair, load = found["pair"], found["load"] or ""
         suffix = f"{suffix[: found.start()]} {suffix[found.end() :]}"
     return Letters(

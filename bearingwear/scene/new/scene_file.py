@@ -36,6 +36,7 @@ from bearingwear.scene.new.assumed import (
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
+from bearingwear.scene.new.letters import CLASS_OF_LETTER
 from bearingwear.scene.scene import key_of_scene, most_balls
 
 if TYPE_CHECKING:
@@ -76,6 +77,20 @@ MATERIALS = {
 }
 
 
+def _materials(wear: float | None) -> dict[str, str]:
+    """`MATERIALS`, steel and silicon nitride with a K_s/H [m2/N]."""
+    if wear is None:
+        return MATERIALS
+    made = dict(MATERIALS)
+    for name in BALL_MATERIALS:
+        hardness = float(re.findall(r"brinell_hardness_GPa: ([\d.]+)", made[name])[0])
+        coefficient = yaml_number(float(f"{wear * hardness * 1e9:.3g}"))
+        made[name] = re.sub(
+            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", made[name]
+        )
+    return made
+
+
 def scene_text(
     name: str,
     bore: float | None,
@@ -88,8 +103,7 @@ def scene_text(
     clearance: str | float | None = None,
     preload_class: str | None = None,
     maker: str | None = None,
-    pair: str | None = None,
-    film: str | None = None,
+    lubrication: str | None = None,
 ) -> tuple[str, list[str]]:
     """A commented scene file, and a line for each thing in it that was not given.
 
@@ -101,7 +115,7 @@ def scene_text(
         60.
     clearance: radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance
         [um].
-    pair, film: what rubs, of `coefficients.RUBBING`: wear, friction and their spread come from its
+    lubrication: of `coefficients.LUBRICATIONS`: wear, friction and their spread come from its
         sources.
 
     Returns `text`: to be checked by `checked_scene`.
@@ -118,26 +132,31 @@ def scene_text(
     # a maker's class of preload is that of a rigid pair
     rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
     method = preload_method or ("fixed_position" if rigid else "constant_force")
-    rubs = _rubbing(pair, film, given, ball_material or letters.ball_material)
+    rubs = _rubbing(lubrication, given, ball_material or letters.ball_material)
     numbers = numbers_of(size, given, clearance, preload_class, method)
-    if rubs.rule and _BALL_RACE not in given:
-        numbers[_BALL_RACE] = Origin(rubs.friction, rubs.rule, assumed=False)
+    if rubs.friction_rule and _BALL_RACE not in given:
+        numbers[_BALL_RACE] = Origin(rubs.friction, rubs.friction_rule, assumed=False)
     if rubs.film:
         del numbers[_BALL_RACE]
     _check_room(numbers)
     text = _filled(name, size, numbers, ball_material, preload_method, method, rubs)
-    return text, _assumed(size, numbers, ball_material, preload_method, method)
+    lubricated = f"lubrication: {rubs.told}"
+    return text, [lubricated, *_assumed(size, numbers, ball_material, preload_method, method)]
 
 
 def _rubbing(
-    pair: str | None, film: str | None, given: Mapping[str, float], ball_material: str | None
+    lubrication: str | None, given: Mapping[str, float], ball_material: str | None
 ) -> Rubbing:
-    """What a pair and a film are known to do; refuses what no source has."""
-    if film not in (None, "none") and _BALL_RACE in given:
-        raise refused_option("--friction", given[_BALL_RACE], f"only allowed without --film {film}")
-    if (pair or film) and ball_material not in (None, "bearing_steel"):
-        raise refused_option("--ball-material", ball_material, f"bearing_steel with {pair}")
-    return rubbing(pair, film)
+    """What a lubrication is known to do; refuses what no source has."""
+    if lubrication == "mos2" and _BALL_RACE in given:
+        raise refused_option(
+            "--friction", given[_BALL_RACE], f"only allowed without --lubrication {lubrication}"
+        )
+    try:
+        return rubbing(lubrication, ball_material)
+    except KeyError:
+        wanted = f"bearing_steel with --lubrication {lubrication}"
+        raise refused_option("--ball-material", ball_material or "", wanted) from None
 
 
 def _check_room(numbers: Mapping[str, Origin]) -> None:
@@ -158,8 +177,9 @@ def _assumed(
     """A line for each thing that was not given."""
     lines = []
     said = size.letters.meanings
-    if size.letters.ignored:
-        said.append(f"ignored: {size.letters.ignored}")
+    load = size.letters.load
+    if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
+        said.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
     if said:
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [
@@ -249,7 +269,6 @@ def _filled(
     rubs: Rubbing,
 ) -> str:
     """The template of a scene, filled in."""
-    steel = MATERIALS["bearing_steel"].replace("5.0e-6", yaml_number(rubs.steel))
     D, dm, Z = _balls(numbers)
     room = dm * math.sin(math.pi / Z) - D
     return _template().render(
@@ -281,7 +300,7 @@ def _filled(
                 "phenolic",
             )
         ),
-        MATERIALS=MATERIALS | {"bearing_steel": steel},
+        MATERIALS=_materials(rubs.wear),
         film=rubs.film,
         spread=rubs.spread,
         dry_rule=rubs.rule,

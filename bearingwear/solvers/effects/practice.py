@@ -10,6 +10,7 @@ import numpy as np
 
 from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence, Finding
@@ -257,8 +258,56 @@ def angle_in_radians(e: Evidence) -> Finding | None:
     return {"value": angle, "degrees": math.degrees(angle), "excess": excess}
 
 
+def no_angle(e: Evidence) -> Finding | None:
+    return None if e.scene.bearing.contact_angle_deg else {}
+
+
+LEAST_WEAR, HARDEST_GPA, LEAST_FIT_UM, LEAST_FILL = 1e-22, 40.0, 0.05, 0.15
+"""K_s/H [m2/N] a thousandth of the least bound that a source has; hardness [GPa] between boron
+carbide and diamond; interference [um] below what can be measured; share of the pitch circle that
+balls fill, of which bearings have three quarters. All are assumed."""
+
+
+def units_in_doubt(scene: Scene) -> Iterator[str]:
+    """Values that are allowed and that no bearing has, so that another unit was probably meant."""
+    b = scene.bearing
+    for name in dict.fromkeys((b.ball_material, b.race_material)):
+        material = scene.materials[name]
+        hardness = material.brinell_hardness_GPa
+        factor = material.wear_coefficient / (_GPA * hardness)
+        if factor < LEAST_WEAR:
+            yield (
+                f"K_s/H of {name} is {factor:.2g} m2/N, below any that was measured: "
+                "wear_coefficient is K_s, which is K_s/H times the hardness"
+            )
+        if hardness > HARDEST_GPA:
+            yield f"a hardness of {hardness:g} GPa ({name}) is that of no steel; 62 HRC are 7 GPa"
+    if scene.fits is not None:
+        for part in ("shaft", "housing"):
+            um = getattr(scene.fits, f"{part}_interference_um")
+            if 0.0 < abs(um) < LEAST_FIT_UM:
+                yield f"an interference of {um:g} um ({part}) is too small to be measured"
+    if b.bore_mm is not None and b.bore_mm < 0.1 * b.pitch_diameter_mm:
+        yield f"a bore of {b.bore_mm:g} mm is tiny for a pitch diameter of {b.pitch_diameter_mm:g}"
+    share = b.ball_count * b.ball_diameter_mm / (math.pi * b.pitch_diameter_mm)
+    if share < LEAST_FILL:
+        yield f"balls of {b.ball_diameter_mm:g} mm fill {100.0 * share:.2g} % of the pitch circle"
+
+
+def unit_in_doubt(e: Evidence) -> Finding | None:
+    said = [*units_in_doubt(e.scene)]
+    return {"said": "; ".join(said)} if said else None
+
+
+def units_before_solve(chosen: Choice) -> Iterator[str]:
+    for sentence in units_in_doubt(chosen.scene):
+        yield f"unit: {sentence}; check the unit"
+
+
 def angle_before_solve(chosen: Choice) -> Iterator[str]:
     angle = chosen.scene.bearing.contact_angle_deg
+    if angle == 0.0:
+        yield "contact angle: 0 degrees, which needs a clearance of exactly 0"
     if 0.0 < angle < LARGEST_RADIANS:
         yield (
             f"contact angle: {angle:g} degrees; check the unit ({angle:g} rad would be "

@@ -251,6 +251,19 @@ EFFECTS = (
         impractical=True,
         modelled=practice.angle_before_solve,
     ),
+    Effect(
+        "contact_angle_zero",
+        practice.no_angle,
+        "a free contact angle of 0 degrees needs a clearance of exactly 0",
+        "give the angle that the clearance leaves (`bearingwear new --clearance` computes it)",
+    ),
+    Effect(
+        "unit_in_doubt",
+        practice.unit_in_doubt,
+        "{said}",
+        "check the unit",
+        modelled=practice.units_before_solve,
+    ),
     Effect("pair", modelled=motion.pair),
     Effect(
         "film_worn",

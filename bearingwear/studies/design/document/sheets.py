@@ -211,6 +211,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         Row("  spacer offset", "um", offsets, "spacer_offset"),
         Row("limited by", "", tuple(held), "active_limit"),
         Row(f"life, {counts}", "h", _lives(found), "life"),
+        *_relative_lives(found),
     ]
     if any(spread.values()):
         rows += spread_rows([*spread.values()])
@@ -244,6 +245,15 @@ def _lives(found: xr.Dataset) -> tuple[float, ...]:
         else life
         for life, error in np.transpose(list(columns)).tolist()
     )
+
+
+def _relative_lives(found: xr.Dataset) -> tuple[Row, ...]:
+    """Each life over the longest, whatever K_s/H: a row where two methods have a life."""
+    lives = found["life"].values
+    if np.count_nonzero(lives > 0.0) < 2:
+        return ()
+    label = "  relative, whatever K_s/H"
+    return (Row(label, "", _floats(lives / np.nanmax(lives)), "relative_life"),)
 
 
 def _where_worst(found: xr.Dataset, name: str) -> str:

@@ -1,0 +1,190 @@
+"""Mistakes that people make, one loop: each takes one helpful line, or the scene is right."""
+
+import re
+
+import pytest
+from support import only_line
+
+from bearingwear.cli import main
+from bearingwear.scene.new.scene_file import checked_scene, scene_text
+
+CERAMIC, STEEL = "silicon_nitride", "bearing_steel"
+
+REFUSED_OF_NEW = {
+    "7008C --speed 18.000": "expected 18000 or 18;",
+    "7008C --speed 18,000": "write 18000 or 18, without a comma",
+    "7008C --speed '18 000'": "write 18000, without separators",
+    "7008C --speed 18000rpm": "write the number alone",
+    "7008C --speed -18000": "expected a number from 0",
+    "7008C --preload 22lbf": "write 97.861, which is it in N",
+    "7008C --preload 140,5": "write 140.5, with a decimal point",
+    "7008C --preload -10": "expected a number from 0",
+    "7008C --contact-angle 0": "because 7008C is an angular contact bearing",
+    "7008C --contact-angle 15°": "write the number alone",
+    "7008C --contact-angle 0.26rad": "write 14.897, which is it in degrees",
+    "7008C --ball-diameter 5/16": "expected a number",
+    "7008C --ball-diameter 0.3125in": "write 7.9375, which is it in mm",
+    "7008C --ball-diameter 7,938": "write 7938 or 7.938, without a comma",
+    "7008C --pitch-diameter 5.4": "expected a number > 48.4 and < 59.6",
+    "--bore 0.040 --outside 0.068": "expected a number from 0.1",
+    "--bore 68 --outside 40": "expected a number > 68, the bore",
+    "--bore 40": "--outside: got nothing",
+    "7008C --balls 15.5": "expected a whole number",
+    "7008C --balls 22": "expected at most 20 of 8.4 mm",
+    "7008C --friction 8": "expected a number from 0 to 2",
+    "7008C --friction 8%": "write 0.08, as a share",
+    "7008C --lubrication greese": "did you mean grease",
+    "7008C --film mos2": "it is now --lubrication",
+    "7008C --lubricaton oil": "did you mean --lubrication",
+    "7008C --preload-method spring": "expected constant_force, fixed_position",
+    "7008C --preload-class Light": "did you mean light",
+    "7010C --maker nsk": "did you mean NSK",
+    "7008C --maker SKF": "expected NSK, SNFA, GMN",
+    "7008C --ball-material ceramic": "expected bearing_steel, silicon_nitride",
+    "7008C 7208C": "expected one",
+    "NU1008": "or --bore, --outside and --contact-angle",
+    "7008D": "for another angle, 7008 with --contact-angle",
+    "HCM7008-C": "or --bore, --outside and --contact-angle",
+    "SEA60/NS7CE1": "expected --maker SNFA",
+    "6204 --clearance C4": "expected C2, CN, C3",
+}
+"""What is typed after `bearingwear new`, and what its one line says."""
+
+DESIGNATIONS = {
+    "SKF 7008 ACD/HCP4ADGA": (25, CERAMIC), "SKF S71908 FB/P7": (18, STEEL),
+    "FAG HCB71910-C-T-P4S-UL": (15, CERAMIC), "FAG B7008-E-T-P4S-DBM": (25, STEEL),
+    "NSK7010CSN24TRDULP4": (15, CERAMIC), "40BNR10HTYNDBLP4": (18, CERAMIC),
+    "NTN 5S-7008UADDB/GMP4": (25, CERAMIC), "NTN 7008CDB/GLP4": (15, STEEL),
+    "GMN HY KH 6010 C 2RZ TA P4 UL": (17, CERAMIC), "S6005ETAP4DUL": (25, STEEL),
+    "SNFA VEX 40/NS 7CE3 UL": (25, CERAMIC), "SNFA SEA 60 7CE1": (15, STEEL),
+}  # fmt: skip
+"""Contact angle [degree] and material of the balls that makers' designations say."""
+
+REFUSED_IN_A_SCENE = {
+    "shaft_speed_rpm: 18.000": "expected 18000 or 18",
+    "shaft_speed_rpm: 18,000": "write 18000 or 18, without a comma",
+    "shaft_speed_rpm: 18_000": "write 18000",
+    "shaft_speed_rpm: 18000 rpm": "write the number alone, in r/min",
+    "preload_N: 7,5": "write 7.5, with a decimal point",
+    "preload_N: 22 lbf": "write 97.861, which is it in N",
+    "preload_N: 0.14 kN": "write 140, which is it in N",
+    "preload_N: -140": "expected a number from 0",
+    "preload_N:": "got nothing",
+    "preload: 140": "did you mean preload_N",
+    "\tpreload_N: 140": "a tab on line",
+    "contact_angle_deg: 15°": "write the number alone, in degree",
+    "ball_diameter_mm: 0.0084": "expected a number from 0.1",
+    "pitch_diameter_mm: 0.054": "expected a number from 0.2",
+    "ball_count: 150": "expected at most 20",
+    "ball_cout: 15": "did you mean ball_count",
+    "youngs_modulus_GPa: 208000": "expected a number from 0.001 to 2000",
+    "density_kg_m3: 7.8": "expected a number from 10",
+    "poisson_ratio: 0,3": "write decimals with a point, not a comma",
+    "brinell_hardness_GPa: 660": "expected a number from 0.001 to 100",
+    "wear_coefficient: -5e-6": "expected a number > 0",
+    "thermal_expansion_1_K: 11.5": "expected a number from 0 to",
+    "inner_groove_factor: 52": "expected a number > 0.5",
+    "ball_material: steel": "expected bearing_steel",
+    "preload_method: spring": "expected constant_force or fixed_position",
+    "gravity_m_s2: 9.81": "expected a list of three numbers",
+    "ball_race: 8%": "write 0.08, as a share",
+    "end_of_life: {preload_fraction: 40}": "expected a number > 0 and < 1",
+}
+"""Lines of a scene that are typed in place of its own, and what the one line says."""
+
+DOUBTED = {
+    "contact_angle_deg: 0.2618": "0.2618 rad would be 15 degrees",
+    "contact_angle_deg: 0": "needs a clearance of exactly 0",
+    "ball_diameter_mm: 0.33": "fill 2.9 % of the pitch circle; check the unit",
+    "brinell_hardness_GPa: 62": "62 HRC are 7 GPa",
+    "wear_coefficient: 3.7e-19": "wear_coefficient is K_s, which is K_s/H times the hardness",
+    "shaft_interference_um: 0.005": "too small to be measured; check the unit",
+    "bore_mm: 0.04": "a bore of 0.04 mm is tiny",
+}
+"""Lines that are allowed, and what `check` says of them."""
+
+BLOCKS = ("bearing", "materials", "operation", "friction")
+
+REFUSED_COMMANDS = {
+    "slove a.yaml": "did you mean solve",
+    "check b.yaml": "cannot be read (No such file or directory)",
+    "check a.yaml --set preload_N=9": "did you mean operation.preload_N",
+    "check a.yaml --set operation.preload_N=9,5": "write 9.5, with a decimal point",
+    "check a.yaml --set operation.shaft_speed_rpm=18.000": "expected 18000 or 18",
+    "recommend a.yaml --slip 36": "--slip: got 36.0, expected a number > 0 and <= 1",
+    "recommend a.yaml --slip 0,36": "write 0.36, with a decimal point",
+    "recommend a.yaml --pressure 2000": "--pressure: got 2000.0, expected a number > 0 and <= 20",
+    "recommend a.yaml --stifness 20": "did you mean --stiffness",
+    "recommend a.yaml --stiffness 20N/um": "write the number alone",
+    "plot a.yaml": "expected a result file",
+    "export a.yaml --speeds 1000-5000 -o a.csv": "expected LOW:HIGH:COUNT",
+    "margin a.yaml --drive 20mNm": "write the number alone",
+}
+
+
+@pytest.fixture
+def scene(tmp_path, monkeypatch):
+    """The text of a.yaml, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    text, _ = scene_text("", None, None, {}, designation="7008C", lubrication="starved")
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    return text
+
+
+def typed(text):
+    """The words of a line, of which a quoted one may have spaces."""
+    return [a or b for a, b in re.findall(r"'([^']*)'|(\S+)", text)]
+
+
+def with_line(text, line):
+    """A scene with a line, or a part of one, in place of its own of the same or the nearest key."""
+    key = line.strip().partition(":")[0]
+    key = {"preload": "preload_N", "ball_cout": "ball_count"}.get(key, key)
+    inline = re.compile(rf"(?<=[{{ ]){key}: (?:\[[^]]*\]|[^,\]}}\n#]*)")
+    if line.startswith("\t"):
+        return re.sub(rf"^ +{key}: .*$", line.replace("\\", ""), text, count=1, flags=re.M)
+    if "{" in line:
+        return re.sub(rf"{key}: .*", line, text, count=1)
+    begins = {match.start() for match in re.finditer(r"^#.*$", text, re.M)}
+    found = next(
+        one for one in inline.finditer(text) if text.rfind("\n", 0, one.start()) + 1 not in begins
+    )
+    return text[: found.start()] + line + " " + text[found.end() :]
+
+
+def refused(argv, capsys):
+    """The one line of a command that ends with status 2; empty where it does not."""
+    if main(argv) == 2:
+        return only_line(capsys)
+    capsys.readouterr()
+    return ""
+
+
+def test_sixty_mistakes(scene, tmp_path, capsys):
+    wrong = []
+
+    def expect(what, said, line):
+        if said not in line:
+            wrong.append(f"{what}: {said!r} is not in {line!r}")
+
+    for text, said in REFUSED_OF_NEW.items():
+        expect(text, said, refused(["new", "x.yaml", *typed(text)], capsys))
+    for text, (angle, balls) in DESIGNATIONS.items():
+        bearing = checked_scene(scene_text("x", None, None, {}, designation=text)[0]).bearing
+        if (bearing.contact_angle_deg, bearing.ball_material) != (angle, balls):
+            wrong.append(f"{text}: {bearing.contact_angle_deg} {bearing.ball_material}")
+    file = tmp_path / "x.yaml"
+    for line, said in REFUSED_IN_A_SCENE.items():
+        file.write_text(with_line(scene, line), encoding="utf-8")
+        expect(line, said, refused(["check", "x.yaml"], capsys))
+    for block in BLOCKS:
+        file.write_text(re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene, flags=re.M))
+        expect(block, f"{block}: got nothing, expected", refused(["check", "x.yaml"], capsys))
+    for line, said in DOUBTED.items():
+        file.write_text(with_line(scene, line), encoding="utf-8")
+        assert main(["check", "x.yaml"]) == 0, line
+        expect(line, said, " ".join(capsys.readouterr().out.split()))
+    for text, said in REFUSED_COMMANDS.items():
+        expect(text, said, refused(typed(text), capsys))
+    assert not wrong, "\n".join(wrong)
+    assert len(REFUSED_OF_NEW) + len(REFUSED_IN_A_SCENE) + len(DOUBTED) > 60
