@@ -37,8 +37,7 @@ WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
 @pytest.fixture(scope="session")
 def undisturbed(new_project):
     """A tiny study that nothing happened to."""
-    project = new_project()
-    project.configure(TINY)
+    project = tiny(new_project())
     run = project.run()
     assert run.status == 0, run.text
     return project
@@ -47,8 +46,13 @@ def undisturbed(new_project):
 @pytest.fixture
 def project(new_project):
     """The same, not yet run."""
-    project = new_project()
+    return tiny(new_project())
+
+
+def tiny(project):
+    """A project whose study has few cases and no map, which would take longer than all the rest."""
     project.configure(TINY)
+    (project.root / "config/design.yaml").write_text("scenes: {}\n", encoding="utf-8")
     return project
 
 
