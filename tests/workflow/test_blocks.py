@@ -51,6 +51,9 @@ SHOWN = {
     r"bearingwear study (results/\S+\.nc|-n)$": (
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
     ),
+    r"bearingwear study mine\.yaml( --\w+ [\d.]+)+$": (
+        "tests/workflow/test_own.py::test_from_a_scene_to_its_page"
+    ),
     r"(snakemake|bearingwear study) --unlock": (
         "tests/workflow/test_faults.py::test_everything_is_killed"
     ),

@@ -318,15 +318,15 @@ def test_a_command_is_killed_alone(tmp_path):
     def starts(run):
         return jobs_below(run, "snakemake")
 
-    def has_jobs(run):
-        return jobs_below(run, "uncertainty")
-
     def is_in_the_map(run):
         return jobs_below(run, "bearingwear.studies.design.recommend.small_map")
 
+    def samples(run):
+        return jobs_below(run, "uncertainty")
+
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL):
         shutil.rmtree(tmp_path / "mine", ignore_errors=True)
-        for moment in (starts, has_jobs, is_in_the_map):
+        for moment in (starts, is_in_the_map, samples):  # as their rules' priorities have it
             nothing = subprocess.DEVNULL
             run = subprocess.Popen(command, cwd=tmp_path, stdout=nothing, stderr=nothing)
             wait(lambda run=run, moment=moment: run.poll() is not None or moment(run), 600.0)
