@@ -51,6 +51,9 @@ SHOWN = {
     r"bearingwear study (results/\S+\.nc|-n)$": (
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
     ),
+    r"bearingwear study mine\.yaml( --\w+ [\d.]+)+$": (
+        "tests/workflow/test_own.py::test_from_a_scene_to_its_page"
+    ),
     r"(snakemake|bearingwear study) --unlock": (
         "tests/workflow/test_faults.py::test_everything_is_killed"
     ),
@@ -186,9 +189,11 @@ SLOW_PYTHON = ("docs/tutorial.md",)
 
 
 def marked(pages):
-    """Slow pages are no part of `make test`."""
-    long = pytest.mark.long
-    return [pytest.param(page, marks=long if named(page) in SLOW else ()) for page in pages]
+    """Slow pages are no part of `make test`, nor run twice by `make test-long`."""
+    slow = [page for page in pages if named(page) in SLOW]
+    alone = [page for page in slow if page not in holding("bash")]
+    quick = [page for page in pages if page not in slow]
+    return [*quick, *(pytest.param(page, marks=pytest.mark.long) for page in alone)]
 
 
 def holding(*languages):

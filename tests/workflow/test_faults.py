@@ -37,8 +37,7 @@ WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
 @pytest.fixture(scope="session")
 def undisturbed(new_project):
     """A tiny study that nothing happened to."""
-    project = new_project()
-    project.configure(TINY)
+    project = tiny(new_project())
     run = project.run()
     assert run.status == 0, run.text
     return project
@@ -47,8 +46,13 @@ def undisturbed(new_project):
 @pytest.fixture
 def project(new_project):
     """The same, not yet run."""
-    project = new_project()
+    return tiny(new_project())
+
+
+def tiny(project):
+    """A project whose study has few cases and no map, which would take longer than all the rest."""
     project.configure(TINY)
+    (project.root / "config/design.yaml").write_text("scenes: {}\n", encoding="utf-8")
     return project
 
 
@@ -314,15 +318,15 @@ def test_a_command_is_killed_alone(tmp_path):
     def starts(run):
         return jobs_below(run, "snakemake")
 
-    def has_jobs(run):
-        return jobs_below(run, "uncertainty")
-
     def is_in_the_map(run):
         return jobs_below(run, "bearingwear.studies.design.recommend.small_map")
 
+    def samples(run):
+        return jobs_below(run, "uncertainty")
+
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL):
         shutil.rmtree(tmp_path / "mine", ignore_errors=True)
-        for moment in (starts, has_jobs, is_in_the_map):
+        for moment in (starts, is_in_the_map, samples):  # as their rules' priorities have it
             nothing = subprocess.DEVNULL
             run = subprocess.Popen(command, cwd=tmp_path, stdout=nothing, stderr=nothing)
             wait(lambda run=run, moment=moment: run.poll() is not None or moment(run), 600.0)

@@ -128,21 +128,6 @@ def test_an_interrupt_ends_everything(elsewhere):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seconds", [6.0, 10.0, 14.0])
-def test_a_killed_command_leaves_nothing_running_and_no_lock(elsewhere, seconds):
-    elsewhere |= {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    run = subprocess.Popen(STUDY, **elsewhere)
-    time.sleep(seconds)
-    below = psutil.Process(run.pid).children(recursive=True)
-    run.kill()
-    run.wait()
-    _, left = psutil.wait_procs(below, timeout=30)
-    assert not [one for one in left if one.status() != psutil.STATUS_ZOMBIE]
-    again = subprocess.run([*STUDY, "-n"], timeout=120, **elsewhere)
-    assert again.returncode == 0
-
-
-@pytest.mark.long
 def test_files_of_the_user_are_no_modules(elsewhere):
     for name in ("signal", "calendar", "numpy", "bearingwear"):
         (elsewhere["cwd"] / f"{name}.py").write_text("raise SystemExit('imported')\n")
