@@ -35,6 +35,8 @@ quick: $(STAMP) # half a minute: what solves little and starts no other programs
 		tests/test_provenance.py --ignore tests/kernels/test_kernel_cache.py
 
 test-long: $(STAMP) # whole studies run again and again, not part of `make test`
+	# cf: only its own test needs it, which is skipped where it cannot be installed
+	-$(PIP_INSTALL) -q -e '.[cf]'
 	$(BIN)/python -m pytest $(ALL_CORES) -m long
 
 test-slurm: $(STAMP) # starts a Slurm of one node, as root, with slurm-wlm and munge installed; and a submit command
@@ -105,8 +107,7 @@ venv: $(STAMP)
 # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
 $(STAMP): $(if $(wildcard $(COPY)),always)
 	$(PYTHON) -m venv .venv
-	# cf: only its own test needs it, which is skipped without it; Python compiles what it imports
-	$(PIP_INSTALL) -e '.[test,cf]' || $(PIP_INSTALL) -e '.[test]'
+	$(PIP_INSTALL) -e '.[test]' # Python compiles what it imports
 	rm -rf $(COPY) .venv/installed-*
 	touch $@
 

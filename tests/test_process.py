@@ -216,6 +216,7 @@ def as_nobody():
     return hide if subprocess.run([*hide, "true"], capture_output=True).returncode == 0 else ()
 
 
+@pytest.mark.long  # of single commands and of a job: the tests above
 @pytest.mark.parametrize("command", ["bearingwear study", "snakemake"])
 def test_a_study_anywhere(command, folder_of_a_user):
     """Figures are drawn, and nothing of the user's is run, in a container without a home."""

@@ -272,6 +272,7 @@ def test_what_cannot_be_drawn_says_so(kinds, kind, tmp_path, capsys):
 
 
 # the others are written as one of these
+@pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
 def test_conventions(kinds, kind, tmp_path, monkeypatch):
     runner = pytest.importorskip(

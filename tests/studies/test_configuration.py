@@ -6,6 +6,7 @@ import pytest
 import yaml
 from support import ROOT, scene_file
 
+from bearingwear.console import UsageError
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import whole
 from bearingwear.scene.checking.strict_yaml import yaml_of
@@ -87,16 +88,37 @@ FAULTS = (
 )
 
 
-@pytest.mark.parametrize(("keys", "value", "said"), FAULTS, ids=lambda one: None)
-def test_a_faulty_configuration_is_refused_in_one_line(keys, value, said):
-    configuration.check_config(CONFIG)
+def faulty(keys, value):
+    """The configuration with another value at a place."""
     config = place = copy.deepcopy(CONFIG)
     for key in keys[:-1]:
         place = place[key]
     place[keys[-1]] = value
+    return config
+
+
+@pytest.mark.parametrize(("keys", "value", "said"), FAULTS, ids=lambda one: None)
+def test_a_faulty_configuration_is_refused_in_one_line(keys, value, said):
+    configuration.check_config(CONFIG)
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
-        configuration.check_config(config)
+        configuration.check_config(faulty(keys, value))
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "said"),
+    [
+        (["studies", 0, "frictoin"], [0.1], "studies[0]: Additional properties are not allowed"),
+        (["studies", 0, "friction"], 0.1, "studies[0].friction: 0.1 is not of type 'array'"),
+        (["studies", 0, "scenes"], ["../a"], "studies[0].scenes[0]: '../a' does not match"),
+    ],
+)
+def test_what_the_schema_refuses_takes_one_line(keys, value, said, tmp_path):
+    path = tmp_path / "config.yaml"
+    path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
+    with pytest.raises(UsageError, match="^[^\n]*$") as error:
+        configuration.validated(path, "config", lambda data, path: None)
+    assert str(error.value).startswith(f"{path}: {said}")
 
 
 def test_the_configurations_of_the_project_are_right():

@@ -45,8 +45,8 @@ SHOWN = {
     r"snakemake --list": (
         "tests/workflow/test_rules.py::test_a_rule_says_in_a_sentence_what_it_makes"
     ),
-    r"snakemake -n": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
-    r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
+    r"snakemake -n": "tests/workflow/test_study.py::test_every_study_is_planned",
+    r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_every_study_is_planned",
     r"snakemake -j2 -f results": "tests/workflow/test_study.py::test_one_point_again",
     r"bearingwear study (results/\S+\.nc|-n)$": (
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,7 +64,8 @@ def stiffness_by_solve(scene, method, preload, speed):
 
 
 def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
-    found = recommendation(spindle, STIFF)
+    found = recommendation(spindle, replace(STIFF, life_h=0.2))
+    assert float(found["life"].max()) > 0.2
     for k, method in enumerate(PRELOAD_METHODS):
         preload = float(found["preload"][k])
         each = [stiffness_by_solve(spindle, method, preload, speed) for speed in SPEEDS]
@@ -208,7 +210,7 @@ def test_a_condition_that_is_not_solved_is_named(spindle):
     assert condition_words(found.unsolved) == "at rest, new"
 
 
-@pytest.mark.parametrize("contact", ["hertz", "auto"])
+@pytest.mark.parametrize("contact", ["hertz", pytest.param("auto", marks=pytest.mark.long)])
 def test_a_preload_that_must_be_kept_may_decide(contact):
     """It is a share of the initial preload, in files by its own name."""
     scene = made("7004B", 8000.0, **{"model.contact": contact})
