@@ -65,7 +65,8 @@ def command_parser() -> argparse.ArgumentParser:
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
         epilog="Exit status: 0 on success; 2 for bad input; 3 if no verified solution was found; "
-        "4 if no preload satisfies all requirements, or a torque margin is insufficient.",
+        "4 if no preload satisfies all requirements, or a torque margin is insufficient; 74 on a "
+        "full disk without room for an error line; 130 after Ctrl-C.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
@@ -127,9 +128,9 @@ def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     calibrate.add_argument("tests", metavar="TESTS.csv",
         help="a table with a header and one row per test; the columns are scene keys and one "
         f"result ({', '.join(SEEN)})")
-    calibrate.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
-        help="the scene file to write; values before and after calibration are stored in an .nc "
-        "file of the same name")
+    calibrate.add_argument("-o", "--output", metavar="CALIBRATED.yaml", type=Path,
+        help="the scene file to write (default: SCENE-calibrated.yaml); values before and after "
+        "calibration are stored in an .nc file of the same name")
     _add_formats(calibrate)
 
 
@@ -150,8 +151,8 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
         help="number of processes (default: one for each core)")
     cage.add_argument("--record-failures", action="store_true",
         help="exit status 0 even if no run succeeds; the file contains the reasons")
-    cage.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    cage.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+        help="the file to write (default: SCENE-cage.nc)")
     _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
 
 
@@ -182,7 +183,7 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no point is solved")
     sweep.add_argument("-o", "--output", metavar="FILE.nc", type=_file_name,
-        help="the file to write (required unless --dry-run is given)")
+        help="the file to write (default: SCENE-sweep.nc; of a part, SCENE-sweep-KofN.nc)")
 
 
 def _add_step(step: argparse.ArgumentParser) -> None:
@@ -212,8 +213,8 @@ def _add_gather(gather: argparse.ArgumentParser) -> None:
     gather.add_argument("files", nargs="+", metavar="CASE.nc", type=Path,
         help="case files that together fill a grid of preload methods, friction coefficients and "
         "wear states, or all parts of a sweep")
-    gather.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    gather.add_argument("-o", "--output", default=Path("gathered.nc"), metavar="FILE.nc", type=Path,
+        help="the file to write (default: gathered.nc)")
 
 
 def _add_page(page: argparse.ArgumentParser) -> None:
@@ -334,8 +335,8 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         help="number of parallel processes (default: one per core)")
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no life could be computed")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+        help="the file to write (default: SCENE-uncertainty.nc)")
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
@@ -387,8 +388,8 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
         "temperatures")
     sub.add_argument("--duration", type=_positive, metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+        help="the file to write (default: SCENE-warmup.nc)")
     _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 
 
@@ -421,9 +422,9 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
         help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
         "at least five speeds")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE", type=_file_name,
+    sub.add_argument("-o", "--output", metavar="FILE", type=_file_name,
         help="a .csv file for the 5 x 5 matrices of all bearings, or a .toml file for one bearing "
-        "in the format read by ross.BearingElement.load")
+        "in the format read by ross.BearingElement.load (default: SCENE-stiffness.csv)")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
         help="which bearing of a pair to export (default: 1)")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",

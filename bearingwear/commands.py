@@ -163,8 +163,8 @@ def _solve_each(args: argparse.Namespace) -> int:
 
 def sweep(args: argparse.Namespace) -> int:
     args.scene = args.scenes[0]  # which errors name
-    if args.output is None and not args.dry_run:
-        raise UsageError("-o: got nothing, expected a file, or --dry-run")
+    part = "-{}of{}".format(*args.part) if args.part else ""
+    args.output = _output_of(args, f"-sweep{part}.nc")
     from bearingwear.scene.changes import changes_of
     from bearingwear.scene.read import variant
     from bearingwear.studies.points_given import points_given
@@ -190,9 +190,23 @@ def sweep(args: argparse.Namespace) -> int:
     from bearingwear.studies.sweep_dataset import sweep_warnings
 
     write_dataset(coded(made), args.output)
+    _tell_of_file(args)
     for text in sweep_warnings(made):
         sys.stderr.write(one_line(f"{args.output}: {text}"))
     return OK if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
+
+
+def _output_of(args: argparse.Namespace, ending: str) -> Path:
+    """The file to write: that of -o, or one beside the scene, named after it."""
+    scene = Path(args.scene)
+    args.is_named = args.output is not None
+    return Path(args.output or scene.with_name(f"{scene.stem}{ending}"))
+
+
+def _tell_of_file(args: argparse.Namespace) -> None:
+    """Name the file that was written where nobody named it."""
+    if not args.is_named:
+        _tell(f"{args.output}: written")
 
 
 def gather(args: argparse.Namespace) -> int:
@@ -241,6 +255,7 @@ def life(args: argparse.Namespace) -> int:
 
 
 def uncertainty(args: argparse.Namespace) -> int:
+    args.output = _output_of(args, "-uncertainty.nc")
     check_output(args.output, args.scene)
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.dataset import write_dataset
@@ -258,6 +273,7 @@ def uncertainty(args: argparse.Namespace) -> int:
         )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
+    _tell_of_file(args)
     if not (found["solved_share"] > 0.0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed (see {args.output})"))
         return OK if args.record_failures else NOT_SOLVED
@@ -267,6 +283,7 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def cage(args: argparse.Namespace) -> int:
+    args.output = _output_of(args, "-cage.nc")
     scene = _scene(args)
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.cage.life import cage_found
@@ -280,6 +297,7 @@ def cage(args: argparse.Namespace) -> int:
     with ProgressLines(args.scene) as tell:
         workers = args.jobs or usable_cores()
         found = cage_found(scene, plan, args.life, workers, tell, args.output)
+    _tell_of_file(args)
     if not args.quiet:
         _print_file(args.output, args)
     if (found["status"] == 0).any():
@@ -293,6 +311,7 @@ def calibrate(args: argparse.Namespace) -> int:
     from bearingwear.studies.sampling import usable_cores
     from bearingwear.studies.uncertainty.calibration import calibrated, files_of
 
+    args.output = _output_of(args, "-calibrated.yaml")
     data = files_of(args.output)
     check_output(data, args.scene)
     with ProgressLines() as tell:
@@ -356,6 +375,7 @@ def margin(args: argparse.Namespace) -> int:
 
 
 def warmup(args: argparse.Namespace) -> int:
+    args.output = _output_of(args, "-warmup.nc")
     scene = _scene(args)
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
@@ -375,6 +395,7 @@ def warmup(args: argparse.Namespace) -> int:
         found = warm_up_dataset(scene, course, args.duration)
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
+    _tell_of_file(args)
     if not args.quiet:
         _print_file(args.output, args)
     return OK if found["status"] == 0 else NOT_SOLVED
@@ -384,9 +405,9 @@ def export(args: argparse.Namespace) -> int:
     from bearingwear.atomic import write_text
     from bearingwear.studies.export import NotExported, StiffnessOverSpeed
 
-    scene, path = _scene(args), Path(args.output)
+    scene, path = _scene(args), _output_of(args, "-stiffness.csv")
     if path.suffix not in (".csv", ".toml"):
-        raise UsageError(f"-o: got {args.output}, expected a name that ends in .csv or .toml")
+        raise UsageError(f"-o: got {path}, expected a name that ends in .csv or .toml")
     try:
         found = StiffnessOverSpeed.of(scene, args.speeds)
     except NotExported as error:
