@@ -417,6 +417,9 @@ def new(
     """
     from bearingwear.scene.new.scene_file import OPTIONS, checked_scene, scene_text
 
+    if isinstance(bore, str):
+        problem = f"got {bore!r}, expected a number, or designation={bore!r}"
+        raise SceneError("", problem, source="bore")
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
     allowed = [*own, *keys, RADIAL_CLEARANCE]
