@@ -431,6 +431,9 @@ def new(
     """
     from bearingwear.scene.new.scene_file import OPTIONS, checked_scene, scene_text
 
+    if isinstance(bore, str):
+        problem = f"got {bore!r}, expected a number, or designation={bore!r}"
+        raise SceneError("", problem, source="bore")
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     if designation is not None and not isinstance(designation, str):
         raise TypeError(f"new: got {designation!r}, expected a designation such as '7008C'")

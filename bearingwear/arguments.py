@@ -72,7 +72,8 @@ def command_parser() -> argparse.ArgumentParser:
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
         epilog="Exit status: 0 on success; 2 for bad input; 3 if no verified solution was found; "
-        "4 if no preload satisfies all requirements, or a torque margin is insufficient.",
+        "4 if no preload satisfies all requirements, or a torque margin is insufficient; 74 on a "
+        "full disk without room for an error line; 130 after Ctrl-C.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
@@ -153,7 +154,7 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no point is solved")
     sweep.add_argument("-o", "--output", metavar="FILE.nc", type=file_name,
-        help="the file to write (required unless --dry-run is given)")
+        help="the file to write (default: SCENE-sweep.nc; of a part, SCENE-sweep-KofN.nc)")
 
 
 def _add_step(step: argparse.ArgumentParser) -> None:
@@ -175,8 +176,8 @@ def _add_gather(gather: argparse.ArgumentParser) -> None:
     gather.add_argument("files", nargs="+", metavar="CASE.nc", type=Path,
         help="case files that together fill a grid of preload methods, friction coefficients and "
         "wear states, or all parts of a sweep")
-    gather.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    gather.add_argument("-o", "--output", default=Path("gathered.nc"), metavar="FILE.nc", type=Path,
+        help="the file to write (default: gathered.nc)")
 
 
 def _add_page(page: argparse.ArgumentParser) -> None:
@@ -285,8 +286,8 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         help="number of parallel processes (default: one per core)")
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no life could be computed")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+        help="the file to write (default: SCENE-uncertainty.nc)")
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
@@ -319,8 +320,8 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
         "temperatures")
     sub.add_argument("--duration", type=positive, metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+        help="the file to write (default: SCENE-warmup.nc)")
     add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 
 

@@ -25,12 +25,13 @@ from bearingwear.console import (
     one_line,
 )
 from bearingwear.measures import LIMITED, plain
-from bearingwear.options import given_scene
+from bearingwear.options import given_scene, output_of
 from bearingwear.printing import (
     print_file,
     print_sheet,
     print_text,
     print_warnings,
+    tell_of_file,
     tell_of_new_folder,
 )
 from bearingwear.scene.checking.errors import SceneError
@@ -173,8 +174,8 @@ def _solve_each(args: argparse.Namespace) -> int:
 
 def sweep(args: argparse.Namespace) -> int:
     args.scene = args.scenes[0]  # which errors name
-    if args.output is None and not args.dry_run:
-        raise UsageError("-o: got nothing, expected a file, or --dry-run")
+    part = "-{}of{}".format(*args.part) if args.part else ""
+    args.output = output_of(args, f"-sweep{part}.nc")
     from bearingwear.scene.changes import changes_of
     from bearingwear.scene.read import variant
     from bearingwear.studies.points_given import points_given
@@ -200,6 +201,7 @@ def sweep(args: argparse.Namespace) -> int:
     from bearingwear.studies.sweep_dataset import sweep_warnings
 
     write_dataset(coded(made), args.output)
+    tell_of_file(args)
     for text in sweep_warnings(made):
         sys.stderr.write(one_line(f"{args.output}: {text}"))
     return SUCCESS if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
@@ -251,6 +253,7 @@ def life(args: argparse.Namespace) -> int:
 
 
 def uncertainty(args: argparse.Namespace) -> int:
+    args.output = output_of(args, "-uncertainty.nc")
     check_output(args.output, args.scene)
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.dataset import write_dataset
@@ -268,6 +271,7 @@ def uncertainty(args: argparse.Namespace) -> int:
         )
     tell_of_new_folder(args.output)
     write_dataset(found, args.output)
+    tell_of_file(args)
     if not (found["solved_share"] > 0.0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed (see {args.output})"))
         return SUCCESS if args.record_failures else NOT_SOLVED
@@ -299,6 +303,7 @@ def recommend(args: argparse.Namespace) -> int:
 
 
 def warmup(args: argparse.Namespace) -> int:
+    args.output = output_of(args, "-warmup.nc")
     scene = given_scene(args)
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
@@ -318,6 +323,7 @@ def warmup(args: argparse.Namespace) -> int:
         found = warm_up_dataset(scene, course, args.duration)
     tell_of_new_folder(args.output)
     write_dataset(found, args.output)
+    tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
     return SUCCESS if found["status"] == 0 else NOT_SOLVED

@@ -61,6 +61,13 @@ def given_scene(args: argparse.Namespace) -> Scene:
     return scene
 
 
+def output_of(args: argparse.Namespace, ending: str) -> Path:
+    """The file to write: that of -o, or one beside the scene, named after it."""
+    scene = Path(args.scene)
+    args.is_named = args.output is not None
+    return Path(args.output or scene.with_name(f"{scene.stem}{ending}"))
+
+
 def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
     try:
         value = float(text)

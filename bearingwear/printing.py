@@ -57,3 +57,9 @@ def tell_of_new_folder(path: Path) -> None:
     """Tell of folders that are made, since a name may be mistyped."""
     if not path.parent.exists():
         tell_line(f"{path.parent}: new folder")
+
+
+def tell_of_file(args: argparse.Namespace) -> None:
+    """Name the file that was written where nobody named it."""
+    if not args.is_named:
+        tell_line(f"{args.output}: written")

@@ -45,6 +45,13 @@ def test_a_scene_with_other_values(scene):
     assert str(error.value).startswith("operation.preload_N: got -9, expected a number from 0")
 
 
+def test_words_that_are_typed_for_others(scene):
+    with pytest.raises(TypeError, match="with_: got preload_N, expected a mapping of whole k"):
+        scene.with_(preload_N=3)
+    with pytest.raises(ValueError, match="bore: got '7008C', expected a number, or designation='7"):
+        bearingwear.new("7008C")
+
+
 def test_another_accuracy_sets_its_keys():
     """A scene holds what its own accuracy has decided; that shall not count as asked for."""
     fine = bearingwear.example().with_({"model.accuracy": "reference"})

@@ -3,6 +3,7 @@
 import inspect
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -11,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import only_line, step
+from support import ROOT, only_line, step
 
+from bearingwear import cli, console
 from bearingwear.application import applications
 from bearingwear.arguments import command_parser
 from bearingwear.cli import _parsed, main
@@ -554,7 +556,7 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
         (["--stiffness", "0"], "argument --stiffness: got '0', expected a number > 0"),
         (
             ["--pressure", "2000"],
-            "maximum_pressure_GPa: got 2000.0, expected a number > 0 and <= 20",
+            "--pressure: got 2000.0, expected a number > 0 and <= 20",
         ),
         (
             ["--set", "operation.rotating_load_N=1"],
@@ -566,3 +568,12 @@ def test_recommend_refuses_in_one_line(capsys, arguments, said):
     assert main(["recommend", str(SCENE), *arguments]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert said in line
+
+
+def test_every_exit_status_is_documented():
+    text = (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
+    told = {int(status) for status in re.findall(r"^\| (\d+) \|", text, re.M)}
+    known = {console.SUCCESS, console.BAD_INPUT, console.NOT_SOLVED, console.INFEASIBLE}
+    assert told == known | {cli.FULL_DISK, cli.INTERRUPTED}
+    epilog = command_parser().epilog
+    assert all(re.search(rf"\b{status}\b", epilog) for status in told)

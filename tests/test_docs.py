@@ -10,6 +10,7 @@ import pytest
 import yaml
 from support import ROOT
 
+from bearingwear import __version__
 from bearingwear.page.page import GLOSSARY
 
 DOCS = ROOT / "docs"
@@ -44,6 +45,15 @@ def test_readme_is_one_screen():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 70
     assert all(f"(docs/{page}.md)" in text for page in ("quickstart", "validation", "architecture"))
+
+
+def test_the_citation_is_that_of_this_version():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["version"] == __version__
+    assert cited["license"] == "BSD-3-Clause" and cited["message"] and cited["authors"]
+    (paper,) = cited["references"]
+    assert paper["journal"] and paper["year"] == 2018 and len(paper["authors"]) == 4
+    assert "(CITATION.cff)" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("term", ["requirement", "end-of-life criterion"])

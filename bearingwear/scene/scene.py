@@ -224,7 +224,7 @@ class Scene:
         model = replace(self.model, cage_results=False)
         return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
-    def with_(self, changes: Mapping[str, Any]) -> Scene:
+    def with_(self, changes: Mapping[str, Any] | None = None, **typed: Any) -> Scene:
         """A copy of the scene with some values replaced and checked.
 
         Parameters
@@ -240,6 +240,10 @@ class Scene:
         """
         from bearingwear.scene.read import variant
 
+        if changes is None or typed:
+            got = ", ".join(typed) or "nothing"
+            example = "{'operation.preload_N': 9.0}"
+            raise TypeError(f"with_: got {got}, expected a mapping of whole keys such as {example}")
         try:
             return variant(self, changes)
         except SceneError as error:  # its text is for the command line

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from support import scene_file
 
 import bearingwear
 from bearingwear.cli import main
@@ -76,7 +77,6 @@ def test_points_that_fail_are_said_and_recorded(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--axis", PRELOADS], "-o: got nothing, expected a file, or --dry-run"),
         (["-n"], "sweep: got neither --axis nor --rows, expected one of them"),
         (["-n", "--axis", PRELOADS, "--rows", "a.csv"], "sweep: got both --axis and --rows, "),
         (["-n", "--axis", "operation.preload_N"], "--axis: got operation.preload_N, expected KEY="),
@@ -111,3 +111,14 @@ def test_errors_are_one_line(words, line, tmp_path, monkeypatch, capsys):
 def test_options_that_are_no_numbers_are_refused(words, capsys):
     assert sweep("-n", "--axis", PRELOADS, *words) == 2
     assert "expected" in capsys.readouterr().err
+
+
+def test_a_file_that_nobody_named_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
+    (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
+    monkeypatch.chdir(tmp_path)
+    parts = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
+    for more, name in (([], "mine-sweep.nc"), (["--part", "2/2"], "mine-sweep-2of2.nc")):
+        assert main([*parts, *more]) == 0
+        assert f"{name}: written\n" in capsys.readouterr().err and (tmp_path / name).exists()
+    assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0
+    assert capsys.readouterr().out.startswith("mine-stiffness.csv: written")

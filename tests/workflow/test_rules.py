@@ -1,11 +1,12 @@
 """The rules as text: each says what it makes, and calls a function that is there."""
 
 import importlib
+import importlib.util
 import inspect
 import re
 import tomllib
 
-from support import ROOT
+from support import ROOT, benchmark
 
 from bearingwear import commands
 from bearingwear.provenance import PACKAGE, sources
@@ -35,6 +36,21 @@ def test_a_rule_says_in_a_sentence_what_it_makes():
         name for name, body in RULES.items() if not re.match(r'    """[A-Z].*\S[.)]"""\n', body)
     ]
     assert not wrong
+
+
+def test_the_table_of_rules_is_up_to_date():
+    rule_table = benchmark("rule_table")
+    text = (ROOT / "docs/studies.md").read_text(encoding="utf-8")
+    assert rule_table.renewed(text) == text, "run: python benchmarks/rule_table.py docs/studies.md"
+    rows = [*rule_table.rows()]
+    assert {row[0] for row in rows} == {name for name, body in RULES.items() if command(body)}
+    for name, _, _, python in rows:
+        module, _, function = python.rpartition(".")
+        found = importlib.util.find_spec(python) if name not in STEPS and python else None
+        if name in STEPS:
+            assert callable(getattr(importlib.import_module(module), function)), name
+        elif python:
+            assert found is not None, name
 
 
 def test_common_is_short():

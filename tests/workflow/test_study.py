@@ -1,6 +1,7 @@
 """The study as its user runs it: what a run makes, and what a change makes anew."""
 
 import copy
+import json
 import os
 import re
 import shutil
@@ -89,6 +90,21 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved):
     assert "page: results/report/index.html" in run.text.splitlines()
     again = solved.run()
     assert again.status == 0 and "Nothing to be done" in again.text
+
+
+def test_the_notebook_runs_on_a_study_and_draws_the_figures(solved):
+    """Every cell, as plain Python; Snakemake has nothing to make there."""
+    cells = json.loads((ROOT / "docs/paper.ipynb").read_text(encoding="utf-8"))["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    code.append('figure.savefig("paper.svg"); assert 0.2 < left < 0.6 and abs(kept - 1) < 1e-9')
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", "\n".join(code)],
+        cwd=solved.root, env=solved.environment | {"PYTHONPATH": str(solved.root)},
+        capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "Nothing to be done" in done.stdout + done.stderr
+    assert (solved.root / "paper.svg").stat().st_size > 10_000
 
 
 @pytest.mark.long

@@ -32,8 +32,8 @@ def cage_options(sub: argparse.ArgumentParser) -> None:
     add_jobs(sub)
     sub.add_argument("--record-failures", action="store_true",
         help="exit status 0 even if no run succeeds; the file contains the reasons")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path,
-        help="the file to write")
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+        help="the file to write (default: SCENE-cage.nc)")
     add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 
 # fmt: on

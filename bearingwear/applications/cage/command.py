@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingwear.console import NOT_SOLVED, SUCCESS, ProgressLines, one_line
-from bearingwear.options import given_scene
-from bearingwear.printing import print_file, tell_of_new_folder
+from bearingwear.options import given_scene, output_of
+from bearingwear.printing import print_file, tell_of_file, tell_of_new_folder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 def cage_command(args: argparse.Namespace) -> int:
     """Run an ensemble, write its file and print its sheet."""
+    args.output = output_of(args, "-cage.nc")
     scene = given_scene(args)
     from bearingwear.applications.cage.life import cage_found
     from bearingwear.applications.cage.plan import Ensemble
@@ -33,6 +34,7 @@ def cage_command(args: argparse.Namespace) -> int:
     with ProgressLines(args.scene) as tell:
         workers = args.jobs or usable_cores()
         found = cage_found(scene, plan, args.life, workers, tell, args.output)
+    tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
     if (found["status"] == 0).any():

@@ -22,9 +22,9 @@ def calibrate_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("tests", metavar="TESTS.csv",
         help="a table with a header and one row per test; the columns are scene keys and one "
         f"result ({', '.join(SEEN)})")
-    sub.add_argument("-o", "--output", required=True, metavar="CALIBRATED.yaml", type=Path,
-        help="the scene file to write; values before and after calibration are stored in an .nc "
-        "file of the same name")
+    sub.add_argument("-o", "--output", metavar="CALIBRATED.yaml", type=Path,
+        help="the scene file to write (default: SCENE-calibrated.yaml); values before and after "
+        "calibration are stored in an .nc file of the same name")
     add_formats(sub)
 
 # fmt: on

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,7 +37,8 @@ class BearingTest:
 def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     """The tests in a CSV file.
 
-    Commas, semicolons or tabs part its columns. Its first line names them: keys of the scene (an
+    Commas, semicolons or tabs part its columns; between the latter, numbers may have decimal
+    commas, as Excel writes them in Europe. Its first line names them: keys of the scene (an
     empty cell leaves the scene's own value) and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
 
     CaseFileError: file, row, column, what was given, what is allowed.
@@ -47,6 +49,8 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=apart)
     lines = ((table.line_num, cells) for cells in table)
     rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
+    if apart != ",":
+        rows = [(n, [_with_point(cell) for cell in cells]) for n, cells in rows]
     if len(rows) < 2:
         raise CaseFileError(f"{path}: got no tests, expected a header and one row per test")
     (_, names), *rows = rows
@@ -65,6 +69,11 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
         filled = {name: cell for name, cell in zip(names, cells, strict=False) if cell}
         found.append(_Row(str(path), number, filled).test(scene))
     return found
+
+
+def _with_point(cell: str) -> str:
+    """A number with a decimal comma as one with a point; any other text as it is."""
+    return cell.replace(",", ".") if re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) else cell
 
 
 @dataclass(frozen=True)
@@ -86,8 +95,7 @@ class _Row:
             value = math.nan
         if not 0.0 < value < math.inf and not (column == _ERROR and value == 0.0):
             got = "nothing" if text is None else repr(short(text))
-            point = " with a decimal point" if "," in (text or "") else ""
-            raise self.refused(column, f"got {got}, expected a number > 0{point}")
+            raise self.refused(column, f"got {got}, expected a number > 0")
         return value
 
     def test(self, scene: Scene) -> BearingTest:

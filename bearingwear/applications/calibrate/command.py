@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingwear.console import SUCCESS, ProgressLines
-from bearingwear.options import given_scene
+from bearingwear.options import given_scene, output_of
 from bearingwear.printing import print_file, tell_line, tell_of_new_folder
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ def calibrate_command(args: argparse.Namespace) -> int:
     from bearingwear.atomic import check_output
     from bearingwear.studies.sampling import usable_cores
 
+    args.output = output_of(args, "-calibrated.yaml")
     data = files_of(args.output)
     check_output(data, args.scene)
     with ProgressLines() as tell:

@@ -19,9 +19,9 @@ def export_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--speeds", type=_speeds, required=True, metavar="LOW:HIGH:COUNT",
         help="evenly spaced shaft speeds in r/min, or a list such as 1000,2000,5000; ROSS requires "
         "at least five speeds")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE", type=file_name,
+    sub.add_argument("-o", "--output", metavar="FILE", type=file_name,
         help="a .csv file for the 5 x 5 matrices of all bearings, or a .toml file for one bearing "
-        "in the format read by ross.BearingElement.load")
+        "in the format read by ross.BearingElement.load (default: SCENE-stiffness.csv)")
     sub.add_argument("--bearing", type=int, choices=(1, 2), default=1,
         help="which bearing of a pair to export (default: 1)")
     sub.add_argument("--tilt", choices=("held", "released"), default="held",

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from pathlib import Path
 
 from bearingwear.console import NOT_SOLVED, SUCCESS, UsageError, one_line
-from bearingwear.options import given_scene
+from bearingwear.options import given_scene, output_of
 from bearingwear.printing import tell_of_new_folder
 
 
@@ -17,9 +16,9 @@ def export_command(args: argparse.Namespace) -> int:
     from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
     from bearingwear.atomic import write_text
 
-    scene, path = given_scene(args), Path(args.output)
+    scene, path = given_scene(args), output_of(args, "-stiffness.csv")
     if path.suffix not in (".csv", ".toml"):
-        raise UsageError(f"-o: got {args.output}, expected a name that ends in .csv or .toml")
+        raise UsageError(f"-o: got {path}, expected a name that ends in .csv or .toml")
     try:
         found = StiffnessOverSpeed.of(scene, args.speeds)
     except NotExported as error:

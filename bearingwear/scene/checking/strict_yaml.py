@@ -101,7 +101,8 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
         where = f" on line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
         problem = f"got text that is not YAML{where} ({reason}), expected YAML"
-        line = text.split("\n")[mark.line] if mark else ""
+        lines = text.splitlines()
+        line = lines[mark.line] if mark and mark.line < len(lines) else ""
         if "\t" in line[: len(line) - len(line.lstrip())]:
             problem = f"got a tab{where}, expected spaces before a key"
         raise SceneError("", problem, source=source) from None

@@ -90,10 +90,15 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, lines, said):
     assert said in str(refused.value) and "\n" not in str(refused.value)
 
 
-def test_a_decimal_comma_is_named(tmp_path):
-    path = written(tmp_path, "operation.preload_N;life_h", "7;4,5")
-    with pytest.raises(CaseFileError, match="got '4,5', expected a number > 0 with a decimal poi"):
-        bearing_tests(path, with_spread())
+def test_a_table_of_excel_in_europe(tmp_path):
+    """Semicolons between columns, commas in numbers, a mark of the byte order before all."""
+    rows = [("operation.preload_N", "life_h"), ("7.25", "4.5"), ("", "1.5e2")]
+    plain = written(tmp_path, *(",".join(row) for row in rows))
+    expected = bearing_tests(plain, with_spread())
+    european = [";".join(row).replace(".", ",") for row in rows[1:]]
+    path = written(tmp_path, "\ufeff" + ";".join(rows[0]), *european)
+    assert bearing_tests(path, with_spread()) == expected
+    assert [one.value for one in expected] == [4.5, 150.0]
 
 
 def test_semicolons_and_tabs_part_columns_too(tmp_path):
