@@ -17,14 +17,16 @@ from bearingwear.scene.blocks import CRITERIA
 POSITION = {"operation.preload_method": "fixed_position"}
 # Few turns are enough where no cage moves: the state under thrust alone is steady from the start.
 SHORT = {"model.simulated_turns": 6, "model.evaluated_turns": 3, "model.life_steps": 6}
-ALONE = POSITION | SHORT | {"cage": None}
+# Three balls move as nine do, each under the same load, in a third of the time.
+THREE = {"bearing.ball_count": 3, "operation.preload_N": 7.0 / 3.0}
+ALONE = POSITION | SHORT | THREE | {"cage": None}
 COATED = {"materials.bearing_steel.wear_coefficient": 5e-8}
 CAGE = POSITION | SHORT | COATED | {"model.life_run_in_turns": 10, "model.life_steps": 3}
 
 
 @pytest.fixture(scope="module")
 def even(scene):
-    """Nine equal balls under thrust, no cage: what the steady life has, too."""
+    """Equal balls under thrust, no cage: what the steady life has, too."""
     return life(scene("gyro_s1", ALONE), "dynamic")
 
 
@@ -76,8 +78,7 @@ def test_runs_go_on_from_each_other(even):
 
 def test_same_bytes_twice_and_back(scene, tmp_path):
     s = scene("gyro_s1", ALONE | {"model.life_steps": 2, "model.simulated_turns": 1,
-                                  "model.evaluated_turns": 1, "bearing.ball_count": 3,
-                                  "operation.preload_N": 2.5})  # fmt: skip
+                                  "model.evaluated_turns": 1})  # fmt: skip
     for name in "ab":
         write_result(life(s, "dynamic"), tmp_path / name)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
@@ -87,9 +88,12 @@ def test_same_bytes_twice_and_back(scene, tmp_path):
 
 
 def test_a_smaller_ball_wears_less(scene):
-    """Without a cage the less loaded ball loses less, and unequal balls become more equal."""
-    loss = [0.1, *[0.0] * 8]
-    s = scene("gyro_s1", ALONE | {"wear.ball_diameter_loss_um": loss, "model.life_steps": 4})
+    """Without a cage the less loaded ball loses less, and unequal balls become more equal.
+
+    Of three balls each would carry a third.
+    """
+    loss = {"wear.ball_diameter_loss_um": [0.1, *[0.0] * 8]}
+    s = scene("gyro_s1", POSITION | SHORT | {"cage": None, "model.life_steps": 4} | loss)
     found = life(s, "dynamic")
     v, worn = found.values, found.values["history_worn_diameter"][-1]
     assert v["status"] == code.OK

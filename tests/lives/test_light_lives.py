@@ -17,7 +17,17 @@ FOUND = data_of(text_of(SOURCE), SOURCE.name)
 LIGHT = benchmark("light_lives")
 
 
-@pytest.mark.parametrize("found", FOUND, ids=lambda found: f"trial-{found['trial']}")
+SLOW = (7, 37, 51, 286)
+"""Trials whose lives take seconds each."""
+
+
+def trials():
+    for found in FOUND:
+        marks = pytest.mark.long if found["trial"] in SLOW else ()
+        yield pytest.param(found, marks=marks, id=f"trial-{found['trial']}")
+
+
+@pytest.mark.parametrize("found", trials())
 def test_a_life_found_at_random_ends_by_its_criterion(found):
     """At the loss that ends it, of the worse bearing of a pair."""
     scene = LIGHT.drawn_scene(found["draw"]).one_of_alike
@@ -36,7 +46,13 @@ def test_the_draws_are_those_of_the_benchmark():
         assert LIGHT.drawn(rng) == found["draw"]
 
 
-@pytest.mark.parametrize("designation", ["7004AC", "7204AC", "71904AC", "7006C"])
+@pytest.mark.parametrize(
+    "designation",
+    [
+        "7004AC",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("7204AC", "71904AC", "7006C")),
+    ],
+)
 def test_lives_over_light_preloads_have_no_gaps(designation):
     """Neighbours differ by little, and no preload among them ends a life by its solver."""
     made = bearingwear.new(designation=designation, speed=20600.0)

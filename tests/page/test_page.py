@@ -1,6 +1,7 @@
 """The page of a study: what it says, and that it is one valid file that fetches nothing."""
 
 import base64
+import functools
 import hashlib
 import json
 import math
@@ -50,6 +51,7 @@ def whole(whole_page):
     return whole_page.read_text(encoding="utf-8")
 
 
+@functools.lru_cache(maxsize=2)  # most tests ask for the same page
 def parsed(text):
     """The page as a tree; any error of HTML5 raises."""
     return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)

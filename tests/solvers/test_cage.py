@@ -52,9 +52,9 @@ def moved(motion, duration, *options):
     ],
 )
 def test_energy_account(scene, changes):
-    """Shaft and loads supply what contacts, drag and damping take, to 1e-4 in twenty turns."""
+    """Shaft and loads supply what contacts, drag and damping take, to 1e-4 in eight turns."""
     motion = started(scene("gyro_s1", changes))
-    change = moved(motion, 20 * motion.turn)
+    change = moved(motion, 8 * motion.turn)
     assert change["cage heat"] > 1e-4 * change["heat"]  # the cage did touch something
     assert abs(change["missing"]) < 1e-4 * change["all heat"], change
 

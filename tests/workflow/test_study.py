@@ -1,4 +1,9 @@
-"""The study as its user runs it: what a run makes, and what a change makes anew."""
+"""The study as its user runs it: what a run makes, and what a change makes anew.
+
+Which sources and values a job reads is asked, without Snakemake, by tests/test_provenance.py,
+tests/studies/test_configuration.py and test_rules.py. `make test` tries here that Snakemake heeds
+it for a source, a scene and what is not read; `make test-long` for the rest.
+"""
 
 import copy
 import json
@@ -235,6 +240,7 @@ def test_an_edited_solver_source_solves_anew(solved):
     assert number(solved.case(WORN), "ball_wear_rate") == 2.0 * before
 
 
+@pytest.mark.long
 def test_an_edited_figure_draws_its_study_anew_and_nothing_else(solved):
     solved.change_source("bearingwear/studies/grid/figures/quasistatic.py", date=0.0)
     planned = set(solved.run("-n").jobs)
@@ -247,6 +253,7 @@ def test_a_file_that_no_rule_makes(solved):
     assert "Traceback" not in run.text
 
 
+@pytest.mark.long
 def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
     solved.edit(
         "bearingwear/studies/dataset.py", "import numpy as np\n", "import numpy as np  # edited\n"
@@ -256,6 +263,7 @@ def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
     assert "solve" not in planned.jobs
 
 
+@pytest.mark.long
 def test_one_value_of_friction_edited(solved):
     config = solved.config
     config["studies"][0]["friction"] = [0.02, 0.081]
@@ -275,6 +283,7 @@ def test_what_of_a_scene_no_case_is_made_of(solved):
     assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
 
 
+@pytest.mark.long
 def test_uncertain_values_are_read_by_lives_and_no_case(solved):
     """Lives quote them."""
     path = "config/scenes/gyro_s1.yaml"
@@ -319,6 +328,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
     assert not (project.root / "results").exists()
 
 
+@pytest.mark.long
 def test_a_configuration_is_whole(first_run):
     """One that is given takes the place of config.yaml; nothing of that is left."""
     project, _ = first_run
