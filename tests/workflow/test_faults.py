@@ -219,7 +219,7 @@ def test_the_disk_is_full(project, undisturbed, room):
     """
     done = subprocess.run(
         ["unshare", "-m", "sh", "-e", "-c", script],
-        cwd=project.root, env=project.environment, capture_output=True, text=True, timeout=300,
+        cwd=project.root, env=project.environment, capture_output=True, text=True, timeout=900,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
 

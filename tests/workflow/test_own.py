@@ -138,7 +138,7 @@ def test_files_of_the_user_are_no_modules(elsewhere):
 @pytest.mark.long  # of other commands: tests/test_cli.py
 def test_a_closed_pipe_ends_the_study(elsewhere):
     text = f"{shlex.join(STUDY)} -n 2>&1 | head -1"
-    done = subprocess.run(["sh", "-c", text], timeout=60, **elsewhere)
+    done = subprocess.run(["sh", "-c", text], timeout=300, **elsewhere)
     assert done.stdout.count("\n") == 1 and "Traceback" not in done.stderr
 
 

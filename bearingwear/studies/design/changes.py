@@ -95,7 +95,8 @@ def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -
     if not max(lives) > 0.0:
         return []
     first = int(np.argmax(lives))
-    found = [_limit_change(search, name, first) for name in search.limits.given]
+    movable = [name for name, value in search.limits.given.items() if value > 0.0]  # by factors
+    found = [_limit_change(search, name, first) for name in movable]
     known = [one for one in best if one is not None]
     if len(known) == len(search.lines):
         found += _assumption_changes(search, known, first)

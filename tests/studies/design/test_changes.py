@@ -1,6 +1,7 @@
 """What would change the choice: values at which the other method lives longer, solved there."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from numpy.testing import assert_allclose
 from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.design.changes import LIMIT_KEY, WARMTH_KEY, quick_life
+from bearingwear.studies.design.changes import LIMIT_KEY, WARMTH_KEY, choice_changes, quick_life
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import best_method, recommendation
 
@@ -43,6 +44,14 @@ def test_machines_at_equal_stiffness(chosen):
     assert 4.6 < above < 5.0 and math.isnan(below)
     assert best_method(chosen(1.04 * above)) == 1
     assert best_method(chosen(0.96 * above)) == 0
+
+
+@pytest.mark.parametrize("name", ["torque_margin", "gap_um"])
+def test_a_requirement_of_nothing_is_not_moved(name):
+    """As by `--torque-margin 0`: it has no factors."""
+    limits = DesignLimits(**{name: 0.0})
+    search = SimpleNamespace(limits=limits, lines=["spring pair", "rigid pair"])
+    assert choice_changes(search, [None, SimpleNamespace(life=1.0)]) == []
 
 
 def test_the_warmth_at_which_lives_are_equal(scene, chosen):
