@@ -9,6 +9,7 @@ from bearingwear.document.document import Block, Document, Row
 from bearingwear.lives.margin import Corner
 from bearingwear.results.units import digits, display
 from bearingwear.scene.cases import NOMINAL
+from bearingwear.scene.new.minimum_preload import minimum_preload_line
 from bearingwear.scene.requirements import STANDARDS
 from bearingwear.scene.scene import Scene
 
@@ -16,8 +17,11 @@ from bearingwear.scene.scene import Scene
 def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
     """Torque margin of a scene with a drive."""
     worst = worst_corner(corners)
+    data = scene.to_dict()
+    minimum = minimum_preload_line(data["bearing"], data["operation"])
     heading = (
         f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",
+        *filter(None, [minimum]),
         *margin_sentences(scene, corners),
     )
     facts = {"kind": "torque margin", "scene": scene.name, "worst": corner_words(worst)}

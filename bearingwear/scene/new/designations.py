@@ -17,9 +17,11 @@ from bearingwear.scene.new.catalogue import (
     entry_of,
     has_bearing,
     makers_with,
+    nearest_names,
 )
 from bearingwear.scene.new.letters import (
     CERAMIC_PREFIX,
+    GMN_SERIES,
     PAIR,
     PAIR_ALONE,
     STEEL_PREFIX,
@@ -134,6 +136,9 @@ def designation_of(text: str) -> Designation:
     if not match or not size:
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
+    spindles = _gmn_names(plain, prefix)
+    if spindles and prefix != "S":
+        raise _unknown(text, f"{spindles} (GMN spindle bearings)")
     if not re.fullmatch(_PREFIX, prefix):
         known = "B, S, HS, HSS, RS, W, SS, HC.., XC.., HY, CB, 5S or 3NC before the number"
         raise _unknown(text, f"no letters or {known}")
@@ -146,7 +151,8 @@ def designation_of(text: str) -> Designation:
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
     suffix, ignored = _suffix(rest, suffixes, deep_groove)
     if ignored is None:
-        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}")
+        others = spindles and f", or {spindles} (GMN spindle bearings)"
+        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}{others}")
     name = f"{series}{code}{suffix}"
     letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
@@ -157,6 +163,11 @@ def designation_of(text: str) -> Designation:
         else ""
     )
     return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, letters=letters)
+
+
+def _gmn_names(plain: str, prefix: str) -> str:
+    """The nearest bearings of GMN's catalogue, where letters before the number are its series."""
+    return ", ".join(nearest_names("GMN", plain)) if re.fullmatch(GMN_SERIES, prefix) else ""
 
 
 def _gmn_spindle(plain: str) -> Designation | None:

@@ -36,6 +36,7 @@ from bearingwear.scene.new.assumed import (
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
+from bearingwear.scene.new.letters import gmn_parts
 from bearingwear.scene.scene import key_of_scene, most_balls
 
 if TYPE_CHECKING:
@@ -160,6 +161,8 @@ def _assumed(
     said = size.letters.meanings
     if size.letters.ignored:
         said.append(f"ignored: {size.letters.ignored}")
+    if size.entry is None and gmn_parts(size.name):
+        said.append("not in GMN's catalogue")
     if said:
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [
