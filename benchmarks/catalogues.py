@@ -253,11 +253,12 @@ def starting_torque_sentence() -> str:
     paragraphs = (
         f"The computed torque is {found:.1f} mN m, {100.0 * (found / measured - 1.0):.0f} % above "
         f"the measured {measured:g} mN m. Half of the difference is common to all three programs: "
-        f"at a friction of 0.08, those of the source lie {above} above the measurement, so the "
-        f"friction was nearer to {0.08 * measured / programs[1][0]:.3f}. The rest is within what "
-        f"is not known of the bearing. With the balls and grooves of the {len(others)} bearings of "
-        f"this size in the catalogues, the torque is {min(others):.1f} to {max(others):.1f} mN m; "
-        f"with groove factors of {OTHER_GROOVES[0][0]:g} and {OTHER_GROOVES[0][1]:g} it is "
+        f"at a friction of 0.08, those of the source lie {above} above the measurement, which "
+        f"they would meet at {0.08 * measured / programs[1][0]:.3f} or less. The rest is within "
+        f"what is not known of the bearing. With the balls and grooves of the {len(others)} "
+        f"bearings of this size in the catalogues, the torque is {min(others):.1f} to "
+        f"{max(others):.1f} mN m; with groove factors of {OTHER_GROOVES[0][0]:g} and "
+        f"{OTHER_GROOVES[0][1]:g} it is "
         f"{grooves[0]:.1f} mN m, and with {OTHER_GROOVES[1][0]:g} in both races "
         f"{grooves[1]:.1f} mN m. The excerpt of the source states no scatter of the measurement.",
         f"The measured torque was proportional to the preload, {MEASURED_ARM:g} um times the "

@@ -30,7 +30,7 @@ def test_every_row_of_gmn_agrees_with_the_others():
 
 
 def test_checks_of_rows_find_misread_digits():
-    """All wrong sizes, most wrong balls, and over half of the wrong digits of any other column."""
+    """All wrong sizes, most wrong balls, and about half of the others or more (page: all rows)."""
     rows = benchmark("gmn_rows")
     assert list(rows.wrong_digits("1200")) == [
         *(f"{k}200" for k in "023456789"), *(f"1{k}00" for k in "013456789")
