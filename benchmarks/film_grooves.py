@@ -6,8 +6,8 @@ film of the test, relative to that at 1500 MPa and 23 degC, over the relative li
 """
 
 import warnings
-from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import bearingwear
 from bearingwear.scene.coefficients import MOS2_LIVES
@@ -19,6 +19,7 @@ NAMES = ("pressure_MPa", "temperature_C", "relative_life")
 REFERENCE = (1500.0, 23.0)
 STEEL = "materials.bearing_steel.wear_coefficient"
 CONTACTS = ("hertz", "worn")
+SPEED = 3000.0  # loads of the contacts are those of the preload alone [r/min]
 
 
 def scene_of(pressure: float, celsius: float, speed: float, slip: float | None) -> Scene:
@@ -57,10 +58,18 @@ def outer_slip(scene: Scene) -> float:
     return float(case.qv.values[0, 1] / case.contact_load.values[0, 1])
 
 
-def lives(scene: Scene) -> list[float]:
-    """Lives [h] of an even film and with worn grooves."""
+class Lives(NamedTuple):
+    """Lives [h] of an even film and with worn grooves, and how much wider its contact becomes."""
+
+    even: float
+    worn: float
+    wider: float  # half-length of the outer contact at the end over that at the start
+
+
+def lives(scene: Scene) -> Lives:
     even, worn = (bearingwear.life(scene.with_({"model.contact": c})) for c in CONTACTS)
-    return [even.life.item(), worn.life.item()]
+    half = worn.history_contact_half_length.values[:, 1]
+    return Lives(even.life.item(), worn.life.item(), float(half[-1] / half[0]))
 
 
 def steel_factor(pressure: float, relative_life: float) -> float:
@@ -76,17 +85,21 @@ def steel_life(scene: Scene, factor: float) -> float:
 
 def main() -> None:
     warnings.simplefilter("ignore")
-    print(f"{'r/min':>6} {'slip':>6}{'MPa':>6}{'degC':>6}{'even':>8}{'worn':>8}{'steel too':>11}")
-    for speed, is_one_slip in product((3000.0, 30000.0), (False, True)):
-        start = scene_of(*REFERENCE, speed, None)
-        slip = outer_slip(start) if is_one_slip else None
-        first = lives(start)
+    print(f"{'slip':>4}{'MPa':>6}{'degC':>6}{'even':>8}{'worn':>8}{'steel too':>11}{'wider':>8}")
+    start = scene_of(*REFERENCE, SPEED, None)
+    first = lives(start)
+    for slip in (None, outer_slip(start)):
         for pressure, celsius, tested in MOS2_LIVES:
-            scene = scene_of(pressure, celsius, speed, slip)
-            own = [*lives(scene), steel_life(scene, steel_factor(pressure, tested))]
-            ratios = [h / h0 / tested for h, h0 in zip(own, [*first, first[1]], strict=True)]
-            print(f"{speed:6.0f} {'one' if slip else 'own':>6}{pressure:6.0f}{celsius:6.0f}"
-                  f"{ratios[0]:8.3f}{ratios[1]:8.3f}{ratios[2]:11.3f}", flush=True)  # fmt: skip
+            scene = scene_of(pressure, celsius, SPEED, slip)
+            found, steel = lives(scene), steel_life(scene, steel_factor(pressure, tested))
+            even, worn, both = (
+                hours / of_first / tested
+                for hours, of_first in (
+                    (found.even, first.even), (found.worn, first.worn), (steel, first.worn)
+                )
+            )  # fmt: skip
+            print(f"{'one' if slip else 'own':>4}{pressure:6.0f}{celsius:6.0f}{even:8.3f}"
+                  f"{worn:8.3f}{both:11.3f}{found.wider:8.2f}", flush=True)  # fmt: skip
 
 
 if __name__ == "__main__":

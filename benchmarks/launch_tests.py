@@ -113,8 +113,8 @@ def section() -> str:
     named = (
         "The excerpt of the source does not name the bearing. Of NSK's small bearings, the "
         f"{BEARING} was taken, because its pressures of the hard pair at three sigma are nearest "
-        f"to those that the authors computed: {tried[BEARING]:.2f} times on the mean, those of others "
-        f"{others}. So the height of the ratios is fitted in part. Assumed are "
+        f"to those that the authors computed: {tried[BEARING]:.2f} times on the mean, those of "
+        f"others {others}. So the height of the ratios is fitted in part. Assumed are "
         f"{MASS_KG:g} kg, a flat spectrum from 20 to 2000 Hz and an "
         f"amplification of 10; the largest acceleration expected is then {_span(factors)} sigma. "
         "Size of the bearing, mass, spectrum, amplification and duration are missing, so the "
