@@ -80,8 +80,9 @@ _INTRODUCTION = """\
 
 The wear volume is the product of K_s/H, load and slip distance. Papers report K_s/H in mm³/(N m);
 1 mm³/(N m) equals 1e-9 m²/N. Each item cites an accessible source and states which part of the
-source was read. No published values were found for lead films, phenolic cages, or silicon nitride
-on steel, so [assumed](#assumed) values are listed separately.
+source was read; *excerpt* means that the numbers come from an excerpt of the proceedings at that
+address, and that the paper itself was not opened. No published values were found for lead films,
+phenolic cages, or silicon nitride on steel, so [assumed](#assumed) values are listed separately.
 
 For the same pair of materials, the coefficients differ by orders of magnitude between sources, so a
 test of your own bearing is more reliable than these values ([from a test to

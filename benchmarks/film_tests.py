@@ -27,7 +27,7 @@ from bearingwear.scene.coefficients import (
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import Films, WearTable
 
-SYMPOSIUM = "https://aeromechanisms.com/44th-ams-program-2018/"
+SYMPOSIUM = "https://ntrs.nasa.gov/citations/20180002828"
 SEEN, LOADS, LIVES = 1.05e8, (250.0, 1000.0), (5e5, 3.8e4)  # that at 250 g is a lower bound
 WARMTH = (30.0, 100.0)  # of the films in air [degC]
 MEASURED = {"color": "C3", "marker": "s", "markersize": 8, "markerfacecolor": "none"}
@@ -193,7 +193,8 @@ wear coefficient of the nearest row is used there, with a warning.
    (2018), p. 141
 8. ESTL, same volume, p. 151
 
-Only the abstracts of references 1 to 6 were read, and the tables of 7 and 8.
+Only the abstracts of references 1 to 6 were read. The numbers of 7 and 8 come from an excerpt of \
+the proceedings; the papers themselves were not opened for this page.
 """
     blocks = text.rstrip("\n").split("\n\n")
     return "\n\n".join(_wrapped(block) for block in blocks) + "\n"

@@ -87,6 +87,7 @@ INTERFACE = {
     "scene.checking.strict_yaml",
     "scene.coefficients",
     "scene.distributions",
+    "scene.new.minimum_preload",
     "scene.read",
     "scene.requirements",
     "scene.scene",

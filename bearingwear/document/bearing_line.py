@@ -10,7 +10,7 @@ from bearingwear.measures import plain
 from bearingwear.scene.arrangement import flat_keys, set_over_pair
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
-from bearingwear.scene.new.minimum_preload import minimum_preload_line
+from bearingwear.scene.new.minimum_preload import minimum_preload_line, minimum_preload_words
 
 _CONTACTS = {
     "paper": "contact model from the paper",
@@ -50,6 +50,7 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         *([f"friction {_range(mu)}"] if None not in mu else []),
         _warmth_of(each),
         *_loads(each.values()),
+        *filter(None, [minimum_preload_words(each.values())]),
         *filter(None, [_CONTACTS.get((scene.get("model") or {}).get("contact", ""))]),
         *([cases_words(each)] if len(each) > 1 else []),
     )

@@ -116,6 +116,21 @@ def test_names_that_are_not_there(text):
         assert "\n" not in str(error.value) and len(str(error.value)) < 320
 
 
+@pytest.mark.parametrize(
+    ("maker", "text", "expected"),
+    [
+        ("GMN", "S 6007", "expected S 6007 C, S 6007 E (all"),
+        ("GMN", "KH 6007 S", "expected KH 6007 C, KH 6007 E (all"),
+        ("NSK", "7010", "expected 7010C, 7010A5, 7010A (all"),
+        ("NSK", "S 6007 E TA", "which is in the catalogue of GMN, expected"),
+    ],
+)
+def test_nearest_names_of_a_maker(maker, text, expected):
+    with pytest.raises(SceneError) as error:
+        entry_of(maker, text)
+    assert expected in str(error.value)
+
+
 @pytest.mark.parametrize("text", ["SEA 60", "sea60 7CE1"])
 def test_designation_of_a_maker_without_its_name(text):
     with pytest.raises(SceneError, match="got .*, expected --maker SNFA with this designation"):

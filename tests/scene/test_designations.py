@@ -226,6 +226,29 @@ def test_the_orientation_of_a_pair_stands_in_the_file(text, sides):
     assert any("the scene has one, see its arrangement" in line for line in told)
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("SM 6005", "expected SM 6005 C (GMN spindle bearings)"),
+        ("SM 6005 17", "expected SM 6005 C (GMN spindle bearings)"),
+        ("KH6007", "expected KH 6007 C, KH 6007 E (GMN spindle bearings)"),
+        ("S 6007 D", "C3, or S 6007 C, S 6007 E (GMN spindle bearings)"),
+    ],
+)
+def test_the_nearest_bearings_of_gmn_are_named(text, expected):
+    with pytest.raises(SceneError) as error:
+        designation_of(text)
+    assert expected in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("text", "is_there"), [("SM 6205 C", False), ("S 6205 C", True)])
+def test_a_bearing_that_gmn_does_not_list_is_told(text, is_there):
+    """Size and angle follow from its rules, balls and grooves are assumed."""
+    written, told = scene_text("a", None, None, {}, designation=text)
+    assert any("not in GMN's catalogue" in line for line in told) == (not is_there)
+    assert (checked_scene(written).bearing.maker == "GMN") == is_there
+
+
 def test_a_digit_of_snfa_is_the_angle():
     assert [size_of(f"SNFA SEA 60 7CE{k}", None, None).angle for k in (1, 3)] == [15, 25]
     with pytest.raises(SceneError, match="SNFA designation: got .* expected --contact-angle"):

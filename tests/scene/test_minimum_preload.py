@@ -1,9 +1,12 @@
 """The least preload that a maker prescribes, and the line about it on sheets."""
 
+from pathlib import Path
+
 import pytest
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.document.bearing_line import bearing_line
 from bearingwear.scene.new.minimum_preload import (
     minimum_preload,
     minimum_preload_line,
@@ -55,15 +58,45 @@ def test_nothing_is_said_where_no_number_is_known(known):
     assert minimum_preload_line(data["bearing"], data["operation"]) == ""
 
 
-@pytest.mark.parametrize("command", ["check", "solve"])
+LAUNCHED = """
+arrangement: {kind: spring_pair, spring_stiffness_N_um: 1.0, rotor_mass_kg: 2.0, span_mm: 60.0}
+launch: {axial_g: 5.0}
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "check a.yaml",
+        "solve a.yaml",
+        "show a.yaml",
+        "life a.yaml --set model.contact=hertz",
+        "launch a.yaml",
+    ],
+)
 def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     argv = ["new", "a.yaml", "S 6007 E", "--preload", "140", "--speed", "15000", "--maker", "GMN"]
     assert main(argv) == 0
+    if command.startswith("launch"):
+        with Path("a.yaml").open("a", encoding="utf-8") as file:
+            file.write(LAUNCHED)
     capsys.readouterr()
-    assert main([command, "a.yaml"]) == 0
+    assert main(command.split()) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert (
         "GMN minimum preload for a S 6007 E: 179 N at 15000 r/min (715 N at 30000 r/min, taken "
         "with the square of the speed); preload here 140 N" in said
     )
+
+
+def test_it_stands_on_the_line_of_pages_and_answers():
+    """At the largest speed of the cases; a study's scene has no preload of its own."""
+    data = bearingwear.new(**GMN, speed=15000.0).to_dict()
+    del data["operation"]["preload_N"]
+    assert "GMN minimum preload 179 N at 15000 r/min" in bearing_line(data)
+    fast = bearingwear.new(**GMN, speed=15000.0).with_(
+        {"cases": {"slow": {"operation.shaft_speed_rpm": 1500.0},
+                   "fast": {"operation.shaft_speed_rpm": 30000.0}}}
+    )  # fmt: skip
+    assert "GMN minimum preload 715 N at 30000 r/min" in bearing_line(fast.to_dict())

@@ -204,6 +204,12 @@ def test_carts_on_a_shaker_saw_more_than_three_sigma():
     assert 2.3 < soft.min() and soft.max() < 3.95
 
 
+def test_the_bearing_of_the_carts_is_the_nearest_of_those_tried():
+    tests = benchmark("launch_tests")
+    off = {name: abs(np.log(ratio)) for name, ratio in tests.ratios_of_tried().items()}
+    assert min(off, key=off.get) == tests.BEARING and off[tests.BEARING] < 0.02
+
+
 def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
     """Without a stop a soft spring lets a bearing pass onto the other side of its grooves."""
     soft = pair.with_(SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_g": 120.0})

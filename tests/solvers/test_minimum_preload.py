@@ -29,6 +29,7 @@ def skf(minimum):
 def test_the_page_has_these_numbers(minimum, gmn, skf):
     page = minimum.PAGE.read_text(encoding="utf-8")
     assert minimum.sentences(gmn, skf) in page and minimum.lines(gmn, skf) in page
+    assert minimum.open_group_sentence(gmn) in page and minimum.skf_sentence(skf) in page
     means = [minimum.mean(friction) for friction in minimum.gmn_frictions(gmn).values()]
     means += [minimum.mean(minimum.skf_frictions(group)) for group in skf.values()]
     assert f": friction {min(means):.3f} to {max(means):.3f} |" in page

@@ -10,6 +10,7 @@ from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.launch import denting_share, launch_gap, launch_verdict, worst_state
 from bearingwear.results.units import span
+from bearingwear.scene.new.minimum_preload import minimum_preload_line
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import Launched, LaunchLoad, RestingBearing
@@ -57,8 +58,10 @@ def launch_document(scene: Scene, found: Mapping[str, Launched]) -> Document:
             ]
     said = launch_verdict(found) + _soft_pair_lines(scene, found)
     facts = {"kind": "launch", "scene": scene.name, "verdict": said}
-    heading = (operation_lines(json.loads(scene.json))[0], *_asked(scene, found))
-    return Document((*heading, *said), facts, tuple(blocks))
+    data = json.loads(scene.json)
+    minimum = minimum_preload_line(data["bearing"], data["operation"])
+    heading = (operation_lines(data)[0], *_asked(scene, found), *filter(None, [minimum]), *said)
+    return Document(heading, facts, tuple(blocks))
 
 
 def _told(found: Mapping[str, Launched]) -> list[str]:

@@ -149,16 +149,13 @@ def entry_of(
     angle: contact angle [degree], where bearings of several have the designation; else the
         smallest.
     """
-    known = _named(maker)
     found, ignored = _found(maker, designation)
     if not found:
-        start = _plain(designation)[:4]
-        near = dict.fromkeys(e[0].designation for name, e in known.items() if name[:4] == start)
-        names = ", ".join(list(near)[:6]) or "one of its bearings"
+        names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
+        other = " or ".join(makers_with(designation))
+        problem = f"got {shown(designation)}{other and f', which is in the catalogue of {other}'}"
         expected = f"{names} (all: bearingwear new --list {maker})"
-        raise SceneError(
-            "", f"got {shown(designation)}, expected {expected}", source=f"{maker} designation"
-        )
+        raise SceneError("", f"{problem}, expected {expected}", source=f"{maker} designation")
     if angle is None and (code := re.search(r"\d[A-Z]+([0-3])", ignored)) and maker == "SNFA":
         angle = _SNFA_ANGLES.get(code[1])
         if angle not in {entry.angle for entry in found}:
@@ -170,6 +167,16 @@ def entry_of(
     if angle is None:
         return found[0], ignored
     return min(found, key=lambda entry: abs(entry.angle - angle)), ignored
+
+
+def nearest_names(maker: str, designation: str) -> list[str]:
+    """Up to six designations of a maker that share the longest start with one that it lacks."""
+    plain, known = _plain(designation), _named(maker)
+    for k in range(len(plain), 1, -1):
+        near = [own[0].designation for name, own in known.items() if name.startswith(plain[:k])]
+        if near:
+            return near[:6]
+    return []
 
 
 def has_bearing(maker: str, designation: str) -> bool:

@@ -17,10 +17,12 @@ from bearingwear.scene.new.catalogue import (
     entry_of,
     has_bearing,
     makers_with,
+    nearest_names,
 )
 from bearingwear.scene.new.letters import (
     CERAMIC_BALLS,
     CERAMIC_PREFIX,
+    GMN_SERIES,
     PAIR,
     PAIR_ALONE,
     STEEL_PREFIX,
@@ -138,6 +140,9 @@ def designation_of(text: str) -> Designation:
     if not match or not size:
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
+    spindles = _gmn_names(plain, prefix)
+    if spindles and prefix != "S":
+        raise _unknown(text, f"{spindles} (GMN spindle bearings)")
     if not re.fullmatch(_PREFIX, prefix):
         known = (
             "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
@@ -156,7 +161,8 @@ def designation_of(text: str) -> Designation:
     suffix, ignored = _suffix(rest, suffixes, deep_groove)
     if ignored is None:
         also = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
-        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}{also}")
+        others = spindles and f", or {spindles} (GMN spindle bearings)"
+        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}{others}{also}")
     name = f"{series}{code}{suffix}"
     letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
@@ -167,6 +173,11 @@ def designation_of(text: str) -> Designation:
         else ""
     )
     return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, letters=letters)
+
+
+def _gmn_names(plain: str, prefix: str) -> str:
+    """The nearest bearings of GMN's catalogue, where letters before the number are its series."""
+    return ", ".join(nearest_names("GMN", plain)) if re.fullmatch(GMN_SERIES, prefix) else ""
 
 
 def _gmn_spindle(plain: str) -> Designation | None:

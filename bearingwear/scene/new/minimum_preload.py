@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -70,6 +70,19 @@ def minimum_preload(
         rule=f"{factor:g} (n/1000)^2 kN",
         source=SKF_SOURCE,
     )
+
+
+def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
+    """The least preload by the maker at the largest speed of the scenes; empty where not known.
+
+    scenes: of one bearing; their preload need not be given.
+    """
+    known = (minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes)
+    least = max(filter(None, known), key=lambda one: one.speed, default=None)
+    if least is None:
+        return ""
+    maker, _, _ = least.bearing.partition(" ")
+    return f"{maker} minimum preload {least.load:.3g} N at {least.speed:g} r/min"
 
 
 def minimum_preload_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -> str:

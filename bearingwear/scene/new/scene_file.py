@@ -36,7 +36,7 @@ from bearingwear.scene.new.assumed import (
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
-from bearingwear.scene.new.letters import CLASS_OF_LETTER
+from bearingwear.scene.new.letters import CLASS_OF_LETTER, gmn_parts
 from bearingwear.scene.scene import key_of_scene, most_balls
 
 if TYPE_CHECKING:
@@ -180,6 +180,8 @@ def _assumed(
     load = size.letters.load
     if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
         said.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
+    if size.entry is None and gmn_parts(size.name):
+        said.append("not in GMN's catalogue")
     if said:
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
     lines += [

@@ -161,7 +161,8 @@ def preload_document(
         ]
     if why := none_sentences(found):
         title = none_title(found) if given else "Effect of a requirement"
-        blocks.append(Block(title, lines=tuple(why), place="lead"))
+        minimum = [] if by_life(found) else makers_minimum_sentences(found)
+        blocks.append(Block(title, lines=(*why, *minimum), place="lead"))
     if by_life(found):
         blocks += [_recommended(found, spread), _changes(found)]
     warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in stated_warnings(found)]
