@@ -5,6 +5,7 @@ Depths of grooves stand on fixed grids, each along its own arc. Balls wear evenl
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,6 +65,17 @@ ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goe
 SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
 
 
+class _Start(NamedTuple):
+    """What a solve starts from: places, motion, and cells with their pressures."""
+
+    seat: WornSeat
+    u: np.ndarray
+    reference: np.ndarray
+    races: tuple[WornRace, ...]
+    ends: np.ndarray
+    rows_added: np.ndarray
+
+
 class WornBearing:
     """A bearing under thrust whose contacts follow its worn grooves.
 
@@ -99,7 +111,7 @@ class WornBearing:
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
-        self.solved_by = problem.op
+        self.starts: dict[float, _Start] = {}  # at other speeds, by these [rad/s]
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
         self.state = state_work()
@@ -148,14 +160,15 @@ class WornBearing:
         """Steady state with some wear, from the last one solved; on the way a rough one."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
-        kept, even = (self.seat, self.u, self.reference), code.OK
-        cells = self.races, self.ends, self.rows_added
         starts: tuple[Callable[[int, ThrustProblem, float, WornDepths], bool], ...]
         if self.wears:
             starts = self._on_other_motion, self._counted_anew, self._after_less_grip
-        else:  # the last state may be at another speed, far away
-            even = self._start_where_worn(p, wear)
-            starts = self._as_much_faster, self._led_to
+        else:
+            self._start_from_nearest(p, wear)
+            starts = (self._led_to,)
+        kept = self.seat, self.u, self.reference
+        cells = self.races, self.ends, self.rows_added
+        self.even = code.OK
         seat, u, races, work = self._settled(p, D, wear)
         for start in starts:
             if seat.status not in _FAR:
@@ -165,15 +178,16 @@ class WornBearing:
             if start(seat.status, p, D, wear):
                 seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
-        if status in _FAR and even not in (code.OK, code.NOT_CONVERGED):
-            status = even  # nothing holds the balls, however they are worn
+        if status in _FAR and self.even not in (code.OK, code.NOT_CONVERGED):
+            status = self.even  # nothing holds the balls, however they are worn
         if status != code.OK:
             self.seat, self.u, self.reference = kept
             self.races, self.ends, self.rows_added = cells  # those added in vain would be slow
             self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
-        self.solved_by = p.op
+        if not self.wears:
+            self.starts[p.op.omega_i - p.op.omega_o] = self._start()
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
         if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
@@ -246,22 +260,41 @@ class WornBearing:
             np.copyto(race.pressure, race.cells.fresh)
         self.state.slope.fill(0.0)
 
-    def _as_much_faster(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Start from the last state, at another speed, with its motion as much faster."""
-        then = self.solved_by.omega_i - self.solved_by.omega_o
-        if then:
-            self.u = (p.op.omega_i - p.op.omega_o) / then * self.u
-        else:  # of the last one nothing moves
-            seat = self.seat
+    def leave_wear(self) -> None:
+        """Let the next solves be of the bearing as it is worn now, at any speeds."""
+        if self.wears:
+            op, self.wears = self.problem.op, False
+            self.starts[op.omega_i - op.omega_o] = self._start()
+
+    def _start(self) -> "_Start":
+        """What the next solve starts from; later ones leave it as it is."""
+        races = tuple(race._replace(pressure=race.pressure.copy()) for race in self.races)
+        return _Start(self.seat, self.u.copy(), self.reference, races, self.ends, self.rows_added)
+
+    def _start_from_nearest(self, p: ThrustProblem, wear: WornDepths) -> None:
+        """Let the next solve start from the state at the nearest speed, with its motion as much
+        faster.
+
+        A race that is held and comes to rest starts where its grooves are even: its contacts lose
+        most of their load there, far from any other state.
+        """
+        now = p.op.omega_i - p.op.omega_o
+        then = min(self.starts, key=lambda speed: abs(speed - now))
+        near = self.starts[then]
+        self.races = tuple(race._replace(pressure=race.pressure.copy()) for race in near.races)
+        self.ends, self.rows_added = near.ends, near.rows_added
+        self.seat, self.u, self.reference = near.seat, near.u.copy(), near.reference
+        self.state.slope.fill(0.0)
+        if then and (now or p.preload.constant_force):
+            self.u *= now / then
+        elif then or now:  # of a state at rest nothing moves
             self._start_where_worn(p, wear)
-            self.seat = seat
-        self.reference = self.worn_reference
-        self._forget()
-        return True
+            if not then:
+                self.seat, self.reference = near.seat, near.reference
 
     def _led_to(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
         """Start where grooves lead that differ from even ones by more and more."""
-        self._start_where_worn(p, wear)
+        self.even = self._start_where_worn(p, wear)
         self._forget()
         mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
         for _ in range(_MOST_ON_THE_WAY):

@@ -64,7 +64,7 @@ class Worn(Steady):
         other = copy.copy(self)
         other.scene, other.problem = scene, self.problem.of(scene).without_finer
         other.mounted = other.problem.preload.delta_a
-        other.bearing.wears = False
+        other.bearing.leave_wear()
         return other
 
     @property

@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -186,15 +187,21 @@ class PreloadSearch:
             for line, end in zip(self.lines, ends, strict=True):
                 if end is not None:
                     self._shorten(line, end)
-        for _ in range(_ROUNDS):
-            if not self.solve(self._beside_best, EXACT_LIFE):
+        for k in itertools.count():
+            if not self.solve(partial(self._refined, is_last=k >= _ROUNDS), EXACT_LIFE):
                 break
-        for line in self.lines:
-            line.lives = {p: one for p, one in line.lives.items() if self._counts(line, one)}
-        taken = [(best.life, line) for line in self.lines if (best := line.best(self.limits))]
-        longest = max(taken, key=lambda one: one[0], default=(0.0, None))[1]
-        while self.solve(lambda line: self._at_ends(line) if line is longest else [], EXACT_LIFE):
-            pass
+
+    def _refined(self, line: PreloadLine, is_last: bool) -> list[float]:
+        """Lives beside the best one; where there are none, those that show where it may be set, of
+        the line with the longest life.
+
+        is_last: whether no more lives are solved beside the best one.
+        """
+        beside = self._beside_best(line)
+        if beside and not is_last:
+            return beside
+        lives = [best.life if (best := one.best(self.limits)) else 0.0 for one in self.lines]
+        return self._at_ends(line) if line is self.lines[int(np.argmax(lives))] else []
 
     def sweep(self) -> None:
         """Solve new bearings and quick lives over the preloads of each line."""

@@ -14,7 +14,7 @@ from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 
-SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.5, 0.75)
+SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
 
 SLOW_SHARE = 0.125

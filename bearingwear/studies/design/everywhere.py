@@ -230,7 +230,6 @@ class _Speeds:
     wear: str
     known: dict[float, Extremes]  # by shares of the full speed
     others: list[Extremes] = field(default_factory=list)
-    last: float = 1.0  # the share of the full speed that was solved last
     solves: int = 0
     missed: list[float] = field(default_factory=list)  # shares without a state
     is_lost: bool = False  # whether some bearing carries nothing somewhere, which is enough to know
@@ -239,34 +238,22 @@ class _Speeds:
         """Solve at a share of the full speed, or next to it where there is no state at that.
 
         The speeds are as good as those beside them; at some the motion goes over to another one.
-        A worn bearing starts from the state solved last, which may be too far away; it is then led
-        up from the two speeds below that are known.
         """
         first = self._at_share(share)
-        if first.status != code.OK and self.wear != NEW:
-            for near in sorted(known for known in self.known if known < share)[-2:]:
-                self._at_share(near)
-            if self._at_share(share).status == code.OK:
+        if first.status == code.OK:
+            return
+        self.missed.append(share)
+        if first.status not in UNLOADED:
+            nearby = (max(share * (1.0 + move), _AS_SLOW) for move in _MOVES)
+            if any(self._at_share(near).status == code.OK for near in dict.fromkeys(nearby)):
                 return
-        if first.status != code.OK:
-            self.missed.append(share)
-        for move in _MOVES:
-            if first.status in (code.OK, *UNLOADED):
-                break
-            near = max(share * (1.0 + move), _AS_SLOW)
-            if self._at_share(near).status == code.OK:
-                return
-        if first.status != code.OK:
-            self.known[share] = self._without(first)
+        self.known[share] = self._without(first)
 
     def _at_share(self, share: float) -> OtherSpeeds:
-        """Extremes at a share of the full speed, which are kept if it was solved for the first
-        time: there may be another state beside it.
-        """
+        """Extremes at a share of the full speed, which are kept if it was solved."""
         found = self.at(OperatingCondition(at_share(self.of.scene, share)))
         if found.status == code.OK:
-            self.last = share
-            self.known.setdefault(share, found.extremes)
+            self.known[share] = found.extremes
         return found
 
     def add_place(self, place: OperatingCondition) -> None:

@@ -72,6 +72,17 @@ def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
         assert min(each) >= 20.0 * (1.0 - SPEED_FOUND_TO), (method, each)
 
 
+def test_slip_that_peaks_between_rest_and_speed_is_found_worn():
+    """At 0.46 of the speed, just before control goes over to the other race."""
+    held = held_by(bearingwear.new(designation="7008C", speed=18000.0), "fixed_position", 227.0)
+    point = followed_point(held, DesignLimits(gyroscopic_slip_share=0.36))
+    worn = worn_states(worn_life_with_stiffness(held, quick=False))
+    states = [worn(at_share(held, share))[0] for share in np.linspace(0.04, 1.0, 25).tolist()]
+    most = max(state["gyroscopic_slip_share"].max() for state in states if state.status == OK)
+    assert most > 0.42
+    assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=0.02)
+
+
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
     held = held_by(spindle, "fixed_position", 17.5)
     alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
