@@ -112,6 +112,7 @@ class WornBearing:
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
         self.starts: dict[float, _Start] = {}  # at other speeds, by these [rad/s]
+        self.even = code.OK  # status of a bearing evenly worn, where a solve had to start from that
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
         self.state = state_work()
@@ -168,7 +169,6 @@ class WornBearing:
             starts = (self._led_to,)
         kept = self.seat, self.u, self.reference
         cells = self.races, self.ends, self.rows_added
-        self.even = code.OK
         seat, u, races, work = self._settled(p, D, wear)
         for start in starts:
             if seat.status not in _FAR:
@@ -186,8 +186,7 @@ class WornBearing:
             self._forget()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
-        if not self.wears:
-            self.starts[p.op.omega_i - p.op.omega_o] = self._start()
+        self._keep_start(p)
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
         if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
@@ -263,8 +262,13 @@ class WornBearing:
     def leave_wear(self) -> None:
         """Let the next solves be of the bearing as it is worn now, at any speeds."""
         if self.wears:
-            op, self.wears = self.problem.op, False
-            self.starts[op.omega_i - op.omega_o] = self._start()
+            self.wears = False
+            self._keep_start(self.problem)
+
+    def _keep_start(self, p: ThrustProblem) -> None:
+        """Keep the last state, if nothing wears, as a start at speeds near its own."""
+        if not self.wears:
+            self.starts[p.op.omega_i - p.op.omega_o] = self._start()
 
     def _start(self) -> "_Start":
         """What the next solve starts from; later ones leave it as it is."""
@@ -278,6 +282,7 @@ class WornBearing:
         A race that is held and comes to rest starts where its grooves are even: its contacts lose
         most of their load there, far from any other state.
         """
+        self.even = code.OK
         now = p.op.omega_i - p.op.omega_o
         then = min(self.starts, key=lambda speed: abs(speed - now))
         near = self.starts[then]
