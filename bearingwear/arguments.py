@@ -238,9 +238,6 @@ def _add_fidelity(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
 
 
-
-
-
 def _add_limits(sub: argparse.ArgumentParser) -> None:
     for key, one in LIMITED.items():
         text = one.limit[0][0].lower() + one.limit[0][1:]

@@ -125,6 +125,7 @@ def test_launch(rotor, capsys, tmp_path):
     sheet = printed(capsys, "launch", rotor)
     made = bearingwear.launch(rotor)
     plainly_read(made, tmp_path)
+    assert json.loads(as_json(bearingwear.show(made))) == sheet
     factors = {"um": 1e6, "mrad": 1e3, "GPa": 1e-9, "N": 1.0, "": 1.0}
     compared = 0
     for row in sheet["quantities"]:
@@ -152,6 +153,7 @@ def test_margin(rotor, capsys, tmp_path):
     sheet = printed(capsys, "margin", rotor, "--drive", "0.5")
     made = bearingwear.margin(rotor, drive=0.5)
     plainly_read(made, tmp_path)
+    assert json.loads(as_json(bearingwear.show(made))) == sheet
     assert len(sheet["quantities"]) == made.sizes["corner"] > 6
     for row, k in zip(sheet["quantities"], range(made.sizes["corner"]), strict=True):
         one = made.isel(corner=k)

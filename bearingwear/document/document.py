@@ -139,7 +139,7 @@ class Document:
 
     @property
     def stored(self) -> str:
-        """As `load_document` reads it."""
+        """As `load_document` and `sheet_in_file` read it."""
         return json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1) + "\n"
 
 
@@ -193,12 +193,21 @@ def row_notes(row: Row) -> str:
 def load_document(path: Path) -> Document:
     """A document that a step of a study wrote. Raises CaseFileError."""
     with read_as(path, "a document"):
-        read = _decoded(json.loads(path.read_text(encoding="utf-8")))
-        blocks = tuple(
-            Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})
-            for block in read.pop("blocks")
-        )
-        return Document(blocks=blocks, **read)
+        return _document(path.read_text(encoding="utf-8"))
+
+
+def sheet_in_file(file: Any) -> Document:
+    """The sheet that an open result file has as its attribute `sheet`."""
+    return _document(file.sheet)
+
+
+def _document(stored: str) -> Document:
+    read = _decoded(json.loads(stored))
+    blocks = tuple(
+        Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})
+        for block in read.pop("blocks")
+    )
+    return Document(blocks=blocks, **read)
 
 
 def _encoded(value: Any) -> Any:

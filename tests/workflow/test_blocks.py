@@ -212,7 +212,7 @@ def test_page(run, page):
         assert compared >= 4
         figures = {"case.svg", "life.svg"}
         files = {"mine.yaml", "stiffer.yaml", "case.nc", "softer.nc", *figures}
-        files |= {"part1.nc", "part2.nc", "states.nc"}
+        files |= {"part1.nc", "part2.nc", "states.nc", "tests.csv"}
         assert made == {"config", "docs", *files}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearingwear.application import Application
-from bearingwear.applications.calibrate.seen import SEEN
 
 if TYPE_CHECKING:
     import argparse
@@ -16,6 +15,7 @@ def calibrate_options(sub: argparse.ArgumentParser) -> None:
     """Add the arguments of `bearingwear calibrate`."""
     from pathlib import Path
 
+    from bearingwear.applications.calibrate.seen import SEEN
     from bearingwear.options import add_formats, add_scene
 
     add_scene(sub)

@@ -31,4 +31,5 @@ APPLICATION = Application(
     add_options=launch_options,
     handler=f"{__name__}.command:launch_command",
     functions={"launch": f"{__name__}.command:launch"},
+    sheets={"launch": "bearingwear.document.document:sheet_in_file"},
 )

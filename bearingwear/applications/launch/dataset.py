@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from bearingwear.document.launch import launch_verdict
+from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import GRAVITY, Launched, LaunchLoad
@@ -60,7 +60,7 @@ def launch_dataset(scene: Scene, found: Mapping[str, Launched]) -> xr.Dataset:
         title=f"Launch of {scene.name}",
         kind="launch",
         scene=scene,
-        verdict="; ".join(launch_verdict(found)),
+        sheet=launch_document(scene, found).stored,
     )
 
 

@@ -33,4 +33,5 @@ APPLICATION = Application(
     add_options=margin_options,
     handler=f"{__name__}.command:margin_command",
     functions={"margin": f"{__name__}.command:margin"},
+    sheets={"torque margin": "bearingwear.document.document:sheet_in_file"},
 )

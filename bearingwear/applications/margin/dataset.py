@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import xarray as xr
 
+from bearingwear.applications.margin.sheet import margin_document
 from bearingwear.lives.margin import Corner
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.requirements import STANDARDS
@@ -54,4 +55,5 @@ def margin_dataset(scene: Scene, corners: Sequence[Corner]) -> xr.Dataset:
         standard=STANDARDS[drive.standard],
         drive_torque=drive.torque_Nm,
         friction_key=corners[0].key,
+        sheet=margin_document(scene, corners).stored,
     )
