@@ -317,7 +317,7 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
-        limits = _limits(args)
+        limits = _limits(args, scene)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
     if lives is not None and not (lives["status"] == OK).any():
@@ -361,13 +361,13 @@ def margin(args: argparse.Namespace) -> int:
 
 def warmup(args: argparse.Namespace) -> int:
     scene = _scene(args)
+    from bearingwear.solvers.warmup.transient import course_of, ramp
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
-    from bearingwear.studies.warmup.transient import course_of, ramp
 
     check_output(args.output, args.scene)
     with ProgressLines(args.scene):
-        seconds = args.seconds or 0.0
+        seconds = scene.start_s if args.seconds is None else args.seconds
         if args.limit:
             from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
 
@@ -442,6 +442,7 @@ def study(args: argparse.Namespace) -> int:
     if not args.name.endswith(SCENE_SUFFIXES):
         again = ["--force"] if is_result(args.name) else []
         return run_study(args.name, jobs, [*args.more, *again, "--rerun-incomplete"])
+    from bearingwear.scene.read import load_scene
     from bearingwear.studies.own_study import write_study
 
     file = Path(args.name)
@@ -451,7 +452,7 @@ def study(args: argparse.Namespace) -> int:
         if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
-            write_study(file, folder, _limits(args))
+            write_study(file, folder, _limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
         _print(f"page: {page}")
@@ -503,13 +504,15 @@ def _tried(path: str) -> list[str]:
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
-def _limits(args: argparse.Namespace) -> DesignLimits:
-    """The limits that are given, by the options of the table of measures."""
+def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
+    """The limits that are given for a scene, by the options of the table of measures."""
+    from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}
-    given |= {"at_speed_only": args.at_speed_only, "warmup_s": args.warmup_s}
+    warmup_s = scene.start_s if args.warmup_s is AS_IN_DUTY else args.warmup_s
+    given |= {"at_speed_only": args.at_speed_only, "warmup_s": warmup_s}
     return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 
