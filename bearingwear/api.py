@@ -244,7 +244,7 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
 
 def warmup(
     scene: Source,
-    seconds: float = 0.0,
+    seconds: float | None = None,
     course: Sequence[tuple[float, float]] | None = None,
     duration: float | None = None,
 ) -> xr.Dataset:
@@ -254,8 +254,9 @@ def warmup(
     ----------
     scene : path, dict or Scene
         A scene with `thermal.heat_capacity_J_K`.
-    seconds : float
-        Time from rest to full speed, at constant acceleration.
+    seconds : float, optional
+        Time from rest to full speed, at constant acceleration; if omitted, `duty.start_s`, and
+        at once without a duty.
     course : sequence of (float, float), optional
         Times [s], which rise from 0, and shaft speeds [r/min], in place of `seconds`.
     duration : float, optional
@@ -279,10 +280,11 @@ def warmup(
         The temperatures run away, or the bearings have no state at some instant.
     """
     checked = as_scene(scene)
+    from bearingwear.solvers.warmup.transient import course_of, ramp
     from bearingwear.studies.warmup.result import warm_up_dataset
-    from bearingwear.studies.warmup.transient import course_of, ramp
 
-    way = ramp(seconds) if course is None else course_of(checked, course)
+    ramp_s = checked.start_s if seconds is None else seconds
+    way = ramp(ramp_s) if course is None else course_of(checked, course)
     warmed = labelled(warm_up_dataset(checked, way, duration))
     if (status := str(warmed["status"].item())) != "ok":
         end = float(warmed["end_time"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -31,6 +32,9 @@ from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
+
+AS_IN_DUTY = math.nan
+"""Time of a ramp to full speed that a duty gives, if there is one."""
 
 STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustness")
 """Studies of the workflow: rules that collect what belongs together."""
@@ -250,9 +254,9 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
             metavar=metavar, help=f"{text}{unit}")
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
-    sub.add_argument("--warmup", dest="warmup_s", type=not_negative, nargs="?", const=0.0,
-        metavar="S", help="apply the requirements to the new bearings during the warm-up, too; S "
-        "is the time from rest to full speed (default: at once)")
+    sub.add_argument("--warmup", dest="warmup_s", type=not_negative, nargs="?",
+        const=AS_IN_DUTY, metavar="S", help="apply the requirements to the new bearings during the "
+        "warm-up, too; S is the time from rest to full speed (default: duty.start_s, else at once)")
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
@@ -309,7 +313,8 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
     add_case(sub)
     ramp = sub.add_mutually_exclusive_group()
     ramp.add_argument("--seconds", type=not_negative, default=None, metavar="S",
-        help="time from rest to full speed, at constant acceleration")
+        help="time from rest to full speed, at constant acceleration (default: duty.start_s, else "
+        "at once)")
     ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
         help="times and shaft speeds, with linear changes between them")
     ramp.add_argument("--limit", nargs="+", type=_limit_of_ramp, metavar="NAME=VALUE",

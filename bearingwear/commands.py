@@ -281,7 +281,6 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
-    limits = _limits(args)
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene
 
@@ -290,6 +289,7 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
+        limits = _limits(args, scene)
         found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(found, lives)
     if lives is not None and not (lives["status"] == 0).any():
@@ -305,13 +305,13 @@ def recommend(args: argparse.Namespace) -> int:
 def warmup(args: argparse.Namespace) -> int:
     args.output = output_of(args, "-warmup.nc")
     scene = given_scene(args)
+    from bearingwear.solvers.warmup.transient import course_of, ramp
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
-    from bearingwear.studies.warmup.transient import course_of, ramp
 
     check_output(args.output, args.scene)
     with ProgressLines(args.scene):
-        seconds = args.seconds or 0.0
+        seconds = scene.start_s if args.seconds is None else args.seconds
         if args.limit:
             from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
 
@@ -367,6 +367,7 @@ def study(args: argparse.Namespace) -> int:
     if not args.name.endswith(SCENE_SUFFIXES):
         again = ["--force"] if is_result(args.name) else []
         return run_study(args.name, jobs, [*args.more, *again, "--rerun-incomplete"])
+    from bearingwear.scene.read import load_scene
     from bearingwear.studies.own_study import write_study
 
     file = Path(args.name)
@@ -376,7 +377,7 @@ def study(args: argparse.Namespace) -> int:
         if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
-            write_study(file, folder, _limits(args))
+            write_study(file, folder, _limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
         print_text(f"page: {page}")
@@ -428,13 +429,15 @@ def _tried(path: str) -> list[str]:
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
-def _limits(args: argparse.Namespace) -> DesignLimits:
-    """The limits that are given, by the options of the table of measures."""
+def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
+    """The limits that are given for a scene, by the options of the table of measures."""
+    from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}
-    given |= {"at_speed_only": args.at_speed_only, "warmup_s": args.warmup_s}
+    warmup_s = scene.start_s if args.warmup_s is AS_IN_DUTY else args.warmup_s
+    given |= {"at_speed_only": args.at_speed_only, "warmup_s": warmup_s}
     try:
         return record(DesignLimits, {k: v for k, v in given.items() if v is not None})
     except SceneError as error:

@@ -16,7 +16,7 @@ import numpy as np
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.solvers.compose import solver_of
-from bearingwear.studies.warmup.transient import ramp, warm_up
+from bearingwear.solvers.warmup.transient import ramp, warm_up
 
 SIZES = [(10, 26), (20, 42), (25, 47), (30, 55), (40, 68), (50, 72), (50, 80), (70, 110)]
 

@@ -55,9 +55,8 @@ NO_NUMBA = {"kerneljit.interrupt", "kerneljit.project", "kerneljit.versions"}
 BETWEEN_STUDIES = {
     "accuracy": {"cage.plan", "cage.ensemble"},  # ensembles of short and of long runs
     "grid": {"lives.figures"},  # to plot a life, of which there are two kinds
-    # a recommended life is quoted with its spread, if that is sampled; requirements may hold on the
-    # way to speed
-    "design": {"uncertainty.plan", "warmup.transient"},
+    # a recommended life is quoted with its spread, if that is sampled
+    "design": {"uncertainty.plan"},
     "uncertainty": {"design.recommend"},  # a sample is taken at the preload that design recommends
 }
 """What modules of a study's folder may import of another's; `page` imports none."""

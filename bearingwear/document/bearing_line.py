@@ -163,7 +163,9 @@ def duty_lines(scene: Mapping[str, Any]) -> list[str]:
         ]
         lines.append(f"  {name}: {', '.join(words)}")
     starts = any(phase["starts"] for phase in duty["phases"].values())
-    if starts and not ramp_s:
+    if starts and duty["warmup"]:
+        lines.append("  each start warms the bearings up from the mounting temperature")
+    elif starts and not ramp_s:
         lines.append("  start_s and stop_s are 0: starts and stops cause no wear")
     return lines
 

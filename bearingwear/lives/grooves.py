@@ -24,8 +24,8 @@ from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 from bearingwear.solvers.worn.solver import Worn
 
 STEP = 0.24  # deepest wear of an exact step, over the gap A a^2
-TOO_DEEP = 2.0  # times the depth that a step is to wear
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
+LEAST_FILM_STEP = 0.125  # over a step without a film, where one goes on to go
 ROUGHLY_BALANCED = 1e-4  # force left on a rotor where states are rough, over the larger one
 _ROUGH_END = 1e-2  # of the last step, to which the end of a rough life is found
 _SHORT = 0.3  # of the step before
@@ -156,22 +156,24 @@ class Grooves:
             deepest = rate.grooves.max(axis=1) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
             fastest = (deepest / gap).max()  # 0 at rest
-            lengths.append(self.mode.step / fastest if fastest else math.inf)
+            length = self.mode.step / fastest if fastest else math.inf
             if (films := side.bearing.films) is not None:
-                through = films.time_through(point_of(state).wear.deepest, rate.deepest)
-                lengths.append(FILM_STEP * self.mode.step / STEP * through)
+                share, least = FILM_STEP * self.mode.step / STEP, LEAST_FILM_STEP * length
+                wear = point_of(state).wear
+                length = min(length, films.longest_time(wear, rate, share, least))
+            lengths.append(length)
         return float(min(lengths))
 
-    def is_too_deep(self, now: Node, new: Node) -> bool:
-        """Whether a groove wore by far more, having worn through a film."""
-        for side, *states in zip(self.sides, now.states, new.states, strict=True):
-            if side.bearing.films is None:
-                continue
-            before, after = map(point_of, states)
-            worn = (after.wear.grooves - before.wear.grooves).max(axis=1)
-            if (worn / side.bearing.gap_at_edge(before)).max() > TOO_DEEP * self.mode.step:
-                return True
-        return False
+    def bares(self, before: Node, now: Node) -> bool:
+        """Whether a film has begun to leave its deepest place between two nodes, or has left it.
+
+        Rates have a kink there.
+        """
+        return any(
+            (films.bare_parts(was) != films.bare_parts(wear)).any()
+            for side, was, wear in zip(self.sides, before.worn, now.worn, strict=True)
+            if (films := side.bearing.films) is not None
+        )
 
     def wears(self, node: Node) -> bool:
         return max(max(side.factors) for side in self.sides) > 0.0

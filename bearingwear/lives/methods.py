@@ -167,6 +167,10 @@ class InTime(Method):
     known: dict[float, Node]
     nearest = 0.0  # what may be left of the way to an end, over the longest step
 
+    def leads_to(self, before: Node, now: Node) -> bool:
+        """Whether rates are smooth between two nodes."""
+        return before.x < now.x
+
     def after(self, x: float) -> Node:
         """A node at a time after the last one."""
         raise NotImplementedError
@@ -180,7 +184,7 @@ class InTime(Method):
         now = life.last
         if now is not self.now:
             self.older, self.rates = self.rates, self.wearing.rates(now)
-            self.before = next((one for one in life.nodes[-2:-1] if one.x < now.x), None)
+            self.before = next((n for n in life.nodes[-2:-1] if self.leads_to(n, now)), None)
             self.now, self.known = now, {}
             self.longest = self.wearing.longest_step(now, self.rates)
         if math.isinf(self.longest):
@@ -204,6 +208,9 @@ class Adams(InTime):
         first = super().first(wearing)
         return self.wearing.completed(first)
 
+    def leads_to(self, before: Node, now: Node) -> bool:
+        return super().leads_to(before, now) and not self.wearing.bares(before, now)
+
     def kept(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
@@ -211,8 +218,7 @@ class Adams(InTime):
         now = self.now
         for k in range(_SHORTENINGS + 1):
             step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
-            first = step.nodes[0]
-            if first.status == code.OK and not self.wearing.is_too_deep(now, first):
+            if step.nodes[0].status == code.OK:
                 break
         return step
 

@@ -42,6 +42,9 @@ class Duty:
         "stop_s are 0, starts cause no wear)", "s", _RAMP, default=0.0)
     stop_s: float = setting("Time of one stop from the speed of the phase to rest", "s", _RAMP,
         default=0.0)
+    warmup: bool = setting("Whether each start warms the bearings from the mounting temperature, "
+        "which requires thermal.heat_capacity_J_K (if not, each phase is warm from its first "
+        "second)", default=False)
     # fmt: on
 
     def __post_init__(self) -> None:
@@ -55,7 +58,7 @@ class Duty:
             raise SceneError("phases", problem, ("start_s", "stop_s"))
 
     def __hash__(self) -> int:
-        return hash((tuple(self.phases.items()), self.start_s, self.stop_s))
+        return hash((tuple(self.phases.items()), self.start_s, self.stop_s, self.warmup))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return reduced(self)
@@ -69,6 +72,11 @@ class Duty:
     def ramp_s(self) -> float:
         """Time of one start and one stop [s]."""
         return self.start_s + self.stop_s
+
+    @property
+    def steady_ramp_s(self) -> float:
+        """Time of the ramps of one start and one stop that are steady at each speed [s]."""
+        return self.stop_s if self.warmup else self.ramp_s
 
     def phase_s(self, phase: Phase) -> float:
         """Time of a phase with its starts and stops in one cycle [s]."""
@@ -105,6 +113,7 @@ def check_phases(scene: Scene) -> None:
     """Refuse cases of a duty in which another bearing would wear, or another film."""
     if scene.duty is None:
         return
+    _check_starts(scene)
     same = _what_wears(scene)
     for case, one in phase_cases(scene).items():
         for block, value in _what_wears(one).items():
@@ -116,6 +125,20 @@ def check_phases(scene: Scene) -> None:
                     "leaves the bearing, its films and its criteria as they are"
                 )
                 raise SceneError(f"cases.{case}.{key}", problem, ("duty",))
+
+
+def _check_starts(scene: Scene) -> None:
+    """Refuse starts that are to warm bearings up whose heat capacities are not known."""
+    assert scene.duty is not None
+    for name, phase in scene.duty.phases.items() if scene.duty.warmup else ():
+        case = scene.duty.case_of(name)
+        for side in scene.in_cases[case].sides if phase.starts else ():
+            if side.thermal is None or side.thermal.heat_capacity_J_K is None:
+                problem = (
+                    "got true, expected a thermal network with heat_capacity_J_K in the case "
+                    f"{case}, which starts"
+                )
+                raise SceneError("duty.warmup", problem, ("thermal",))
 
 
 def _what_wears(scene: Scene) -> dict[str, Any]:

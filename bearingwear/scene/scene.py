@@ -201,6 +201,11 @@ class Scene:
         """The arrangement of two bearings; None of a single one."""
         return self.arrangement if self.arrangement and self.arrangement.is_pair else None
 
+    @property
+    def start_s(self) -> float:
+        """Time of a start from rest to full speed [s]: that of its duty, else 0."""
+        return self.duty.start_s if self.duty else 0.0
+
     @functools.cached_property
     def in_cases(self) -> dict[str, Scene]:
         """The scene as it stands, `nominal`, and in each of its cases."""

@@ -90,7 +90,30 @@ def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
         if bearing is None:
             return None
         changed["bearing"] = bearing
+    if scene.cases:
+        changed["cases"] = _cases_with(scene, values)
     return replace(scene, **changed)
+
+
+def _cases_with(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[str, Any]]:
+    """Cases of a scene with other values: those that a case gives itself change in proportion.
+
+    Wear coefficients and hardness are left as they are: `with_wear` and `wear_factor` say what
+    they do.
+    """
+    assert scene.cases is not None
+    ratios = {
+        f"{UNCERTAIN[name]}.{name}": value / nominal
+        for name, value in values.items()
+        if name not in WORN and name != DIAMETER and (nominal := scene.nominal(name))
+    }
+    return {
+        case: {
+            key: value * ratios[key] if key in ratios and value else value
+            for key, value in one.items()
+        }
+        for case, one in scene.cases.items()
+    }
 
 
 def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:

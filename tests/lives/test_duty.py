@@ -17,7 +17,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed, cycle_of, ramp_points
 from bearingwear.lives.duty.lives import DutyLife, hertzian_duty_life, worn_duty_life
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
-from bearingwear.lives.grooves import EXACT_GROOVES, StiffGrooves, follow_grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, Grooves, StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives, lives_by_case, lives_by_end, worn_life
 from bearingwear.lives.margin import torque_corners
@@ -31,6 +31,7 @@ from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.sampling import perturbed
 
 HOUR = 3600.0
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -238,6 +239,66 @@ def test_two_points_of_a_ramp_are_enough(scene, method):
     assert mean == pytest.approx(expected, rel=2e-3)
 
 
+# starts from the mounting temperature
+
+WARMING = {
+    "thermal": {
+        "conductance_W_K": {
+            "inner_ring_shaft": 0.02,
+            "outer_ring_housing": 0.02,
+            "ball_race": 0.02,
+        },
+        "heat_capacity_J_K": {"inner_ring": 1.0, "balls": 0.3, "outer_ring": 1.5},
+        "housing_C": 35.0,
+        "housing_time_constant_s": 300.0,
+    }
+}
+
+
+@pytest.mark.parametrize("hours_on", [1.0, 0.1], ids=["warm at the end", "never warm"])
+def test_a_start_wears_at_its_own_temperatures(scene, hours_on):
+    """Rates at all instants of a warm-up, each solved with its temperatures given, summed."""
+    loss = {"wear.end_of_life": {"ball_diameter_loss_um": 0.001}}  # at which rates are as new
+    full = {"friction.slip_regularisation_m_s": 1e-4}
+    starts = duty(
+        {"nominal": {"hours": hours_on, "starts": 1.0}}, start_s=60.0, stop_s=0.0, warmup=True
+    )
+    made = scene("gyro_s1", HERTZ | POSITION | WARMING | loss | full | starts)
+    alone = made.in_cases["nominal"]
+    warmed = bearingwear.warmup(alone, seconds=60.0)
+    times, speeds = warmed["time"].values, warmed["shaft_speed"].values
+    housing = 35.0 - 15.0 * np.exp(-times / 300.0)
+    rates = []
+    for speed, (parts,), beside in zip(
+        speeds, warmed["part_temperature"].values, housing, strict=True
+    ):
+        T = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C"), parts.tolist(), strict=True))
+        given = {"temperature": T | {"shaft_C": 20.0, "housing_C": float(beside)}, "thermal": None}
+        if speed:
+            one = at_speed(alone.with_(given), speed / speeds[-1])
+            rates.append(float(bearingwear.solve(one)["ball_diameter_loss_rate"]))
+        else:
+            rates.append(0.0)
+    cycle_s = 60.0 + hours_on * HOUR
+    until = np.linspace(0.0, cycle_s, 20_001)
+    mean = np.trapezoid(np.interp(until, times, rates), until) / cycle_s
+    found = bearingwear.life(made)
+    assert float(found["life"]) == pytest.approx(1e-9 / mean / HOUR, rel=2e-3)
+    assert float(found["ramp_error_estimate"]) < 1e-3
+    cold = bearingwear.life(made.with_({"duty.warmup": False}))
+    assert abs(float(found["life"]) / float(cold["life"]) - 1.0) > 0.01
+
+
+def test_starts_that_warm_up_are_checked(scene):
+    starts = duty({"nominal": {"hours": 1.0, "starts": 1.0}}, start_s=60.0, warmup=True)
+    with pytest.raises(ValueError, match="duty.warmup: got true, expected a thermal network"):
+        life(scene("gyro_s1", HERTZ | POSITION | NETWORK | starts))
+    lost = WARMING | {"thermal.conductance_W_K.inner_ring_shaft": 1e-4}
+    lost |= {"thermal.conductance_W_K.ball_race": 1e-4, "friction.ball_race": 0.3}
+    with pytest.raises(NotAvailable, match="got a start without a steady state"):
+        life(scene("gyro_s1", HERTZ | POSITION | lost | starts))
+
+
 # phases one after the other, with the wear carried on
 
 CYCLES = 200
@@ -328,24 +389,16 @@ def test_films_wear_through_in_all_phases_at_once(scene):
 
 
 @pytest.mark.parametrize(
-    ("film", "mode"),
-    [
-        ({}, EXACT_GROOVES),
-        # a film that wears through along a groove takes shorter steps for 0.5 %, in one phase too
-        pytest.param(
-            FILM | {"friction.film.thickness_um": 0.07},
-            EXACT_GROOVES._replace(step=0.06),
-            marks=pytest.mark.long,
-        ),
-    ],
+    "film",
+    [{}, pytest.param(FILM | {"friction.film.thickness_um": 0.07}, marks=pytest.mark.long)],
     ids=["bare", "film"],
 )
-def test_grooves_wear_in_all_phases_at_once(scene, film, mode):
+def test_grooves_wear_in_all_phases_at_once(scene, film):
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.15}}
     cases = {name: one for name, one in CASES.items() if name != "hot"}
     made = scene("gyro_s1", WORN | POSITION | film | end | {"cases": cases} | duty(MIXED))
     cycle = cycle_of(made)
-    found = worn_duty_life(cycle, mode)
+    found = worn_duty_life(cycle)
     left = found.last.states[0].values.get("film_left", np.zeros(3))
     assert (left.min() < 0.0) == bool(film)
     spans = np.array([phase["hours"] for phase in MIXED.values()])
@@ -366,6 +419,18 @@ def test_grooves_wear_in_all_phases_at_once(scene, film, mode):
     assert found.last.time == pytest.approx(time, rel=5e-3)
     deepest = worn[0].grooves.max(axis=1)
     assert_allclose(found.last.worn[0].grooves.max(axis=1), deepest, rtol=1e-2)
+
+
+@pytest.mark.parametrize("thickness", [0.02, 0.07])
+def test_a_film_that_wears_through_a_groove_takes_no_shorter_steps(scene, thickness):
+    film = FILM | {"friction.film.thickness_um": thickness}
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.15}}
+    made = scene("gyro_s1", WORN | POSITION | film | end)
+    coarse, fine = (
+        follow_grooves(Grooves(made, EXACT_GROOVES._replace(step=step))) for step in (0.24, 0.06)
+    )
+    assert coarse.last.states[0]["film_left"].min() < 0.0
+    assert hours(coarse) == pytest.approx(hours(fine), rel=5e-3)
 
 
 def test_a_force_in_one_phase_wears_both_bearings_of_a_pair(scene):
@@ -571,6 +636,25 @@ def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
     alone, made = (one.with_({"model.contact": "worn"}) for one in (alone, made))
     lives = [worn_life(one).last.time for one in (alone, made)]
     assert lives[0] == lives[1]
+
+
+def test_values_of_a_case_vary_with_those_of_the_scene(scene):
+    made = scene("gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}}))
+    own = made.friction.ball_race
+    other = perturbed(made, {"ball_race": 1.5 * own, "preload_N": 9.0})
+    friction = {name: one.friction.ball_race for name, one in other.in_cases.items()}
+    assert friction["hot"] == pytest.approx(1.5 * 0.05)
+    assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * own)
+    assert {one.operation.preload_N for one in other.in_cases.values()} == {9.0}
+    assert perturbed(made, {"ball_race": own}) == made
+
+
+def test_a_start_of_the_duty_is_the_ramp_of_a_warm_up(scene):
+    given = duty({"nominal": {"hours": 1.0, "starts": 1.0}}, start_s=60.0)
+    made = scene("gyro_s1", HERTZ | POSITION | WARMING | given)
+    warmed = bearingwear.warmup(made, duration=30.0)
+    half = 0.5 * made.operation.shaft_speed_rpm
+    assert float(warmed["shaft_speed"][-1]) == pytest.approx(half)
 
 
 def test_torque_margin_is_of_bearings_worn_by_the_duty(scene):

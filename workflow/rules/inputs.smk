@@ -57,9 +57,9 @@ def limits_of(wildcards):
 
 
 def ramp_to_speed(wildcards):
-    """Time from rest to speed of a warm-up [s], as required of a scene; otherwise 0."""
+    """Time from rest to speed of a warm-up [s], as required of a scene, or as its duty has it."""
     design = DESIGN["scenes"].get(wildcards.scene, {})
-    return design.get("limits", {}).get("warmup_s", 0.0)
+    return design.get("limits", {}).get("warmup_s")
 
 
 def map_of(scene, kind="map"):

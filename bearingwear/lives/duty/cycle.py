@@ -37,7 +37,8 @@ def ramp_points(n: int) -> tuple[np.ndarray, np.ndarray]:
 class Cycle:
     """The conditions of one cycle of a duty, and how much each adds to its mean wear rate.
 
-    Conditions are the cases of the phases, each once, then the speeds on the way to them.
+    Conditions are the cases of the phases, each once, then the speeds on the way to them, then the
+    instants of starts that warm up.
     """
 
     phases: tuple[str, ...]
@@ -45,7 +46,7 @@ class Cycle:
     scenes: tuple[Scene, ...]  # of the conditions
     case_of_phase: tuple[int, ...]
     running: np.ndarray  # (phases, conditions) shares of the time of a cycle
-    starting: np.ndarray  # weights of the rates on the way to the speed of each phase and back
+    starting: np.ndarray  # weights of the rates on the way to the state of each phase and back
     points: int  # of each ramp
 
     @property
@@ -69,7 +70,7 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
     ramped = [
         case
         for case in cases
-        if duty.ramp_s > 0.0
+        if duty.steady_ramp_s > 0.0
         and any(p.starts for name, p in duty.phases.items() if duty.case_of(name) == case)
     ]
     speeds, weights = ramp_points(points)
@@ -79,11 +80,21 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
     for k, (name, phase) in enumerate(duty.phases.items()):
         case = cases.index(duty.case_of(name))
         running[k, case] = duty.running_s(phase) / duty.cycle_s
-        if phase.starts and duty.ramp_s > 0.0:
-            share = phase.starts * duty.ramp_s / duty.cycle_s
+        if phase.starts and duty.steady_ramp_s > 0.0:
+            share = phase.starts * duty.steady_ramp_s / duty.cycle_s
             first = len(cases) + ramped.index(cases[case]) * (points - 1)
             starting[k, case] = share * weights[0]
             starting[k, first : first + points - 1] = share * weights[1:]
+        if phase.starts and duty.warmup:
+            from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
+
+            longest = duty.running_s(phase) / phase.starts
+            start = warm_start(scene_of_case[cases[case]], duty.start_s, longest, points)
+            running[k, case] -= phase.starts * start.warming_s / duty.cycle_s
+            scenes += start.scenes
+            more = np.zeros((len(duty.phases), len(start.scenes)))
+            running, starting = np.hstack([running, more]), np.hstack([starting, more])
+            starting[k, -len(start.scenes) :] = phase.starts / duty.cycle_s * start.weights
     of_phase = tuple(cases.index(duty.case_of(name)) for name in duty.phases)
     return Cycle(
         phases=tuple(duty.phases),

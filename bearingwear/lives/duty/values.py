@@ -36,7 +36,7 @@ def duty_values(duty: Duty, found: DutyLife, alone: Mapping[str, Life]) -> dict[
     values |= _of_phases(worst_of_phases(found), cycle)
     each = [life_alone(alone[cycle.cases[case]]) for case in cycle.case_of_phase]
     lives = np.array([length for length, _ in each])
-    running = cycle.running.sum(axis=1)
+    running = np.array([duty.running_s(phase) for phase in phases]) / duty.cycle_s
     values |= {
         "phase_life": lives,
         "phase_end_criterion": [criterion for _, criterion in each],

@@ -175,9 +175,8 @@ class DutyGrooves(_Mixed, Grooves):
         each = zip(self.each, self.nodes(now), strict=True)
         return min(way.longest_step(one, rates) for way, one in each)
 
-    def is_too_deep(self, now: Node, new: Node) -> bool:
-        each = zip(self.each, self.nodes(now), self.nodes(new), strict=True)
-        return any(way.is_too_deep(*nodes) for way, *nodes in each)
+    def bares(self, before: Node, now: Node) -> bool:
+        return bool(self.each[0].bares(before, now))
 
     def wears(self, node: Node) -> bool:
         return any(way.wears(one) for way, one in zip(self.each, self.nodes(node), strict=True))

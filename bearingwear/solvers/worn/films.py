@@ -6,9 +6,13 @@ import numpy as np
 
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import Films, Surface
+from bearingwear.solvers.worn.depths import WornDepths
 
 FILM_EDGE = 0.05
 """Share of its thickness below which a film no longer covers all of its place, assumed."""
+
+REACHED = 1e-3
+"""Share of its thickness to which it is known when a film goes."""
 
 LEAST_WANDER = 0.1
 """rms of a track over the edge of a film at the least, in semi-major axes: about a cell."""
@@ -74,13 +78,33 @@ class WornFilms:
         table_factor = self.films.table_factor(pressure, temperature)
         return self.films.factors(on_ball, on_race, ball_depth, race_depth, table_factor)
 
-    def time_through(self, depths: np.ndarray, rates: np.ndarray) -> float:
-        """Time in which the first film that still covers would wear by its whole thickness [s].
-
-        From `WornDepths.deepest`, and that of a rate.
-        """
-        if not self.films.wear_through:
-            return np.inf
+    def bare_parts(self, wear: WornDepths) -> np.ndarray:
+        """Whether each film has begun to leave its deepest place bare, and has left it (2, 3)."""
+        ends = np.array([[1.0 - FILM_EDGE], [1.0]])
         thickness = self.films.thickness
-        covers = (thickness - depths > 0.0) & (rates > 0.0)
-        return float(np.min(thickness[covers] / rates[covers], initial=np.inf))
+        return (thickness > 0.0) & (wear.deepest > (ends - REACHED) * thickness)
+
+    def longest_time(self, wear: WornDepths, rate: WornDepths, share: float, least: float) -> float:
+        """Time in which a film wears by a share of its thickness, or to where it begins to go [s].
+
+        While it leaves its deepest place, half of that way at most. Where it is bare there, it goes
+        on to go beside it: half of the share, but at the least so long a time.
+        """
+        shortest, begun = np.inf, self.bare_parts(wear)
+        balls = np.array([0.5 * wear.ball]), np.array([0.5 * rate.ball])
+        parts = [*zip(wear.grooves, rate.grooves, strict=True), balls]
+        for k, (depth, speed) in enumerate(parts):
+            thickness = self.films.thickness[k]
+            at = int(np.argmax(depth if depth.any() else speed))
+            edge = (1.0 - FILM_EDGE) * thickness
+            if not (0.0 < thickness < np.inf and speed[at] > 0.0):
+                continue
+            if not begun[0, k]:
+                time = min(share * thickness, edge - depth[at]) / speed[at]
+            elif not begun[1, k]:
+                time = 0.5 * (thickness - edge) / speed[at]
+            else:
+                fastest = speed[depth < edge].max(initial=0.0)
+                time = max(0.5 * share * thickness / fastest, least) if fastest > 0.0 else np.inf
+            shortest = min(shortest, time)
+        return float(shortest)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
+from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 from bearingwear.studies.design.conditions import NEW, WARMING, OperatingCondition
 from bearingwear.studies.design.everywhere import OtherSpeeds, merged, state_extremes
-from bearingwear.studies.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 
 
 def warm_up_extremes(scene: Scene, seconds: float) -> OtherSpeeds:

@@ -258,6 +258,10 @@ def _at_once(lives: Sequence[MethodLife]) -> str:
 def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
     counts = f"The lives are based on the wear of {counted_words(scene)}."
+    if scene.get("duty"):
+        counts += (
+            " They are lives over the duty; the cases of the study are those of the nominal phase."
+        )
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (

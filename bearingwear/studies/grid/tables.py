@@ -107,8 +107,8 @@ def _not_compared(lives: xr.Dataset) -> str:
     if bool(lives["life_route_difference"].isnull().any()):
         said.append(
             "A dash marks a life that cannot be interpolated between the cases. Such a life was "
-            "computed with worn grooves or for two different bearings, or the cases do not contain "
-            "its end-of-life criterion."
+            "computed with worn grooves, over a duty or for two different bearings, or the cases "
+            "do not contain its end-of-life criterion."
         )
     if unknown:
         said.append(f"Criteria that the cases do not contain: {', '.join(unknown)}.")

@@ -11,14 +11,14 @@ import xarray as xr
 from bearingwear.kernels import status as code
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import filled
-from bearingwear.studies.warmup.transient import (
+from bearingwear.solvers.warmup.transient import (
     COARSER,
     STEP_TOLERANCE,
     SpeedCourse,
     WarmUp,
     warm_up,
 )
+from bearingwear.studies.dataset import filled
 
 WARM_UP = "warm-up"
 ENDINGS = ("steady", "runaway", "no_state", "duration")

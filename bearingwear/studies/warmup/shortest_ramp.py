@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 from bearingwear.studies.warmup.result import peaks_of
-from bearingwear.studies.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 
 LIMITS = {"pressure": ("maximum_pressure", 1e9, "GPa"), "preload": ("residual_preload", 1.0, "N")}
 """Of what a ramp may keep below a limit: the peak, the size of its unit [SI], and the unit."""

@@ -12,9 +12,9 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.thermal import HeatFlow
-from bearingwear.studies.warmup import transient
+from bearingwear.solvers.warmup import transient
+from bearingwear.solvers.warmup.transient import SpeedCourse, ramp, warm_up
 from bearingwear.studies.warmup.result import warm_up_dataset
-from bearingwear.studies.warmup.transient import SpeedCourse, ramp, warm_up
 
 
 @pytest.fixture(scope="module")
