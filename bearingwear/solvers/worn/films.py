@@ -92,7 +92,8 @@ class WornFilms:
         """
         shortest, begun = np.inf, self.bare_parts(wear)
         balls = np.array([0.5 * wear.ball]), np.array([0.5 * rate.ball])
-        parts = [*zip(wear.grooves, rate.grooves, strict=True), balls]
+        grooves = zip(wear.grooves, rate.grooves, strict=True)
+        parts: list[tuple[np.ndarray, np.ndarray]] = [*grooves, balls]
         for k, (depth, speed) in enumerate(parts):
             thickness = self.films.thickness[k]
             at = int(np.argmax(depth if depth.any() else speed))
