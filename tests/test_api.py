@@ -139,6 +139,7 @@ def test_coordinates_by_name(scene):
     assert spin.item() == pytest.approx(case.ball_angular_velocity.values[0, 1])
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 @pytest.mark.parametrize("command", ["solve", "life"])
 def test_files_of_the_command_and_back(command, scene, tmp_path):
     first, second = tmp_path / "first.nc", tmp_path / "second.nc"
@@ -168,6 +169,7 @@ def test_what_is_not_solved_warns(scene):
 # figures
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 def test_plot(scene, tmp_path):
     case = bearingwear.solve(scene)
     bearingwear.save(case, tmp_path / "case.nc")

@@ -43,6 +43,7 @@ def corners(scene):
     return torque_corners(scene)
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 def test_margin_by_hand(scene, corners):
     """T/(2 (3 T_b + 1.1 I) + T_L) - 1, T_b by a solve of the corner's own scene."""
     mu = 0.2 * math.exp(1.6448536269514722 * math.log(1.2))
@@ -143,6 +144,7 @@ def bare_torque(scene, loss):
     return float(bearingwear.solve(bare).shaft_torque)
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 def test_the_film_is_taken_away_when_it_is_worn_through(filmed):
     """Margins fall with the preload, and are those of plain solves, composed by hand."""
     margins = []

@@ -101,7 +101,7 @@ def test_nothing_is_replaced(tmp_path, capsys):
         ),
         (["608", "--radial-clearance-um", "0"], "--radial-clearance-um: got 0, expected a number"),
         (["--bore", "0", "--outside", "9"], "--bore: got 0, expected a number > 0"),
-        ([*SIZE, "--speed", "fast"], "--speed: got 'fast', expected a number;"),
+        ([*SIZE, "--speed", "fast"], "--speed: got 'fast', expected a number in r/min;"),
         (["--bore", "40", "--outside", "30"], "--outside: got 30, expected a number > 40"),
         ([*SIZE, "--ball-diameter", "14"], "--ball-diameter: got 14, expected"),
         ([*SIZE, "--balls", "22"], "--balls: got 22, expected at most 20"),

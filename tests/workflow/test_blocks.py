@@ -14,6 +14,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import warnings
 
 import pytest
 from support import ROOT
@@ -133,7 +134,8 @@ def run(tmp_path, monkeypatch):
 
     def run(language, text):
         if language == "python":
-            return printed(exec, compile(text, "block", "exec"), names)
+            with warnings.catch_warnings(category=UserWarning, action="ignore"):  # of its scenes
+                return printed(exec, compile(text, "block", "exec"), names)
         return "".join(map(by_shell, STATEMENT.findall(text)))
 
     def by_shell(statement):

@@ -213,7 +213,7 @@ def _is_number(value: Any) -> bool:
 def _is_permitted(value: Any, part: Part) -> bool:
     """Whether a value of the right type is a choice, in the range, or fits the pattern."""
     key = part.key
-    if part.kind == "boolean" or value in key.choices or value in key.synonyms:
+    if part.kind == "boolean" or value in (*key.choices, *key.synonyms):
         return True
     if part.kind == "text":
         return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))

@@ -9,7 +9,8 @@ KH, C, E, 18, UL, UM, US); SNFA general catalogue, p. 63 (NS, angle digit); SKF 
 p. 406 (AC, A, B; CA, CB, CC), and NTN's nomenclature (https://nodeshk.com/ntn, 5S). Classes of
 preload of NTN (GN, GM, GH), SKF (A, B, C) and FAG (UL, UM, UH) stand beside each other in the
 interchange table of https://eibc.in/prefix-suffix-guide.php. The ceramic letters of FAG (HC, XC),
-SKF (HC), IBC (CB), SNR (CH) and Koyo (3NC) are from memory of their catalogues.
+SKF (HC), IBC (CB), SNR (CH) and Koyo (3NC), and the angles of BNR, BER and AD, are from memory of
+the catalogues.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import NamedTuple
 CERAMIC_BALLS = "silicon_nitride"
 
 CERAMIC_PREFIX = r"[HX]C(?:B|S|RS|SS)?|HY|CB|CH|5S|3NC"
-"""Not FAG's HCM and XCM: its series M has other angles by the same letters."""
+"""Not FAG's HCM and XCM, whose letters may say other angles than those of its series B."""
 
 STEEL_PREFIX = r"B|S|HS|HSS|RS|W|SS"
 """Spindle bearings of FAG (B, HS, RS), sealed ones of SKF and FAG (S, HSS), stainless ones."""
