@@ -19,8 +19,8 @@ WITHOUT_PRELOAD = "no preload is set (operation.preload_N is 0), so the balls ca
 UNKNOWN_PARTS = frozenset({"part_temperature", "thermal_growth"})
 """NaN for a shaft or housing whose temperature is not known."""
 
-MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
-"""Share of a friction that is nothing: a ball that bears no load."""
+MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment", "thermal_margin"})
+"""Share of a friction that is nothing, of a ball that bears no load; margin where no heat grows."""
 
 _OF_A_LIFE = frozenset({"life", "normalised_life", "loss_at_end"}) | {
     f"history_{name}" for name in {*HISTORY, "time"} - UNKNOWN_PARTS - MAY_BE_INFINITE
