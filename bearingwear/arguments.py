@@ -70,8 +70,11 @@ class _Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
-def command_parser() -> argparse.ArgumentParser:
-    """The parser of every command; `run` is the dotted name of the handler."""
+def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
+    """The parser of every command; `run` is the dotted name of the handler.
+
+    typed: the command to parse, where that is known: other applications then have no options.
+    """
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
@@ -126,7 +129,9 @@ def command_parser() -> argparse.ArgumentParser:
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
     _add_many(command)
     for one in applications():
-        one.add_options(command(one.command, one.description, one.handler))
+        sub = command(one.command, one.description, one.handler)
+        if typed in (None, one.command):
+            one.add_options(sub)
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 

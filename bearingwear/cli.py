@@ -86,11 +86,11 @@ def _drop(stream: TextIO) -> None:
 
 
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:
-    parser = command_parser()
     if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
         import argcomplete
 
-        argcomplete.autocomplete(parser)
+        argcomplete.autocomplete(command_parser())
+    parser = command_parser(argv[0] if argv else "")
     of_commands: Mapping[str, Any] = parser._subparsers._group_actions[0].choices  # type: ignore[union-attr,assignment]
     if argv and not argv[0].startswith("-") and argv[0] not in of_commands:
         people = [name for name in of_commands if name != "step"]
