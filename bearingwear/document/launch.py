@@ -1,10 +1,12 @@
-"""The sheet of a launch: what each load does to both bearings, and how far gap and dent are."""
+"""The sheet of a launch: loads of both bearings, and margins to gapping and denting."""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
 
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
@@ -15,7 +17,7 @@ from bearingwear.solvers.bearing.launch import Launched, LaunchLoad, RestingBear
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
-_SHOWN = 2  # states of one case: new and worn
+_NEW_AND_WORN = 2  # states of one case
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
 SOFT_PAIR_GAPS = (
@@ -23,204 +25,249 @@ SOFT_PAIR_GAPS = (
     "sigma, as measured (docs/launch.md)"
 )
 
-_OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
-    ("axial load", "N", "axial_load", lambda one: one.axial),
-    ("radial load", "N", "radial_load", lambda one: one.radial),
-    ("maximum ball load", "N", "largest_ball_load", lambda one: float(one.load.max())),
-    ("minimum ball load", "N", "least_ball_load", lambda one: float(one.load.min())),
-    ("unloaded balls", "", "loose_balls", lambda one: int((one.load == 0.0).sum())),
-    ("peak pressure, inner", "GPa", "pressure_inner", lambda one: _GPA * one.pressure[:, 0].max()),
-    ("peak pressure, outer", "GPa", "pressure_outer", lambda one: _GPA * one.pressure[:, 1].max()),
-    ("gap", "um", "gap", lambda one: _UM * one.gap),
-)
+_BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
+    ("axial load", "N", "axial_load", lambda bearing: bearing.axial),
+    ("radial load", "N", "radial_load", lambda bearing: bearing.radial),
+    ("maximum ball load", "N", "largest_ball_load", lambda bearing: float(bearing.load.max())),
+    ("minimum ball load", "N", "least_ball_load", lambda bearing: float(bearing.load.min())),
+    ("unloaded balls", "", "loose_balls", lambda bearing: int((bearing.load == 0.0).sum())),
+    ("peak pressure, inner", "GPa", "pressure_inner",
+     lambda bearing: _GPA * bearing.pressure[:, 0].max()),
+    ("peak pressure, outer", "GPa", "pressure_outer",
+     lambda bearing: _GPA * bearing.pressure[:, 1].max()),
+    ("gap", "um", "gap", lambda bearing: _UM * bearing.gap),
+)  # fmt: skip
+"""Label, unit, name and value of each row of a bearing."""
 
 
-def launch_document(scene: Scene, found: Mapping[str, Launched]) -> Document:
-    """Report on the bearings of a scene at launch.
+def launch_document(scene: Scene, states: Mapping[str, Launched]) -> Document:
+    """Returns the report on the bearings of a scene at launch.
 
-    found: as of `lives.margin.launched_by_wear`.
+    states: result of `lives.margin.launched_by_wear`.
     """
-    states = list(found.values())
-    blocks = [Block("axial acceleration limits", tuple(found), _limits(states))]
-    if states[0].random:
+    columns = tuple(states)
+    blocks = [
+        Block("axial acceleration limits", columns, _acceleration_limit_rows(states.values()))
+    ]
+    if next(iter(states.values())).random:
         title = f"random vibration over {(scene.launch or Launch()).duration_s:g} s"
-        blocks.append(Block(title, tuple(found), _random_rows(states)))
-    for words in _told(found):
-        loads, state = found[words].loads, f", {words}" if len(found) > 1 else ""
-        if loads:
-            columns = tuple(load.name for load in loads)
-            blocks += [Block(f"rotor{state}", columns, tuple(_rotor_rows(loads)))]
-            blocks += [
-                Block(f"bearing {k + 1}{state}", columns, tuple(_bearing_rows(loads, k)))
-                for k in range(2)
-            ]
-    said = launch_verdict(found) + _soft_pair_lines(scene, found)
-    facts = {"kind": "launch", "scene": scene.name, "verdict": said}
-    heading = (operation_lines(json.loads(scene.json))[0], *_asked(scene, found))
-    return Document((*heading, *said), facts, tuple(blocks))
+        blocks.append(Block(title, columns, _random_rows(list(states.values()))))
+    for state in _states_with_load_blocks(states):
+        blocks += _load_blocks(states[state].loads, _state_suffix(state, states))
+    verdict = launch_verdict(states) + _soft_pair_lines(scene, states)
+    facts = {"kind": "launch", "scene": scene.name, "verdict": verdict}
+    heading = (operation_lines(scene.plain)[0], *_vibration_lines(scene, states))
+    return Document((*heading, *verdict), facts, tuple(blocks))
 
 
-def _told(found: Mapping[str, Launched]) -> list[str]:
-    """States that are shown at each load: new and worn; of several cases those that decide."""
-    if len(found) <= _SHOWN:
-        return list(found)
-    return list(dict.fromkeys([_worst(found, _gap), _worst(found, _pressure_share)]))
+def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
+    """Returns blocks of the rotor and of both bearings, with a column for each load."""
+    if not loads:
+        return []
+    columns = tuple(load.name for load in loads)
+    return [
+        Block(f"rotor{suffix}", columns, tuple(_rotor_rows(loads))),
+        *(
+            Block(f"bearing {k + 1}{suffix}", columns, tuple(_bearing_rows(loads, k)))
+            for k in range(2)
+        ),
+    ]
 
 
-def _gap(one: Launched) -> float:
-    return one.gap
+def _state_suffix(state: str, states: Mapping[str, Launched]) -> str:
+    """Returns the words that add a state to a text, if there are several states."""
+    return f", {state}" if len(states) > 1 else ""
 
 
-def _pressure_share(one: Launched) -> float:
-    return one.pressure_share
+def _states_with_load_blocks(states: Mapping[str, Launched]) -> list[str]:
+    """Returns the states shown at each load: new and worn, or of several cases the worst ones."""
+    if len(states) <= _NEW_AND_WORN:
+        return list(states)
+    return list(dict.fromkeys([_state_of_largest_gap(states), _state_of_largest_pressure(states)]))
 
 
-def _worst(found: Mapping[str, Launched], value_of: Callable[[Launched], float]) -> str:
-    return max(found, key=lambda words: value_of(found[words]))
+def _state_of_largest_gap(states: Mapping[str, Launched]) -> str:
+    return max(states, key=lambda state: states[state].gap)
 
 
-def launch_verdict(found: Mapping[str, Launched]) -> list[str]:
-    """Whether it gaps and whether it dents in any state, in sentences that name the state."""
-    worst = _worst(found, _gap)
-    state = f", {worst}" if len(found) > 1 else ""
-    said = [
-        f"{load.name}{state}: the spring does not support the rotor; increase the spring force, or "
-        "add a stop (arrangement.stop_um)"
-        for load in found[worst].loads
+def _state_of_largest_pressure(states: Mapping[str, Launched]) -> str:
+    return max(states, key=lambda state: states[state].pressure_share)
+
+
+def launch_verdict(states: Mapping[str, Launched]) -> list[str]:
+    """States whether a bearing gaps and whether one dents, in sentences that name the state."""
+    return _gap_sentences(states) + _dent_sentences(states)
+
+
+class _OpenBearing(NamedTuple):
+    """A bearing that gaps under a load; the order of the fields makes the largest gap the `max`."""
+
+    gap: float  # [m]
+    number: int
+    load: str
+    leaves_its_groove: bool
+
+
+def _gap_sentences(states: Mapping[str, Launched]) -> list[str]:
+    """States by how much a bearing gaps in the worst state, or that none does."""
+    worst = _state_of_largest_gap(states)
+    loads, suffix = states[worst].loads, _state_suffix(worst, states)
+    sentences = [
+        f"{load.name}{suffix}: the spring does not support the rotor; increase the spring force, "
+        "or add a stop (arrangement.stop_um)"
+        for load in loads
         if load.rotor is None
     ]
-    opened = [
-        (max(bearing.gap, bearing.past), k + 1, load.name, bearing.past > 0.0)
-        for load in found[worst].loads
+    open_bearings = [
+        _OpenBearing(
+            gap=max(bearing.gap, bearing.past),
+            number=k + 1,
+            load=load.name,
+            leaves_its_groove=bearing.past > 0.0,
+        )
+        for load in loads
         if load.rotor is not None
         for k, bearing in enumerate(load.rotor.bearings)
         if bearing.is_open
     ]
-    if opened:
-        gap, k, name, is_past = max(opened)
-        said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}{state}")
-        if is_past:
-            said.append(
-                f"bearing {k} passes its gap onto the other side of its grooves, {name}: add "
-                "a stop (arrangement.stop_um)"
+    if open_bearings:
+        widest = max(open_bearings)
+        gap_um = digits(_UM * widest.gap)
+        sentences.append(f"bearing {widest.number} gaps by {gap_um} um, {widest.load}{suffix}")
+        if widest.leaves_its_groove:
+            sentences.append(
+                f"bearing {widest.number} passes its gap onto the other side of its grooves, "
+                f"{widest.load}: add a stop (arrangement.stop_um)"
             )
-    elif found[worst].loads and not said:
-        states = " and ".join(dict.fromkeys(words.partition(" (")[0] for words in found))
-        states += ", in every case" if len(found) > _SHOWN else ""
-        said.append(f"no gap: every bearing remains loaded, {states}")
-    worst = _worst(found, _pressure_share)
-    one, state = found[worst], f", {worst}" if len(found) > 1 else ""
-    if one.loads:
-        share = 100.0 * one.pressure_share
-        verb = "dents" if share > 100.0 else "no dents"
-        said.append(
-            f"{verb}: the peak pressure is {digits(share)} % of "
-            f"{digits(_GPA * one.pressure)} GPa, {one.source}{state}"
-        )
-    return said
+    elif loads and not sentences:
+        names = " and ".join(dict.fromkeys(state.partition(" (")[0] for state in states))
+        names += ", in every case" if len(states) > _NEW_AND_WORN else ""
+        sentences.append(f"no gap: every bearing remains loaded, {names}")
+    return sentences
 
 
-def _soft_pair_lines(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
-    """That a pair on a spring that gaps sees higher loads than any computed at rest."""
-    gaps = scene.operation.preload_method == "constant_force" and _gap(found[_worst(found, _gap)])
-    return [SOFT_PAIR_GAPS] if gaps else []
+def _dent_sentences(states: Mapping[str, Launched]) -> list[str]:
+    """States the largest peak pressure as a share of that which dents; empty without loads."""
+    worst = _state_of_largest_pressure(states)
+    state = states[worst]
+    if not state.loads:
+        return []
+    percent = 100.0 * state.pressure_share
+    verb = "dents" if percent > 100.0 else "no dents"
+    return [
+        f"{verb}: the peak pressure is {digits(percent)} % of "
+        f"{digits(_GPA * state.pressure)} GPa, {state.source}{_state_suffix(worst, states)}"
+    ]
 
 
-def _asked(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
-    a, asked = scene.arrangement, scene.launch or Launch()
-    assert a is not None
-    parts = [f"at rest, rotor mass {a.rotor_mass_kg:g} kg"]
-    parts += (
-        [f"centre of mass {a.rotor_offset_mm:g} mm from the midpoint"] if a.rotor_offset_mm else []
-    )
-    states = list(found.values())
-    for way, values in (
-        ("axial", [one.axial_g for one in states]),
-        ("radial", [one.radial_g for one in states]),
-    ):
-        parts += [f"{span(values)} g {way}"] if any(values) else []
-    lines = [", ".join(parts)]
-    lines += [_NEW_ONLY] if len(found) == len(scene.in_cases) else []
-    if asked.axial_density_g2_Hz is not None or asked.radial_density_g2_Hz is not None:
-        axial, radial = (
-            span(float(one.frequencies[k]) for one in states if one.frequencies is not None)
-            for k in range(2)
-        )
+def _soft_pair_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
+    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
+    has_spring = scene.operation.preload_method == "constant_force"
+    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
+
+
+def _vibration_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
+    """Describes rotor and accelerations, and how random vibration was converted to the latter."""
+    arrangement, launch = scene.arrangement, scene.launch or Launch()
+    assert arrangement is not None
+    phrases = [f"at rest, rotor mass {arrangement.rotor_mass_kg:g} kg"]
+    if arrangement.rotor_offset_mm:
+        phrases.append(f"centre of mass {arrangement.rotor_offset_mm:g} mm from the midpoint")
+    axial_g = [state.axial_g for state in states.values()]
+    radial_g = [state.radial_g for state in states.values()]
+    if any(axial_g):
+        phrases.append(f"{span(axial_g)} g axial")
+    if any(radial_g):
+        phrases.append(f"{span(radial_g)} g radial")
+    lines = [", ".join(phrases)]
+    lines += [_NEW_ONLY] if len(states) == len(scene.in_cases) else []
+    if launch.axial_density_g2_Hz is not None or launch.radial_density_g2_Hz is not None:
+        frequencies = _natural_frequencies(states.values())
+        axial_Hz, radial_Hz = (span(float(state[k]) for state in frequencies) for k in range(2))
         largest = "three sigma"
-        if asked.duration_s > 0.0:
-            largest = f"the largest expected in {asked.duration_s:g} s, at least three sigma"
+        if launch.duration_s > 0.0:
+            largest = f"the largest expected in {launch.duration_s:g} s, at least three sigma"
         lines.append(
-            f"accelerations from Miles' equation ({largest}; Q = {asked.amplification:g}) at "
-            f"{axial} Hz axial, {radial} Hz radial"
+            f"accelerations from Miles' equation ({largest}; Q = {launch.amplification:g}) at "
+            f"{axial_Hz} Hz axial, {radial_Hz} Hz radial"
         )
     return lines
 
 
-def _limits(found: Sequence[Launched]) -> tuple[Row, ...]:
+def _natural_frequencies(states: Iterable[Launched]) -> list[np.ndarray]:
+    """Returns axial, radial and conical frequency [Hz] of each state whose span is known."""
+    return [state.frequencies for state in states if state.frequencies is not None]
+
+
+def _acceleration_limit_rows(states: Collection[Launched]) -> tuple[Row, ...]:
+    """Returns rows of the accelerations [g] at which gapping and denting start, and frequencies."""
     rows = [
-        Row("gapping starts at", "g", tuple(one.opening_g for one in found), "opening_g"),
-        Row("denting starts at", "g", tuple(one.denting_g for one in found), "denting_g"),
+        Row("gapping starts at", "g", tuple(state.opening_g for state in states), "opening_g"),
+        Row("denting starts at", "g", tuple(state.denting_g for state in states), "denting_g"),
     ]
-    known = [one.frequencies for one in found if one.frequencies is not None]
-    if known:
-        rows += [
-            Row(f"{name} natural frequency at rest", "Hz", tuple(map(float, frequencies)),
-                f"{name}_frequency")
-            for name, frequencies in zip(
-                ("axial", "radial", "conical"), zip(*known, strict=True), strict=True
-            )
-        ]  # fmt: skip
+    if frequencies := _natural_frequencies(states):
+        for k, mode in enumerate(("axial", "radial", "conical")):
+            values = tuple(float(state[k]) for state in frequencies)
+            label = f"{mode} natural frequency at rest"
+            rows.append(Row(label, "Hz", values, f"{mode}_frequency"))
     return tuple(rows)
 
 
 def _random_rows(states: Sequence[Launched]) -> tuple[Row, ...]:
-    """Largest accelerations expected, beside three sigma."""
+    """Returns rows of the largest accelerations expected, in rms values and beside three sigma."""
     rows = []
-    for way in states[0].random:
-        responses = [one.random[way] for one in states]
-        for label, unit, name, values in (
-            (f"{way}, largest expected", "g", "largest_g", [one.largest_g for one in responses]),
-            ("over the rms", "", "expected_peak", [one.expected for one in responses]),
-            ("three sigma", "g", "three_sigma_g", [one.three_sigma_g for one in responses]),
-        ):
-            rows.append(Row(label, unit, tuple(values), f"{way}_{name}"))
+    for direction in states[0].random:
+        responses = [state.random[direction] for state in states]
+        largest_g = tuple(response.largest_g for response in responses)
+        over_rms = tuple(response.expected for response in responses)
+        three_sigma_g = tuple(response.three_sigma_g for response in responses)
+        rows += [
+            Row(f"{direction}, largest expected", "g", largest_g, f"{direction}_largest_g"),
+            Row("over the rms", "", over_rms, f"{direction}_expected_peak"),
+            Row("three sigma", "g", three_sigma_g, f"{direction}_three_sigma_g"),
+        ]
     return tuple(rows)
 
 
 def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
-    held = [load.rotor for load in loads]
+    """Returns rows of the forces on the rotor and of its shifts; NaN where nothing supports it."""
     rows = [
         Row("axial force", "N", tuple(load.axial for load in loads), "axial_force"),
         Row("radial force", "N", tuple(load.radial for load in loads), "radial_force"),
     ]
     for label, unit, name, value_of in (
-        ("axial shift", "um", "shift", lambda one: _UM * one.shift),
-        ("radial shift", "um", "across", lambda one: _UM * one.across),
-        ("tilt", "mrad", "tilt", lambda one: _MM * one.tilt),
-        ("spring extension", "um", "slide", lambda one: _UM * one.slide),
-        ("force on the stop", "N", "on_stop", lambda one: one.on_stop),
+        ("axial shift", "um", "shift", lambda rotor: _UM * rotor.shift),
+        ("radial shift", "um", "across", lambda rotor: _UM * rotor.across),
+        ("tilt", "mrad", "tilt", lambda rotor: _MM * rotor.tilt),
+        ("spring extension", "um", "slide", lambda rotor: _UM * rotor.slide),
+        ("force on the stop", "N", "on_stop", lambda rotor: rotor.on_stop),
     ):
-        values = tuple(math.nan if one is None else _unrounded(value_of(one)) for one in held)
+        values = tuple(
+            math.nan if load.rotor is None else _without_rounding(value_of(load.rotor))
+            for load in loads
+        )
         if name not in ("slide", "on_stop") or any(values):
             rows.append(Row(label, unit, values, name))
     return rows
 
 
 def _bearing_rows(loads: Sequence[LaunchLoad], k: int) -> list[Row]:
+    """Returns rows of loads, pressures and gap of bearing k; NaN where nothing supports it."""
+    bearings = [load.rotor.bearings[k] if load.rotor is not None else None for load in loads]
     return [
         Row(
             label,
             unit,
             tuple(
-                math.nan if one.rotor is None else _unrounded(value_of(one.rotor.bearings[k]))
-                for one in loads
+                math.nan if bearing is None else _without_rounding(value_of(bearing))
+                for bearing in bearings
             ),
             name,
         )
-        for label, unit, name, value_of in _OF_BEARING
+        for label, unit, name, value_of in _BEARING_ROWS
     ]
 
 
-def _unrounded(value: float) -> float:
-    """A value, and nothing in place of the rounding of what balls in a circle cancel."""
+def _without_rounding(value: float) -> float:
+    """Returns 0 for a value that is nothing but rounding, as of forces that cancel in a circle."""
     return 0.0 if abs(value) < _ROUNDING else value

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from bearingwear.document.bearing_line import bearing_line, settled_by_a_case
+from bearingwear.document.bearing_line import bearing_line, is_answered_by_a_case
 from bearingwear.document.chart import Chart, load_charts
 from bearingwear.document.document import Block, Document, load_document
 from bearingwear.document.html import block_html, sentences_html
@@ -350,7 +350,7 @@ def _warnings(
             for twin in warnings_in(attrs)
             if twin["id"] == one["id"]
         ]
-        if not settled_by_a_case(one, scene):
+        if not is_answered_by_a_case(one, scene):
             yield one["sentence"], ", ".join(counts)
 
 

@@ -74,17 +74,6 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
         _fill(file, contents)
 
 
-@contextlib.contextmanager
-def in_memory(result: Result) -> Iterator[Any]:
-    """The `netCDF4.Dataset` of a result, open for reading, in memory alone."""
-    import netCDF4
-
-    contents = contents_of(result)
-    with NETCDF_LOCK, netCDF4.Dataset("result", "w", format="NETCDF4", diskless=True) as file:
-        _fill(file, contents)
-        yield file
-
-
 def _fill(file: Any, contents: Contents) -> None:
     file.setncatts(contents.attrs)
     every, data = contents.layout.every, contents.data

@@ -28,7 +28,7 @@ KIND = "uncertainty"
 PLACES_BESIDE = ("spread.nc", "design/uncertainty.nc", "uncertainty.nc")
 """Where such files stand beside the results of a scene; the last is that of the design study."""
 
-TAKEN = "spread_taken"
+ASSUMED_SPREAD = "spread_taken"
 """Attribute of such a file: what distributions it has where the scene has none."""
 
 PRELOAD_CHOICE, UNCERTAIN_INPUTS = "preload_choice", "uncertain_inputs"
@@ -190,7 +190,7 @@ def spread_of(
     """
     for dataset in known:
         sampled = json.loads(dataset.attrs["scene"])
-        if TAKEN in dataset.attrs and "uncertainty" not in scene:
+        if ASSUMED_SPREAD in dataset.attrs and "uncertainty" not in scene:
             del sampled["uncertainty"]
         flags = dataset["preload_method"].attrs["flag_meanings"].split()
         methods = [flags[int(flag)] for flag in dataset["preload_method"].values]
@@ -204,7 +204,7 @@ def spread_of(
     return None
 
 
-def causes_told(scene: Mapping[str, Any]) -> str:
+def causes_sentence(scene: Mapping[str, Any]) -> str:
     """Uncertain values of a scene, by the labels of `Spread.rows`."""
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
     parts = (("Scatter within a batch", False), ("Uncertainty of the batch", True))

@@ -12,7 +12,7 @@ from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BEARINGS_BETWEEN,
-    causes_told,
+    causes_sentence,
     interval_of,
     preload_drawn,
     quantities_of,
@@ -75,7 +75,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     ]  # fmt: skip
     said = (
         f"{int(uncertainty.attrs['samples'])} sampled bearings, random seed "
-        f"{int(uncertainty.attrs['seed'])}. {causes_told(scene)}",
+        f"{int(uncertainty.attrs['seed'])}. {causes_sentence(scene)}",
         *(
             f"{name}, {where} preload: {one.failures_sentence}"
             for (name, where, _), one in zip(points, found, strict=True)

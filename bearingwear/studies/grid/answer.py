@@ -21,7 +21,7 @@ from bearingwear.results.quantiles import (
     QUOTED_SHARE,
     SEE,
     Spread,
-    causes_told,
+    causes_sentence,
     load_quantiles,
     spread_of,
 )
@@ -262,7 +262,7 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
         f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
-        f"all uncertain values in the scene. {causes_told(scene)}"
+        f"all uncertain values in the scene. {causes_sentence(scene)}"
         + ("" if all(life.spread for life in lives) else f" If an interval is missing, {SEE}.")
     )
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
-from bearingwear.document.table import dataset_csv, table_of
+from bearingwear.document.table import dataset_csv, dataset_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.results.pair_variables import method_words
@@ -97,7 +97,9 @@ def _wear(study: xr.Dataset) -> Block:
         for k in range(one.sizes["ball_diameter_loss"])
     ]
     said = ("QV values are for the whole bearing.",)
-    return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said, errors)
+    return dataset_table(
+        study, ("preload_method", "friction"), columns, "Effect of wear", said, errors
+    )
 
 
 def _not_compared(lives: xr.Dataset) -> str:
