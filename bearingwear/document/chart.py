@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bearingwear.results.netcdf import read_as
+from bearingwear.results.netcdf import json_faults
 
 Point = tuple[float, float | None]
 
@@ -55,7 +55,7 @@ class Charts:
 
 def load_charts(path: Path) -> Charts:
     """Reads charts that a step of a study wrote. May raise CaseFileError."""
-    with read_as(path, "charts"):
+    with json_faults(path, "charts"):
         content = json.loads(path.read_text(encoding="utf-8"))
         charts = [
             Chart(**chart | {"lines": [ChartLine(**line) for line in chart["lines"]]})

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bearingwear.results.netcdf import read_as
+from bearingwear.results.netcdf import json_faults
 from bearingwear.results.units import (
     Display,
     Estimated,
@@ -204,7 +204,7 @@ def row_notes(row: Row) -> str:
 
 def load_document(path: Path) -> Document:
     """Reads a document that a step of a study wrote. May raise CaseFileError."""
-    with read_as(path, "a document"):
+    with json_faults(path, "a document"):
         content = _decoded(json.loads(path.read_text(encoding="utf-8")))
         blocks = tuple(
             Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})

@@ -44,7 +44,7 @@ class ContentsView:
         self.dimensions = {name: _Dimension(size) for name, size in contents.layout.sizes.items()}
         self.variables = {
             name: _VariableView(entry, contents.data[name])
-            for name, entry in contents.layout.every.items()
+            for name, entry in contents.layout.entries.items()
         }
 
     def __getattr__(self, name: str) -> Any:

@@ -12,9 +12,9 @@ from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BEARINGS_BETWEEN,
+    available_preload_choice,
     causes_sentence,
     interval_of,
-    preload_drawn,
     quantities_of,
     spread_at,
 )
@@ -98,7 +98,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     ]
     used = []
     for method, of_method in methods(uncertainty):
-        one = of_method.sel(preload_choice=preload_drawn(of_method))
+        one = of_method.sel(preload_choice=available_preload_choice(of_method))
         words = method_words(scene_of(uncertainty), method)
         for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
             indices = one.sel(uncertain_inputs=inputs)
