@@ -23,7 +23,7 @@ from identify import GMN_OUTER_GROOVE, PRINTED
 
 import bearingwear
 from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure
-from bearingwear.results.words import mu_is
+from bearingwear.results.words import friction_text
 from bearingwear.scene.new.catalogue import MAKERS, bearings, entry_of
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.at_rest import RestingPair
@@ -369,7 +369,7 @@ def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: 
     radial.set_xlabel("preload class")
     radial.set_title("radial / axial rigidity", loc="left")
     scatter(slow, torques, True)
-    slow.set_title(f"slow torque (N m), {mu_is(round(mu, 3))}", loc="left")
+    slow.set_title(f"slow torque (N m), {friction_text(round(mu, 3))}", loc="left")
     slow.set_xlabel("SNFA, ball-screw bearings")
     slow.set_ylabel("computed")
     title = (

@@ -19,217 +19,241 @@ _CONTACTS = {
 }
 
 
-_TEMPERATURE_LEFT_OUT = "temperature_left_out"
-"""Warning of a scene without temperatures."""
+_NEGLECTED_TEMPERATURE = "temperature_left_out"
+"""The id of the warning about a scene without temperatures."""
 
-_NOT_GIVEN = "temperatures neglected"
+_NO_TEMPERATURES = "temperatures neglected"
 
 
 def bearing_line(scene: Mapping[str, Any]) -> str:
-    """Which bearing it is and how it runs, on a line; of several cases, from which to which.
+    """Describes a bearing and its operation on one line, over all cases of its scene.
 
-    scene: as a file states it; that of a study leaves out what is varied.
+    scene: the content of a scene file, or of a study, which leaves out the keys that it varies.
     """
-    bearing, each = scene["bearing"], scenes_by_case(scene)
+    bearing, scenes = scene["bearing"], scenes_by_case(scene)
     balls, races = (bearing[f"{part}_material"].replace("_", " ") for part in ("ball", "race"))
-    mu = [one["friction"].get("ball_race") for one in each.values()]
-    size = [
-        f"{words} {bearing[key]:g} mm"
-        for words, key in (("bore", "bore_mm"), ("outside diameter", "outside_diameter_mm"))
-        if bearing.get(key)
-    ]
-    parts = (
-        *filter(None, [identity_line(bearing)]),
-        _arrangement(scene.get("arrangement") or {}),
-        *([", ".join(size)] if size else []),
+    contact_model = _CONTACTS.get((scene.get("model") or {}).get("contact", ""), "")
+    phrases = (
+        identity_line(bearing) or "",
+        _arrangement_phrase(scene.get("arrangement") or {}),
+        _boundary_dimensions_phrase(bearing),
         f"{bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm, "
         f"pitch diameter {bearing['pitch_diameter_mm']:g} mm",
         f"contact angle {bearing['contact_angle_deg']:g}°",
         balls if balls == races else f"{balls} on {races}",
-        f"{_range([one['operation']['shaft_speed_rpm'] for one in each.values()])} r/min",
-        *([f"friction {_range(mu)}"] if None not in mu else []),
-        _warmth_of(each),
-        *_loads(each.values()),
-        *filter(None, [minimum_preload_words(each.values())]),
-        *filter(None, [_CONTACTS.get((scene.get("model") or {}).get("contact", ""))]),
-        *([cases_words(each)] if len(each) > 1 else []),
+        *_speed_and_friction_phrases(list(scenes.values())),
+        _temperature_phrase_of_cases(scenes),
+        *_load_phrases(scenes.values()),
+        minimum_preload_words(scenes.values()) or "",
+        contact_model,
+        worst_case_phrase(scenes) if len(scenes) > 1 else "",
     )
-    return "; ".join(parts)
+    return "; ".join(phrase for phrase in phrases if phrase)
+
+
+def _boundary_dimensions_phrase(bearing: Mapping[str, Any]) -> str:
+    """States bore and outside diameter, as far as the scene contains them."""
+    diameters = (("bore", "bore_mm"), ("outside diameter", "outside_diameter_mm"))
+    return ", ".join(f"{words} {bearing[key]:g} mm" for words, key in diameters if bearing.get(key))
+
+
+def _speed_and_friction_phrases(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
+    """States the range of the speeds of all cases, and of their friction coefficients if known."""
+    speeds = [scene["operation"]["shaft_speed_rpm"] for scene in scenes]
+    frictions = [scene["friction"].get("ball_race") for scene in scenes]
+    phrases = [f"{_range_text(speeds)} r/min"]
+    if None not in frictions:
+        phrases.append(f"friction {_range_text(frictions)}")
+    return phrases
 
 
 def scenes_by_case(scene: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """A scene, as plain data, in each of its cases; as it stands first."""
-    found: dict[str, Mapping[str, Any]] = {NOMINAL: scene}
+    """Returns the content of a scene for each of its cases; the first is the scene unchanged."""
+    scenes: dict[str, Mapping[str, Any]] = {NOMINAL: scene}
     for name, changes in (scene.get("cases") or {}).items():
-        found[name] = _changed(scene, flat_keys(changes))
-    return found
+        scenes[name] = _scene_with_changes(scene, flat_keys(changes))
+    return scenes
 
 
-def _changed(scene: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    made = dict(scene)
-    for key, value in changes.items():
-        block, _, rest = key.partition(".")
-        made[block] = _changed(made.get(block) or {}, {rest: value}) if rest else value
-    return made
+def _scene_with_changes(scene: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns a copy of a scene with the values of some dotted keys replaced."""
+    copy = dict(scene)
+    for dotted_key, value in changes.items():
+        block, _, key = dotted_key.partition(".")
+        copy[block] = _scene_with_changes(copy.get(block) or {}, {key: value}) if key else value
+    return copy
 
 
-def settled_by_a_case(warning: Mapping[str, Any], scene: Mapping[str, Any]) -> bool:
-    """Whether a case of a scene answers a warning: temperatures are neglected, but it has some."""
+def is_answered_by_a_case(warning: Mapping[str, Any], scene: Mapping[str, Any]) -> bool:
+    """Whether a warning of neglected temperatures does not apply, because a case has some."""
     cases = list(scenes_by_case(scene).values())[1:]
-    warm = any(one.get("temperature") or one.get("thermal") for one in cases)
-    return warm and warning["id"] == _TEMPERATURE_LEFT_OUT
+    has_temperatures = any(case.get("temperature") or case.get("thermal") for case in cases)
+    return has_temperatures and warning["id"] == _NEGLECTED_TEMPERATURE
 
 
-def cases_words(cases: Iterable[str]) -> str:
-    """Whose worst is said: `worst of 2: nominal, fast`."""
+def worst_case_phrase(cases: Iterable[str]) -> str:
+    """States of which cases a value is the worst: `worst of 2: nominal, fast`."""
     names = list(cases)
     return f"worst of {len(names)}: {', '.join(names)}"
 
 
-def _forces(scene: Mapping[str, Any]) -> list[str]:
-    """Loads across the shaft."""
+def _radial_load_phrases(scene: Mapping[str, Any]) -> list[str]:
+    """States the loads across the shaft."""
     radial = math.hypot(*(scene["operation"].get("radial_load_N") or [0.0]))
     loads = {"radial load": radial, "rotating load": scene["operation"].get("rotating_load_N")}
     return [f"{words} {value:g} N" for words, value in loads.items() if value]
 
 
-def _range(values: Sequence[float]) -> str:
+def _range_text(values: Sequence[float]) -> str:
+    """Returns `10` for equal values, `10 to 20` for others."""
     low, high = min(values), max(values)
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def _loads(scenes: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Loads and drag, of all cases from the least to the most."""
+def _load_phrases(scenes: Iterable[Mapping[str, Any]]) -> list[str]:
+    """States the range of each load, and of the drag density, over the cases of a scene."""
     loads: dict[str, list[float]] = {}
-    for one in scenes:
-        operation = one["operation"]
+    for scene in scenes:
+        operation = scene["operation"]
         for words, value in (
             ("radial load {} N", math.hypot(*(operation.get("radial_load_N") or [0.0]))),
             ("rotating load {} N", operation.get("rotating_load_N")),
-            ("axial force {} N", (one.get("arrangement") or {}).get("external_axial_N")),
+            ("axial force {} N", (scene.get("arrangement") or {}).get("external_axial_N")),
             ("drag density {}\N{NO-BREAK SPACE}kg/m³",
-             (one.get("lubricant") or {}).get("drag_density_kg_m3")),
+             (scene.get("lubricant") or {}).get("drag_density_kg_m3")),
         ):  # fmt: skip
             loads.setdefault(words, []).append(value or 0.0)
-    return [words.format(_range(values)) for words, values in loads.items() if any(values)]
+    return [words.format(_range_text(values)) for words, values in loads.items() if any(values)]
 
 
-def _arrangement(arrangement: Mapping[str, Any]) -> str:
+def _arrangement_phrase(arrangement: Mapping[str, Any]) -> str:
+    """States kind and orientation of an arrangement."""
     kind = arrangement.get("kind", "single")
     if kind == "single":
         return "one bearing of a symmetric pair"
     return f"{kind}, {arrangement.get('orientation', '')}".replace("_", " ")
 
 
-def _warmth(scene: Mapping[str, Any]) -> str:
+def _temperature_phrase(scene: Mapping[str, Any]) -> str:
+    """States the temperatures of a scene without cases."""
     if scene.get("thermal"):
         return "heated by its own friction"
-    given = scene.get("temperature") or {}
-    parts = [
+    temperatures = scene.get("temperature") or {}
+    phrases = [
         f"{name.removesuffix('_C').replace('_', ' ')} {value:g}\N{NO-BREAK SPACE}°C"
-        for name, value in given.items()
+        for name, value in temperatures.items()
         if value is not None and name != "reference_C"
     ]
-    return ", ".join(parts) or _NOT_GIVEN
+    return ", ".join(phrases) or _NO_TEMPERATURES
 
 
-def _warmth_of(cases: Mapping[str, Mapping[str, Any]]) -> str:
-    """Temperatures of a scene; where cases have others, in which they are given."""
-    texts = {name: _warmth(one) for name, one in cases.items()}
-    if len(set(texts.values())) == 1:
-        return texts[NOMINAL]
-    given = [name for name, text in texts.items() if text != _NOT_GIVEN]
-    return f"temperatures given in {', '.join(given)}"
+def _temperature_phrase_of_cases(scenes: Mapping[str, Mapping[str, Any]]) -> str:
+    """States the temperatures of all cases if they agree, otherwise which cases have some."""
+    phrases = {name: _temperature_phrase(scene) for name, scene in scenes.items()}
+    if len(set(phrases.values())) == 1:
+        return phrases[NOMINAL]
+    names = [name for name, phrase in phrases.items() if phrase != _NO_TEMPERATURES]
+    return f"temperatures given in {', '.join(names)}"
 
 
 def duty_lines(scene: Mapping[str, Any]) -> list[str]:
-    """Lines on the duty of a scene: its cycle, and speed, time and starts of each phase."""
-    duty, cases = scene["duty"], scenes_by_case(scene)
+    """Describes the duty of a scene: its cycle, then speed, time and starts of each phase."""
+    duty, scenes = scene["duty"], scenes_by_case(scene)
     ramp_s = duty["start_s"] + duty["stop_s"]
-    times = {
+    phase_h = {
         name: phase["hours"] + phase["starts"] * ramp_s / 3600.0
         for name, phase in duty["phases"].items()
     }
-    cycle = sum(times.values())
-    lines = [f"duty: a cycle of {plain(cycle)} h, repeated until the life ends"]
+    cycle_h = sum(phase_h.values())
+    lines = [f"duty: a cycle of {plain(cycle_h)} h, repeated until the life ends"]
     for name, phase in duty["phases"].items():
-        case = phase.get("case") or name
-        rpm, n = cases[case]["operation"]["shaft_speed_rpm"], phase["starts"]
-        words = [
-            f"{plain(rpm, 6)} r/min",
-            f"{plain(100.0 * times[name] / cycle)} % of the time",
-            *([f"{plain(n)} start{'s' * (n != 1)} a cycle"] if n else []),
-            *([f"case {case}"] if case != name else []),
+        case, starts = phase.get("case") or name, phase["starts"]
+        phrases = [
+            f"{plain(scenes[case]['operation']['shaft_speed_rpm'], 6)} r/min",
+            f"{plain(100.0 * phase_h[name] / cycle_h)} % of the time",
         ]
-        lines.append(f"  {name}: {', '.join(words)}")
-    starts = any(phase["starts"] for phase in duty["phases"].values())
-    if starts and duty["warmup"]:
+        if starts:
+            phrases.append(f"{plain(starts)} start{'s' * (starts != 1)} a cycle")
+        if case != name:
+            phrases.append(f"case {case}")
+        lines.append(f"  {name}: {', '.join(phrases)}")
+    has_starts = any(phase["starts"] for phase in duty["phases"].values())
+    if has_starts and duty["warmup"]:
         lines.append("  each start warms the bearings up from the mounting temperature")
-    elif starts and not ramp_s:
+    elif has_starts and not ramp_s:
         lines.append("  start_s and stop_s are 0: starts and stops cause no wear")
     return lines
 
 
-def matched_pair(a: Mapping[str, Any], preload: float) -> float:
-    """Preload [N] of a pair of the same bearings as a rigid set, which has `preload` on a side."""
-    return preload / set_over_pair(a["tandem"])
+def pair_preload_N(arrangement: Mapping[str, Any], preload_N: float) -> float:
+    """Returns the preload [N] of a pair of the same bearings as a tandem set.
+
+    arrangement: the block of the scene, a rigid set.
+    preload_N: preload of each side of the set.
+    """
+    return preload_N / set_over_pair(arrangement["tandem"])
 
 
-def _pair_words(a: Mapping[str, Any], preload: float) -> list[str]:
-    """Lines on the arrangement of two bearings, and on their differences."""
-    if a.get("kind", "single") == "single":
+def _pair_phrases(arrangement: Mapping[str, Any], preload_N: float) -> list[str]:
+    """Describes the arrangement of two bearings and their differences; empty for one bearing."""
+    if arrangement.get("kind", "single") == "single":
         return []
-    words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
-    if max(a.get("tandem", [1])) > 1:
-        side = f"{preload:g} N on each side"
-        if a["kind"] == "rigid_pair":
-            side += f", as bearings matched for a pair of {plain(matched_pair(a, preload))} N give"
-        words.append("{} and {} in tandem ({})".format(*a["tandem"], side))
-    if a["external_axial_N"]:
-        words.append(f"external axial force {a['external_axial_N']:g} N")
-    if a["spring_stiffness_N_um"]:
-        words.append(f"spring stiffness {a['spring_stiffness_N_um']:g} N/um")
-    if a["second"]:
-        words.append("second bearing: " + ", ".join(f"{k} {v}" for k, v in a["second"].items()))
-    return words
+    phrases = [f"{arrangement['kind']} {arrangement['orientation']}".replace("_", " ")]
+    if max(arrangement.get("tandem", [1])) > 1:
+        first, second = arrangement["tandem"]
+        side = f"{preload_N:g} N on each side"
+        if arrangement["kind"] == "rigid_pair":
+            pair_N = plain(pair_preload_N(arrangement, preload_N))
+            side += f", as bearings matched for a pair of {pair_N} N give"
+        phrases.append(f"{first} and {second} in tandem ({side})")
+    if arrangement["external_axial_N"]:
+        phrases.append(f"external axial force {arrangement['external_axial_N']:g} N")
+    if arrangement["spring_stiffness_N_um"]:
+        phrases.append(f"spring stiffness {arrangement['spring_stiffness_N_um']:g} N/um")
+    if arrangement["second"]:
+        differences = ", ".join(f"{key} {value}" for key, value in arrangement["second"].items())
+        phrases.append(f"second bearing: {differences}")
+    return phrases
 
 
 def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """Lines on the bearing, its operating point, and what its maker's catalogue says."""
+    """Describes the bearing, its operating point, and the limits of its maker's catalogue."""
     bearing, operation = scene["bearing"], scene["operation"]
-    loss = scene["wear"]["ball_diameter_loss_um"]
-    worn = f"{loss:g} um" if isinstance(loss, float) else "unequal"
-    outer = operation.get("outer_speed_rpm")
-    speeds = [f"{operation['shaft_speed_rpm']:g} r/min", *([f"outer {outer:g}"] if outer else [])]
-    method = operation["preload_method"].replace("_", " ")
-    cases = scenes_by_case(scene)
-    parts = (
-        *speeds,
-        f"{method} preload {operation['preload_N']:g} N",
-        *_pair_words(scene.get("arrangement") or {}, operation["preload_N"]),
-        *_forces(scene),
-        f"friction {_friction(scene['friction'])}",
-        f"ball diameter loss {worn}",
-        *([f"nominal of {len(cases)} cases: {', '.join(cases)}"] if len(cases) > 1 else []),
+    catalogue_lines = (
+        identity_line(bearing),
+        speed_limit_line(bearing, operation),
+        minimum_preload_line(bearing, operation),
     )
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
-        ", ".join(parts),
-        *filter(
-            None,
-            (
-                identity_line(bearing),
-                speed_limit_line(bearing, operation),
-                minimum_preload_line(bearing, operation),
-            ),
-        ),
+        ", ".join(_operation_phrases(scene)),
+        *(line for line in catalogue_lines if line),
     )
 
 
-def _friction(given: Mapping[str, Any]) -> str:
-    """Of balls and races: a coefficient, or that of a film."""
-    film = given.get("film")
+def _operation_phrases(scene: Mapping[str, Any]) -> list[str]:
+    """States speeds, preload, loads, friction, wear and cases of a scene."""
+    operation, cases = scene["operation"], scenes_by_case(scene)
+    phrases = [f"{operation['shaft_speed_rpm']:g} r/min"]
+    if outer_rpm := operation.get("outer_speed_rpm"):
+        phrases.append(f"outer {outer_rpm:g}")
+    method = operation["preload_method"].replace("_", " ")
+    phrases.append(f"{method} preload {operation['preload_N']:g} N")
+    phrases += _pair_phrases(scene.get("arrangement") or {}, operation["preload_N"])
+    phrases += _radial_load_phrases(scene)
+    phrases.append(f"friction {_friction_phrase(scene['friction'])}")
+    loss_um = scene["wear"]["ball_diameter_loss_um"]
+    loss = f"{loss_um:g} um" if isinstance(loss_um, float) else "unequal"
+    phrases.append(f"ball diameter loss {loss}")
+    if len(cases) > 1:
+        phrases.append(f"nominal of {len(cases)} cases: {', '.join(cases)}")
+    return phrases
+
+
+def _friction_phrase(friction: Mapping[str, Any]) -> str:
+    """States the friction of balls and races: a coefficient, or the strength of a film."""
+    film = friction.get("film")
     if not film:
-        return f"{given['ball_race']:g}"
-    thick = film.get("thickness_um")
-    return f"of a film ({film['shear_strength_MPa']:g} MPa{f', {thick:g} um' if thick else ''})"
+        return f"{friction['ball_race']:g}"
+    thickness = f", {film['thickness_um']:g} um" if film.get("thickness_um") else ""
+    return f"of a film ({film['shear_strength_MPa']:g} MPa{thickness})"

@@ -1,4 +1,4 @@
-"""A chart of an answer: what a page draws, and scripts read; numbers are in the units shown."""
+"""Charts of an answer: a page draws them, and scripts read them; numbers are in shown units."""
 
 from __future__ import annotations
 
@@ -7,63 +7,58 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bearingwear.results.netcdf import read_as
+from bearingwear.results.netcdf import json_faults
 
 Point = tuple[float, float | None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChartLine:
-    """A line of a preload method."""
+    """A line of a preload method, which gives it its colour."""
 
-    # in words; its colour is the method's
-    name: str
+    name: str  # in words
     method: str
-    points: Sequence[Point]  # none where nothing was solved
-    notes: Sequence[str]  # of each point, which limits it passes; empty within all of them
-    # of each point, what ends the life; empty where that is of no interest
-    ends: Sequence[str] = ()
-    beyond: Sequence[tuple[float, float]] = ()  # where along x a limit is passed
-    star: tuple[float, float] | None = None  # the point that is recommended
-    band: tuple[float, float] | None = None  # between what most bearings lie there
+    points: Sequence[Point]  # y is None where nothing was solved
+    notes: Sequence[str]  # for each point, the limits that it violates; empty if none
+    ends: Sequence[str] = ()  # for each point, the criterion that ends the life; may be left out
+    beyond: Sequence[tuple[float, float]] = ()  # ranges of x in which a limit is violated
+    star: tuple[float, float] | None = None  # the recommended point
+    band: tuple[float, float] | None = None  # range of y of most bearings at the recommended point
 
 
 @dataclass(frozen=True, kw_only=True)
 class Chart:
-    """Lines over one quantity."""
+    """A diagram of lines over one quantity."""
 
     title: str
     x_label: str
     y_label: str
     lines: Sequence[ChartLine]
     limit: float | None = None
-    at_least: bool = False  # whether values below the limit pass it, not those above
+    at_least: bool = False  # whether values below the limit violate it, not those above
     log_x: bool = False
     log_y: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Charts:
-    """Question and charts of the results; the first is the main chart of a page."""
+    """The charts of an answer and its question; the first is the main chart of a page."""
 
     question: str
     charts: Sequence[Chart]
 
     @property
     def stored(self) -> str:
-        """As `load_charts` reads it."""
+        """The text that `load_charts` reads."""
         return json.dumps(asdict(self), ensure_ascii=False, indent=1) + "\n"
 
 
 def load_charts(path: Path) -> Charts:
-    """Charts that a step of a study wrote.
-
-    CaseFileError: one line.
-    """
-    with read_as(path, "charts"):
-        read = json.loads(path.read_text(encoding="utf-8"))
+    """Reads charts that a step of a study wrote. May raise CaseFileError."""
+    with json_faults(path, "charts"):
+        content = json.loads(path.read_text(encoding="utf-8"))
         charts = [
             Chart(**chart | {"lines": [ChartLine(**line) for line in chart["lines"]]})
-            for chart in read["charts"]
+            for chart in content["charts"]
         ]
-        return Charts(question=read["question"], charts=charts)
+        return Charts(question=content["question"], charts=charts)

@@ -1,4 +1,4 @@
-"""The sheets of two result files as one, with a column for each and the difference in percent."""
+"""Compares two result files: their sheets side by side, and what else differs."""
 
 from __future__ import annotations
 
@@ -21,100 +21,137 @@ from bearingwear.scene.checking.errors import leaves
 
 A_AND_B = "A", "B", "difference, %"
 
-ELSEWHERE = frozenset({"scene", "warnings", "modelled", "residual"})
+NOT_COMPARED = frozenset({"scene", "warnings", "modelled", "residual"})
 """Attributes that are shown as keys of the scene, in the heading, or with `--all`."""
 
 
 def comparison_sheet(
     first: str, second: str, more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
-    """The sheets of two files of one kind; below, keys of the scene and attributes that differ.
+    """Returns the sheets of two files of one kind, and the keys and attributes that differ.
 
-    more, every: as of `sheet`. May raise CaseFileError.
+    more, every: arguments of `sheet`. May raise CaseFileError.
     """
-    paths, kinds, attributes = (first, second), [], []
-    for path in paths:
-        with opened(path) as file:
-            kinds.append(kind_of(file))
-            attributes.append({n: np.asarray(file.getncattr(n)).tolist() for n in file.ncattrs()})
-    if kinds[0] != kinds[1]:
-        problem = f"got the kinds {kinds[1]} and {kinds[0]}, expected two files of the same kind"
+    kind_a, attributes_a = _kind_and_attributes(first)
+    kind_b, attributes_b = _kind_and_attributes(second)
+    if kind_a != kind_b:
+        problem = f"got the kinds {kind_b} and {kind_a}, expected two files of the same kind"
         raise CaseFileError(f"{second}: {problem}")
-    sheets = [sheet(path, more, every) for path in paths]
-    blocks = list(_blocks(*sheets))
-    differ = sum(len(row.values) > 2 for block in blocks for row in block.rows)
-    scenes = [leaves(json.loads(file.get("scene", "{}"))) for file in attributes]
-    keys = tuple(_row(Row(key, given=True), a, b) for key, a, b in _apart(*scenes))
-    others = [one for one in _apart(*attributes) if one[0] not in ELSEWHERE and not every]
+    sheet_a, sheet_b = sheet(first, more, every), sheet(second, more, every)
+    blocks = list(_compared_blocks(sheet_a, sheet_b))
+    differing_rows = sum(len(row.values) > 2 for block in blocks for row in block.rows)
     blocks += [
-        Block("keys of the scene that differ", A_AND_B, keys),
-        Block("attributes that differ", lines=tuple(f"{n}: A {a}; B {b}" for n, a, b in others)),
+        Block("keys of the scene that differ", A_AND_B, _key_rows(attributes_a, attributes_b)),
+        Block(
+            "attributes that differ",
+            lines=() if every else _attribute_lines(attributes_a, attributes_b),
+        ),
     ]
-    told = _lines(*(one.heading for one in sheets))
-    heading = f"A {first}", f"B {second}", *told, f"{differ} rows of the sheets differ"
-    facts = {"kind": kinds[0], "A": first, "B": second, "differences": differ}
-    return Document(heading, facts, tuple(one for one in blocks if one.rows or one.lines))
+    heading = (
+        f"A {first}",
+        f"B {second}",
+        *_compared_lines(sheet_a.heading, sheet_b.heading),
+        f"{differing_rows} rows of the sheets differ",
+    )
+    facts = {"kind": kind_a, "A": first, "B": second, "differences": differing_rows}
+    return Document(heading, facts, tuple(block for block in blocks if block.rows or block.lines))
 
 
-def _blocks(a: Document, b: Document) -> Iterator[Block]:
-    """Each block of either sheet."""
-    of_a, of_b = _by_subject(a.blocks), _by_subject(b.blocks)
-    for subject in dict.fromkeys((*of_a, *of_b)):
-        pair = in_one_unit([of_a.get(subject, Block()), of_b.get(subject, Block())])
-        rows, lines = tuple(_rows(*pair)), _lines(*(block.lines for block in pair))
-        title = pair[0].title or pair[1].title
-        yield Block(title, A_AND_B if rows else (), rows, lines, given=pair[0].given)
+def _kind_and_attributes(path: str) -> tuple[str, dict[str, Any]]:
+    """Reads the kind of a result file and its global attributes, as plain Python values."""
+    with opened(path) as file:
+        names = file.ncattrs()
+        return kind_of(file), {name: np.asarray(file.getncattr(name)).tolist() for name in names}
+
+
+def _key_rows(attributes_a: Mapping[str, Any], attributes_b: Mapping[str, Any]) -> tuple[Row, ...]:
+    """Returns a row for each key that differs between the scenes in the attributes of two files."""
+    scene_a, scene_b = (
+        leaves(json.loads(attributes.get("scene", "{}")))
+        for attributes in (attributes_a, attributes_b)
+    )
+    differences = _differences(scene_a, scene_b)
+    return tuple(_compared_row(Row(key, given=True), a, b) for key, a, b in differences)
+
+
+def _attribute_lines(
+    attributes_a: Mapping[str, Any], attributes_b: Mapping[str, Any]
+) -> tuple[str, ...]:
+    """Returns a line for each attribute that differs and that no other part compares."""
+    return tuple(
+        f"{name}: A {a}; B {b}"
+        for name, a, b in _differences(attributes_a, attributes_b)
+        if name not in NOT_COMPARED
+    )
+
+
+def _compared_blocks(sheet_a: Document, sheet_b: Document) -> Iterator[Block]:
+    """Yields each block that either sheet contains, with the values of both."""
+    blocks_a, blocks_b = _by_subject(sheet_a.blocks), _by_subject(sheet_b.blocks)
+    for subject in dict.fromkeys((*blocks_a, *blocks_b)):
+        a, b = in_one_unit([blocks_a.get(subject, Block()), blocks_b.get(subject, Block())])
+        rows, lines = tuple(_compared_rows(a, b)), _compared_lines(a.lines, b.lines)
+        yield Block(a.title or b.title, A_AND_B if rows else (), rows, lines, given=a.given)
 
 
 def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
-    """Blocks by what their titles name, and by number where several name the same.
+    """Returns blocks by the subject in their titles and their number among those of one subject.
 
     A title may count something: `contact (mean of 16 balls)`.
     """
     subjects = [block.title.partition(" (")[0] for block in blocks]
-    return {(name, subjects[:k].count(name)): blocks[k] for k, name in enumerate(subjects)}
+    return {(subject, subjects[:k].count(subject)): blocks[k] for k, subject in enumerate(subjects)}
 
 
-def _rows(a: Block, b: Block) -> Iterator[Row]:
-    """A row for each quantity and column of either block."""
-    of_a, of_b = ({row.name or row.label: row for row in one.rows[one.axes :]} for one in (a, b))
-    for name in dict.fromkeys((*of_a, *of_b)):
-        values_a, values_b = _values(a, of_a.get(name)), _values(b, of_b.get(name))
-        of_name = of_a.get(name) or of_b[name]
+def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
+    """Yields a row for each quantity and column of either block, with the values of both."""
+    rows_a, rows_b = _rows_by_name(a), _rows_by_name(b)
+    for name in dict.fromkeys((*rows_a, *rows_b)):
+        values_a = _values_by_column(a, rows_a.get(name))
+        values_b = _values_by_column(b, rows_b.get(name))
+        row = rows_a.get(name) or rows_b[name]
         for head in dict.fromkeys((*values_a, *values_b)):
-            label, own = ", ".join(filter(None, (of_name.label, head))), f"{name}.{head}"
-            row = Row(label, of_name.unit, (), own.rstrip("."), given=of_name.given)
-            yield _row(row, values_a.get(head, math.nan), values_b.get(head, math.nan))
+            label = ", ".join(filter(None, (row.label, head)))
+            column_row = Row(label, row.unit, (), f"{name}.{head}".rstrip("."), given=row.given)
+            value_a, value_b = values_a.get(head, math.nan), values_b.get(head, math.nan)
+            yield _compared_row(column_row, value_a, value_b)
 
 
-def _values(block: Block, row: Row | None) -> dict[str, Any]:
-    """Values of a row by the heads of their columns, or by their numbers where there are none."""
+def _rows_by_name(block: Block) -> dict[str, Row]:
+    """Returns the rows of a block, without its axes, by their names or labels."""
+    return {row.name or row.label: row for row in block.rows[block.axes :]}
+
+
+def _values_by_column(block: Block, row: Row | None) -> dict[str, Any]:
+    """Returns the values of a row by the heads of its columns, or by numbers without heads."""
     if row is None:
         return {}
     heads = block.heads or ([""] if len(row.values) == 1 else map(str, count(1)))
     return dict(zip(heads, row.values, strict=False))
 
 
-def _row(row: Row, a: Any, b: Any) -> Row:
-    """A row with the values of both files; the difference where there is one."""
+def _compared_row(row: Row, a: Any, b: Any) -> Row:
+    """Returns a row with the values of both files and, where they differ, the difference [%]."""
     if a == b or (a != a and b != b):  # not a number in both
         return row._replace(values=(a, b))
-    numbers = all(isinstance(x, int | float) and math.isfinite(x) for x in (a, b))
-    return row._replace(
-        values=(a, b, Percent(100.0 * (b - a) / abs(a)) if numbers and a else "differs")
-    )
+    are_numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in (a, b))
+    difference = Percent(100.0 * (b - a) / abs(a)) if are_numbers and a else "differs"
+    return row._replace(values=(a, b, difference))
 
 
-def _lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
-    """Sentences of both files, then those of one of them."""
-    only_a, only_b = ([s for s in x if s not in y] for x, y in ((a, b), (b, a)))
-    both = (line for line in a if line in b)
-    return (*both, *(f"A: {line}" for line in only_a), *(f"B: {line}" for line in only_b))
+def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
+    """Returns the lines of both files, then those of one file, marked with its letter."""
+    common = (line for line in a if line in b)
+    only_a = (f"A: {line}" for line in a if line not in b)
+    only_b = (f"B: {line}" for line in b if line not in a)
+    return (*common, *only_a, *only_b)
 
 
-def _apart(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
-    """Name and values of what differs; a dash for what one file lacks."""
+def _differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
+    """Yields name and both values of what differs; a dash stands for a missing value."""
     for name in dict.fromkeys((*a, *b)):
         if a.get(name) != b.get(name):
-            first, second = ("–" if x.get(name) is None else x[name] for x in (a, b))
-            yield name, first, second
+            value_a, value_b = (
+                "–" if values.get(name) is None else values[name] for values in (a, b)
+            )
+            yield name, value_a, value_b

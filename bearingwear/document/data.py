@@ -1,4 +1,4 @@
-"""A document for programs: JSON and CSV."""
+"""Renders a document for programs: JSON and CSV."""
 
 from __future__ import annotations
 
@@ -15,39 +15,47 @@ from bearingwear.results.units import Interval
 
 
 def as_json(document: Document) -> str:
-    """Facts, `sentences` by their titles, and `quantities`: plain numbers, the unit beside them.
+    """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
 
-    All in ASCII, other characters escaped, so that any locale passes it on unchanged.
+    A quantity has plain numbers and their unit. All is in ASCII, other characters escaped, so that
+    any locale passes it on unchanged.
     """
     quantities = [
         {"block": block.title, "name": row.name or row.label, "label": row.label}
         | {"unit": row.unit}
-        | _valued(block, row)
-        | _limited(block, row)
+        | _value_entry(block, row)
+        | _limit_entry(block, row)
         for block in document.blocks
         for row in block.rows
         if row.values
     ]
-    said = {block.title: block.lines for block in document.blocks if not block.rows and block.title}
-    data = {**document.facts, **({"sentences": said} if said else {}), "quantities": quantities}
+    sentences = {
+        block.title: block.lines for block in document.blocks if not block.rows and block.title
+    }
+    data = dict(document.facts)
+    if sentences:
+        data["sentences"] = sentences
+    data["quantities"] = quantities
     return json.dumps(data, indent=1)
 
 
-def _valued(block: Block, row: Row) -> dict[str, Any]:
+def _value_entry(block: Block, row: Row) -> dict[str, Any]:
+    """Returns `value` of a row with one number, otherwise `values` by the heads of columns."""
     values = [_plain(value) for value in row.values]
     if not block.heads:
         return {"value": values[0]} if len(values) == 1 else {"values": values}
     return {"values": dict(zip(block.heads, values, strict=False))}
 
 
-def _limited(block: Block, row: Row) -> dict[str, Any]:
+def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
+    """Returns `limit` of a row, by the heads of columns if they differ; empty without a limit."""
     if row.limits:
         return {"limit": dict(zip(block.heads, row.limits, strict=False))}
     return {} if row.limit is None else {"limit": row.limit}
 
 
 def _plain(value: Any) -> Any:
-    """A number as JSON has it, or two of an interval; none where there is no number."""
+    """Converts a number for JSON: two numbers for an interval, None for NaN."""
     if isinstance(value, Interval):
         return [_plain(end) for end in value]
     if isinstance(value, float):
@@ -56,27 +64,27 @@ def _plain(value: Any) -> Any:
 
 
 def as_csv(document: Document) -> str:
-    """A line for each number; facts stand first."""
+    """Returns CSV with a line for each number; the facts stand first."""
     lines: list[list[Any]] = [["block", "name", "label", "column", "unit", "value"]]
     for name, value in document.facts.items():
-        for one in value if isinstance(value, list | tuple) else [value]:
-            lines.append(["", name, "", "", "", one])
+        for item in value if isinstance(value, list | tuple) else [value]:
+            lines.append(["", name, "", "", "", item])
     for block in document.blocks:
         for row in block.rows:
-            lines += [[block.title, *line] for line in _numbers(block, row)]
+            lines += [[block.title, *line] for line in _number_lines(block, row)]
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(lines)
     return text.getvalue().rstrip("\n")
 
 
-def _numbers(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:
-    """Of each number of a row: name, label, column, unit, value."""
+def _number_lines(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:
+    """Yields name, label, column, unit and value of each number of a row and of its limits."""
     name = row.name or row.label
     for column, value in itertools.zip_longest(block.heads, map(_plain, row.values), fillvalue=""):
-        several = value if isinstance(value, list) else [value]
-        ends = ("_low", "_high") if len(several) > 1 else ("",)
-        for end, number in zip(ends, several, strict=True):
-            yield name + end, row.label, column, row.unit, number
+        numbers = value if isinstance(value, list) else [value]
+        suffixes = ("_low", "_high") if len(numbers) > 1 else ("",)
+        for suffix, number in zip(suffixes, numbers, strict=True):
+            yield name + suffix, row.label, column, row.unit, number
     if row.limit is not None:
         yield name, row.label, "limit", row.unit, row.limit
     for column, limit in zip(block.heads, row.limits, strict=False):

@@ -1,4 +1,4 @@
-"""What is said to people about a result, written once: text, tables and figures.
+"""A document: the headings, tables, sentences and facts that a result is reported with.
 
 Renderers: `text.py` for a terminal, `markdown.py`, `html.py`, and `data.py` (JSON and CSV) for
 programs.
@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bearingwear.results.netcdf import read_as
+from bearingwear.results.netcdf import json_faults
 from bearingwear.results.units import (
     Display,
     Estimated,
@@ -29,16 +29,17 @@ from bearingwear.results.variables import CASE, LIFE
 VARIABLES = CASE | LIFE
 
 PLACES = ("", "verdict", "strip", "lead", "more", "open", "charted")
-"""Where a block stands on a page: folded away, under the headline, above all else, beside the first
-chart, there where no charts say it, below all of these, or folded below charts that draw it."""
+"""Places of a block on a page, in this order: folded away, under the headline, above all else,
+beside the first chart, beside it only if there are no charts, below all of these, or folded below
+charts that draw the same."""
 
 
 class Row(NamedTuple):
-    """A quantity, its values in the unit that is shown.
+    """A quantity of a table, with its values in the unit that is shown.
 
-    `values` are numbers or words, one for each column of the block; `limit` is in the same unit,
-    and so are `limits` of each column where they differ. Numbers that are `given` stand as they
-    are.
+    `values` are numbers or words, one for each column of the block. `limit` is in the same unit,
+    and so are the `limits` of the columns, if these differ. If `given`, the numbers are inputs and
+    are shown with all of their digits.
     """
 
     label: str
@@ -52,35 +53,36 @@ class Row(NamedTuple):
 
     @property
     def head(self) -> str:
-        """Its label with the unit in brackets."""
+        """The label, with the unit in brackets."""
         label = self.label.strip()
         return f"{label} ({in_print(self.unit)})" if self.unit else label
 
 
 @dataclass(frozen=True)
 class Block:
-    """A table below a title, and sentences below the table; either may be missing."""
+    """A title, a table below it, and sentences below the table; each may be missing."""
 
     title: str = ""
     columns: tuple[str, ...] = ()
     rows: tuple[Row, ...] = ()
     lines: tuple[str, ...] = ()  # sentences
     unit: str = ""
-    given: bool = False  # whether its numbers were given, and stand as they were
-    # the first rows that name a point, where the table has a line for each point and a column for
-    # each row
+    given: bool = False  # whether its numbers are inputs, shown with all of their digits
+    # Number of first rows that name a point, if the table has a line for each point and a column
+    # for each row.
     axes: int = 0
     place: str = ""  # one of `PLACES`
 
     @property
     def heads(self) -> tuple[str, ...]:
-        """Names of its columns; of points, as their axes are shown."""
-        points = zip(*self.cells[: self.axes], strict=True)
-        return tuple(map(", ".join, points)) if self.axes else self.columns
+        """The heads of the columns; in a table of points, the values that name each point."""
+        if not self.axes:
+            return self.columns
+        return tuple(", ".join(point) for point in zip(*self.cells[: self.axes], strict=True))
 
     @property
     def cells(self) -> list[list[str]]:
-        """Texts of the values of each row."""
+        """The texts of the values of each row."""
         return [
             [shown_value(value, row.unit, self.given or row.given) for value in row.values]
             for row in self.rows
@@ -88,12 +90,11 @@ class Block:
 
     @property
     def table(self) -> tuple[list[str], list[list[str]]]:
-        """Heads and lines of its table, for a page or Markdown."""
+        """The heads and the lines of the table, for a page or Markdown."""
         cells = self.cells
         if self.axes:
-            return [row.head for row in self.rows], [
-                list(line) for line in zip(*cells, strict=True)
-            ]
+            heads = [row.head for row in self.rows]
+            return heads, [list(line) for line in zip(*cells, strict=True)]
         notes = [row_notes(row) for row in self.rows]
         lines = [
             [row.head, *texts, *([note] if any(notes) else [])]
@@ -105,10 +106,10 @@ class Block:
 
 @dataclass(frozen=True)
 class Document:
-    """Heading lines, the first its title; facts for programs; blocks, and names of figures.
+    """A report: heading lines (the first is the title), facts for programs, blocks and figures.
 
-    A page shows it in the navigation by its `subject`; of several, the one of the least `rank`
-    leads. Its facts then name the `scene` and its `bearing`.
+    The navigation of a page shows it by its `subject`, and the document with the least `rank`
+    stands first. The facts of such a document contain the `scene` and its `bearing`.
     """
 
     heading: tuple[str, ...] = ()
@@ -130,46 +131,51 @@ class Document:
 
     @property
     def title(self) -> str:
-        """The first line."""
+        """The first heading line."""
         return self.heading[0] if self.heading else ""
 
     def placed(self, *places: str) -> list[Block]:
-        """Blocks of some places."""
+        """Returns the blocks whose place is one of `places`."""
         return [block for block in self.blocks if block.place in places]
 
     @property
     def stored(self) -> str:
-        """As `load_document` and `sheet_in_file` read it."""
+        """The text that `load_document` and `sheet_in_file` read."""
         return json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1) + "\n"
 
 
 def row_of(
     name: str, numbers: Iterable[Any], limit: float | None = None, unit: Display | None = None
 ) -> Row:
-    """The row of a variable of a case or life, from values of the file."""
-    known = VARIABLES[name]
-    found = [float(number) for number in numbers]
-    unit = unit or display(known.units, found, [] if limit is None else limit, shown=known.shown)
+    """Returns the row of a variable of a case or life.
+
+    numbers, limit: in the units of the file.
+    unit: in which they are shown; by default the one that suits them.
+    """
+    variable = VARIABLES[name]
+    values = [float(number) for number in numbers]
+    limits = [] if limit is None else [limit]
+    unit = unit or display(variable.units, values, limits, shown=variable.shown)
     return Row(
-        known.label or name.replace("_", " "),
-        unit.unit,
-        tuple(unit.of(number) for number in found),
-        name,
-        None if limit is None else unit.of(limit),
+        label=variable.label or name.replace("_", " "),
+        unit=unit.unit,
+        values=tuple(unit.of(value) for value in values),
+        name=name,
+        limit=None if limit is None else unit.of(limit),
     )
 
 
 def quantity_row(
     label: str, units: str, numbers: Iterable[Any], name: str = "", shown: str = ""
 ) -> Row:
-    """A row of numbers in the units of files, in the unit that they are shown in together."""
-    found = [float(number) for number in numbers]
-    unit = display(units, found, shown=shown)
-    return Row(label, unit.unit, tuple(unit.of(number) for number in found), name)
+    """Returns a row of numbers, converted from the units of files to one unit for people."""
+    values = [float(number) for number in numbers]
+    unit = display(units, values, shown=shown)
+    return Row(label, unit.unit, tuple(unit.of(value) for value in values), name)
 
 
 def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
-    """The text of a value in the unit that is shown."""
+    """Returns the text of a value in the unit that is shown; inputs (`given`) with all digits."""
     if isinstance(value, Rough):
         return value.in_unit(unit)
     if isinstance(value, Interval | Percent) or (
@@ -184,34 +190,41 @@ def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
 
 
 def row_notes(row: Row) -> str:
-    """Notes of a row: its end-of-life criterion, those of each column, and its own."""
-    limit = "" if row.limit is None else f"criterion {digits(row.limit, row.unit)}"
-    each = ", ".join("–" if one is None else digits(one, row.unit) for one in row.limits)
-    return ", ".join(filter(None, (limit, each and f"criteria {each}", row.note)))
+    """Returns the notes of a row: its criterion, the criteria of its columns, and its own note."""
+    notes = []
+    if row.limit is not None:
+        notes.append(f"criterion {digits(row.limit, row.unit)}")
+    if row.limits:
+        limits = ("–" if limit is None else digits(limit, row.unit) for limit in row.limits)
+        notes.append(f"criteria {', '.join(limits)}")
+    if row.note:
+        notes.append(row.note)
+    return ", ".join(notes)
 
 
 def load_document(path: Path) -> Document:
-    """A document that a step of a study wrote. Raises CaseFileError."""
-    with read_as(path, "a document"):
+    """Reads a document that a step of a study wrote. May raise CaseFileError."""
+    with json_faults(path, "a document"):
         return _document(path.read_text(encoding="utf-8"))
 
 
 def sheet_in_file(file: Any) -> Document:
-    """The sheet that an open result file has as its attribute `sheet`."""
+    """Reads the sheet that an open result file has as its attribute `sheet`."""
     return _document(file.sheet)
 
 
 def _document(stored: str) -> Document:
-    read = _decoded(json.loads(stored))
+    """Reads a document from its `stored` text."""
+    content = _decoded(json.loads(stored))
     blocks = tuple(
         Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})
-        for block in read.pop("blocks")
+        for block in content.pop("blocks")
     )
-    return Document(blocks=blocks, **read)
+    return Document(blocks=blocks, **content)
 
 
 def _encoded(value: Any) -> Any:
-    """A value as JSON has it; what is no plain number says what it is."""
+    """Converts a value for JSON; a number of a special class becomes an object with its class."""
     if isinstance(value, Rough):
         return {"rough": float(value)}
     if isinstance(value, Estimated):
@@ -221,12 +234,12 @@ def _encoded(value: Any) -> Any:
     if isinstance(value, Row):
         value = value._asdict()
     if isinstance(value, Mapping):
-        return {key: _encoded(one) for key, one in value.items()}
-    return [_encoded(one) for one in value] if isinstance(value, tuple | list) else value
+        return {key: _encoded(item) for key, item in value.items()}
+    return [_encoded(item) for item in value] if isinstance(value, tuple | list) else value
 
 
 def _decoded(value: Any) -> Any:
-    """What `_encoded` was given; lists come back as tuples."""
+    """Reverses `_encoded`; lists become tuples."""
     if isinstance(value, dict):
         if value.keys() == {"rough"}:
             return Rough(value["rough"])
@@ -234,5 +247,5 @@ def _decoded(value: Any) -> Any:
             return Estimated.of(*value["estimated"])
         if value.keys() == {"interval"}:
             return Interval(*value["interval"])
-        return {key: _decoded(one) for key, one in value.items()}
-    return tuple(_decoded(one) for one in value) if isinstance(value, list) else value
+        return {key: _decoded(item) for key, item in value.items()}
+    return tuple(_decoded(item) for item in value) if isinstance(value, list) else value

@@ -1,8 +1,11 @@
-"""What `check` says of a scene: its model, the table of effects, and warnings."""
+"""The sheet of `check`: the model of a scene, the table of effects, and warnings."""
 
 from __future__ import annotations
 
-from bearingwear.document.bearing_line import duty_lines, settled_by_a_case
+from collections.abc import Mapping
+from typing import Any
+
+from bearingwear.document.bearing_line import duty_lines, is_answered_by_a_case
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.results.warnings import warning_line
 from bearingwear.scene.cases import NOMINAL
@@ -13,20 +16,49 @@ from bearingwear.solvers.effects.sizes import effect_sizes
 from bearingwear.solvers.effects.table import EFFECTS
 from bearingwear.solvers.effects.warnings import warnings_of
 
-STATED = frozenset(
+WITH_SENTENCE = frozenset(
     {
         "pair", "film_worn", "contact_angle_too_small", "unit_in_doubt", "motion_unstable",
         "criteria",
     }
 )  # fmt: skip
-"""Effects whose sentences state values of the scene, which no row of the table has."""
+"""Effects whose sentences state values of the scene that no row of the table contains."""
 
 LIMIT = "limit: the size beyond which an effect is modelled, or a warning asks for the key"
 
 
 def check_document(path: str, scene: Scene, chosen: Choice) -> Document:
-    """The model of a valid scene, the effects that it has and leaves out, and what to know."""
-    rows = tuple(
+    """Returns the sheet of a valid scene: its model, the effects on and off, and warnings.
+
+    path: of the scene file.
+    """
+    scene_data = scene.to_dict()
+    warnings = [
+        warning_line(warning)
+        for warning in warnings_of(scene, chosen)
+        if not is_answered_by_a_case(warning, scene_data)
+    ]
+    heading = (
+        f"{path}: valid; {scene.name} would be solved with the {chosen.fidelity} model",
+        f"  {chosen.fidelity}: {chosen.why}",
+    )
+    blocks = (
+        Block("effect", ("modelled", "size", "limit"), _effect_rows(chosen), (LIMIT,)),
+        Block("", lines=(*_model_lines(scene, scene_data, chosen), *warnings)),
+    )
+    facts = {
+        "kind": "check",
+        "scene": scene.name,
+        "fidelity": chosen.fidelity,
+        "why": chosen.why,
+        "warnings": warnings,
+    }
+    return Document(heading, facts, blocks)
+
+
+def _effect_rows(chosen: Choice) -> tuple[Row, ...]:
+    """Returns a row for each effect: whether it is modelled, its size, and the limit of neglect."""
+    return tuple(
         Row(
             effect.name,
             effect.unit,
@@ -36,32 +68,21 @@ def check_document(path: str, scene: Scene, chosen: Choice) -> Document:
         )
         for effect in effect_sizes(chosen)
     )
-    data = scene.to_dict()
-    stated = [line for one in EFFECTS if one.id in STATED for line in one.modelled(chosen)]
-    lines = [*stated, accuracy_sentence(scene, chosen), effort(scene, chosen)]
+
+
+def _model_lines(scene: Scene, scene_data: Mapping[str, Any], chosen: Choice) -> list[str]:
+    """Returns lines on effects, accuracy and effort, and on cases, duty and minimum preload."""
+    lines = [
+        line for effect in EFFECTS if effect.id in WITH_SENTENCE for line in effect.modelled(chosen)
+    ]
+    lines += [accuracy_sentence(scene, chosen), effort(scene, chosen)]
     if scene.cases:
         names = ", ".join(scene.in_cases)
         lines.append(
             f"cases: {names}; these lines are of {NOMINAL}; --case NAME gives those of another"
         )
     if scene.duty is not None:
-        lines += duty_lines(data)
-    if line := minimum_preload_line(data["bearing"], data["operation"]):
+        lines += duty_lines(scene_data)
+    if line := minimum_preload_line(scene_data["bearing"], scene_data["operation"]):
         lines.append(line)
-    warnings = [one for one in warnings_of(scene, chosen) if not settled_by_a_case(one, data)]
-    heading = (
-        f"{path}: valid; {scene.name} would be solved with the {chosen.fidelity} model",
-        f"  {chosen.fidelity}: {chosen.why}",
-    )
-    blocks = (
-        Block("effect", ("modelled", "size", "limit"), rows, (LIMIT,)),
-        Block("", lines=(*lines, *map(warning_line, warnings))),
-    )
-    facts = {
-        "kind": "check",
-        "scene": scene.name,
-        "fidelity": chosen.fidelity,
-        "why": chosen.why,
-        "warnings": [warning_line(one) for one in warnings],
-    }
-    return Document(heading, facts, blocks)
+    return lines

@@ -1,4 +1,4 @@
-"""A document as HTML, and any block of it."""
+"""Renders a document, or a block of one, as HTML."""
 
 from __future__ import annotations
 
@@ -10,49 +10,50 @@ from bearingwear.results.units import unbroken
 
 
 def as_html(document: Document) -> str:
-    """All of a document: what a notebook shows."""
-    heading = "".join(f"<p>{_plain(text)}</p>" for text in document.heading)
+    """Returns HTML of a whole document, which a notebook shows."""
+    heading = "".join(f"<p>{_escaped(text)}</p>" for text in document.heading)
     return f"<div>{heading}{''.join(block_html(block) for block in document.blocks)}</div>"
 
 
 def block_html(block: Block, name: str = "") -> str:
-    """A table with its title and the sentences below it, or sentences below their title.
+    """Returns HTML of a table with its title and sentences, or of sentences below their title.
 
-    name: the `id` of its table.
+    name: the `id` of the table.
     """
     if not block.rows:
         return sentences_html([block])
     heads, lines = block.table
     sortable = ' class="sortable"' if heads[0] else ""
-    known = f' id="{escape(name)}"' if name else ""
+    identifier = f' id="{escape(name)}"' if name else ""
     label = escape(block.title)
-    head = "".join(
-        f'<th scope="col">{_plain(text)}</th>' if text else "<td></td>" for text in heads
+    head_cells = "".join(
+        f'<th scope="col">{_escaped(text)}</th>' if text else "<td></td>" for text in heads
     )
     body = "\n".join(
-        f'<tr><th scope="row">{_plain(first)}</th>'
-        + "".join(f"<td>{_plain(text)}</td>" for text in rest)
+        f'<tr><th scope="row">{_escaped(label)}</th>'
+        + "".join(f"<td>{_escaped(text)}</td>" for text in texts)
         + "</tr>"
-        for first, *rest in lines
+        for label, *texts in lines
     )
-    caption = f"<caption>{_plain(block.title)}</caption>" if block.title else ""
-    table = f"<table{known}{sortable}>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}"
-    notes = "".join(f'<p class="note">{_plain(text)}</p>' for text in block.lines)
+    caption = f"<caption>{_escaped(block.title)}</caption>" if block.title else ""
+    start = f"<table{identifier}{sortable}>{caption}\n<thead><tr>{head_cells}</tr></thead>\n"
+    notes = "".join(f'<p class="note">{_escaped(text)}</p>' for text in block.lines)
     return (
-        f'<div class="wide" role="region" aria-label="{label}" tabindex="0">{table}\n'
-        f"</tbody></table></div>\n{notes}"
+        f'<div class="wide" role="region" aria-label="{label}" tabindex="0">{start}'
+        f"<tbody>\n{body}\n</tbody></table></div>\n{notes}"
     )
 
 
 def sentences_html(blocks: Iterable[Block]) -> str:
-    """Sentences of some blocks below their titles, as one list."""
-    parts = []
+    """Returns one HTML list of the sentences of blocks, below the titles of the blocks."""
+    items = []
     for block in blocks:
-        parts += [f"<dt>{_plain(block.title)}</dt>"] if block.title else []
-        parts += [f"<dd>{_plain(text)}</dd>" for text in block.lines]
-    return f"<dl>{''.join(parts)}</dl>" if parts else ""
+        if block.title:
+            items.append(f"<dt>{_escaped(block.title)}</dt>")
+        items += [f"<dd>{_escaped(text)}</dd>" for text in block.lines]
+    return f"<dl>{''.join(items)}</dl>" if items else ""
 
 
-def _plain(text: str) -> str:
-    """A text, of whom ever, with its numbers in one piece with their units."""
+def _escaped(text: str) -> str:
+    """Escapes a text for HTML, with no line break between a number and its unit."""
     return escape(unbroken(text), quote=False)

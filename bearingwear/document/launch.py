@@ -2,63 +2,93 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from bearingwear.results.units import digits
 from bearingwear.solvers.bearing.launch import Launched
 
 _UM, _GPA = 1e6, 1e-9
-_SHOWN = 2  # states of one case: new and worn
+NEW_AND_WORN = 2
+"""States of one case."""
 
 
-def launch_gap(one: Launched) -> float:
-    return one.gap
+def state_suffix(state: str, states: Mapping[str, Launched]) -> str:
+    """Returns the words that add a state to a text, if there are several states."""
+    return f", {state}" if len(states) > 1 else ""
 
 
-def denting_share(one: Launched) -> float:
-    return one.pressure_share
+def state_of_largest_gap(states: Mapping[str, Launched]) -> str:
+    """Returns the name of the state in which a bearing gaps most."""
+    return max(states, key=lambda state: states[state].gap)
 
 
-def worst_state(found: Mapping[str, Launched], value_of: Callable[[Launched], float]) -> str:
-    return max(found, key=lambda words: value_of(found[words]))
+def state_of_largest_pressure(states: Mapping[str, Launched]) -> str:
+    """Returns the name of the state whose pressure is the largest share of that which dents."""
+    return max(states, key=lambda state: states[state].pressure_share)
 
 
-def launch_verdict(found: Mapping[str, Launched]) -> list[str]:
-    """Whether it gaps and whether it dents in any state, in sentences that name the state."""
-    worst = worst_state(found, launch_gap)
-    state = f", {worst}" if len(found) > 1 else ""
-    said = [
-        f"{load.name}{state}: the spring does not support the rotor; increase the spring force, or "
-        "add a stop (arrangement.stop_um)"
-        for load in found[worst].loads
+def launch_verdict(states: Mapping[str, Launched]) -> list[str]:
+    """States whether a bearing gaps and whether one dents, in sentences that name the state."""
+    return _gap_sentences(states) + _dent_sentences(states)
+
+
+class _OpenBearing(NamedTuple):
+    """A bearing that gaps under a load; the order of the fields makes the largest gap the `max`."""
+
+    gap: float  # [m]
+    number: int
+    load: str
+    leaves_its_groove: bool
+
+
+def _gap_sentences(states: Mapping[str, Launched]) -> list[str]:
+    """States by how much a bearing gaps in the worst state, or that none does."""
+    worst = state_of_largest_gap(states)
+    loads, suffix = states[worst].loads, state_suffix(worst, states)
+    sentences = [
+        f"{load.name}{suffix}: the spring does not support the rotor; increase the spring force, "
+        "or add a stop (arrangement.stop_um)"
+        for load in loads
         if load.rotor is None
     ]
-    opened = [
-        (max(bearing.gap, bearing.past), k + 1, load.name, bearing.past > 0.0)
-        for load in found[worst].loads
+    open_bearings = [
+        _OpenBearing(
+            gap=max(bearing.gap, bearing.past),
+            number=k + 1,
+            load=load.name,
+            leaves_its_groove=bearing.past > 0.0,
+        )
+        for load in loads
         if load.rotor is not None
         for k, bearing in enumerate(load.rotor.bearings)
         if bearing.is_open
     ]
-    if opened:
-        gap, k, name, is_past = max(opened)
-        said.append(f"bearing {k} gaps by {digits(_UM * gap)} um, {name}{state}")
-        if is_past:
-            said.append(
-                f"bearing {k} passes its gap onto the other side of its grooves, {name}: add "
-                "a stop (arrangement.stop_um)"
+    if open_bearings:
+        widest = max(open_bearings)
+        gap_um = digits(_UM * widest.gap)
+        sentences.append(f"bearing {widest.number} gaps by {gap_um} um, {widest.load}{suffix}")
+        if widest.leaves_its_groove:
+            sentences.append(
+                f"bearing {widest.number} passes its gap onto the other side of its grooves, "
+                f"{widest.load}: add a stop (arrangement.stop_um)"
             )
-    elif found[worst].loads and not said:
-        states = " and ".join(dict.fromkeys(words.partition(" (")[0] for words in found))
-        states += ", in every case" if len(found) > _SHOWN else ""
-        said.append(f"no gap: every bearing remains loaded, {states}")
-    worst = worst_state(found, denting_share)
-    one, state = found[worst], f", {worst}" if len(found) > 1 else ""
-    if one.loads:
-        share = 100.0 * one.pressure_share
-        verb = "dents" if share > 100.0 else "no dents"
-        said.append(
-            f"{verb}: the peak pressure is {digits(share)} % of "
-            f"{digits(_GPA * one.pressure)} GPa, {one.source}{state}"
-        )
-    return said
+    elif loads and not sentences:
+        names = " and ".join(dict.fromkeys(state.partition(" (")[0] for state in states))
+        names += ", in every case" if len(states) > NEW_AND_WORN else ""
+        sentences.append(f"no gap: every bearing remains loaded, {names}")
+    return sentences
+
+
+def _dent_sentences(states: Mapping[str, Launched]) -> list[str]:
+    """States the largest peak pressure as a share of that which dents; empty without loads."""
+    worst = state_of_largest_pressure(states)
+    state = states[worst]
+    if not state.loads:
+        return []
+    percent = 100.0 * state.pressure_share
+    verb = "dents" if percent > 100.0 else "no dents"
+    return [
+        f"{verb}: the peak pressure is {digits(percent)} % of "
+        f"{digits(_GPA * state.pressure)} GPa, {state.source}{state_suffix(worst, states)}"
+    ]

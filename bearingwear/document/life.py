@@ -1,15 +1,16 @@
-"""The result sheet of a life: its length, its end, and the wear."""
+"""Blocks of the sheet of a life: its length, its end, and the wear."""
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Row, row_of
-from bearingwear.document.pair import bearings_of, of_bearings
+from bearingwear.document.pair import bearing_views, blocks_by_bearing
 from bearingwear.document.phases import phase_blocks
 from bearingwear.document.rows import (
     counted_words,
@@ -34,7 +35,7 @@ WORN_RACES = "history_race_worn_volume"
 WITH_GROOVES = ("history_approach_loss", "history_greatest_depth")
 EQUIVALENT_LOSS = "history_equivalent_loss"
 EQUIVALENT = "total wear depth, equivalent"
-"""Label of the loss with worn grooves, which are not as deep over all of their width."""
+"""Label of the loss with worn grooves, whose depth varies over their width."""
 
 WITH_FILMS = ("history_friction_coefficient", "history_race_film", "history_ball_film")
 WORN_THROUGH = ("race_film_worn_through", "ball_film_worn_through")
@@ -46,154 +47,183 @@ WORN_WHOLE = (
     "history_pocket_film_worn_share",
     "history_land_film_worn_share",
 )
-MET = 1e-3
+REACHED = 1e-3
 """Share of a limit within which the bearing of a pair that ends a life meets it."""
 
 _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
 
 
 def life_blocks(file: Any) -> list[Block]:
-    """Blocks of a life."""
-    ((_, first), *_) = bearings_of(file)
-    return in_one_unit([*_of_both(first), *of_bearings(file, _of_each)])
+    """Returns the blocks of a life: those of both bearings, then those of each."""
+    ((_, first_bearing), *_) = bearing_views(file)
+    return in_one_unit([*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)])
 
 
-def _scene_of(file: Any) -> dict[str, Any]:
+def _scene_content(file: Any) -> dict[str, Any]:
     return json.loads(getattr(file, "scene", "{}"))
 
 
-def _of_both(file: Any) -> list[Block]:
-    """Blocks that are shown once for two bearings."""
-    scene = _scene_of(file)
-    life = float(values(file, "life"))
-    lives = [row_of("life", [life])._replace(label=f"life, wear of {counted_words(scene)}")]
-    band, taken = band_by_wear(scene, life)
+def _life_and_phases(file: Any) -> list[Block]:
+    """Returns the blocks that are shown once for two bearings: the life, and phases of a duty."""
+    scene = _scene_content(file)
+    life_h = float(values(file, "life"))
+    rows = [row_of("life", [life_h])._replace(label=f"life, wear of {counted_words(scene)}")]
+    band, band_sentence = band_by_wear(scene, life_h)
     if band is not None:
-        lives.append(Row(BY_WEAR, "h", (band,), "life_by_wear_alone"))
-    if "normalised_life" in file.variables:
-        lives.append(row_of("normalised_life", [values(file, "normalised_life")]))
+        rows.append(Row(BY_WEAR, "h", (band,), "life_by_wear_alone"))
+    rows += [
+        row_of(name, [values(file, name)])
+        for name in ("normalised_life", *OF_DUTY)
+        if name in file.variables
+    ]
+    rows.append(Row("ended by", "", (_criterion_words(file, "end_criterion"),), "end_criterion"))
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
-    if EQUIVALENT_LOSS in file.variables:
-        loss = loss._replace(label=EQUIVALENT)
-    ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
-    ended_by = str(getattr(file, "ended_by", ""))
-    if ended_by and (phase := str(getattr(file, "ended_in", ""))):
-        ended_by = f"in {phase}: {ended_by}"
-    elif phase := str(getattr(file, "unsolved_phase", "")):
-        ended_by = f"not solved in phase {phase}"
-    lines = filter(None, [ended_by, *_calibrated(scene), taken, *film_lines(scene)])
-    lives += [row_of(n, [values(file, n)]) for n in OF_DUTY if n in file.variables]
-    return [Block("life", (), (*lives, ended, loss), tuple(lines)), *phase_blocks(file, scene)]
+    rows.append(loss._replace(label=EQUIVALENT) if EQUIVALENT_LOSS in file.variables else loss)
+    lines = (
+        _end_phrase(file),
+        _calibration_phrase(scene),
+        band_sentence,
+        *film_lines(scene),
+    )
+    life_block = Block("life", (), tuple(rows), tuple(line for line in lines if line))
+    return [life_block, *phase_blocks(file, scene)]
 
 
-def _of_each(file: Any) -> list[Block]:
-    """Blocks of a bearing."""
-    scene = _scene_of(file)
+def _end_phrase(file: Any) -> str:
+    """States what ended a life and in which phase of a duty, or which phase was not solved."""
+    end = str(getattr(file, "ended_by", ""))
+    if end and (phase := str(getattr(file, "ended_in", ""))):
+        return f"in {phase}: {end}"
+    if phase := str(getattr(file, "unsolved_phase", "")):
+        return f"not solved in phase {phase}"
+    return end
+
+
+def _wear_blocks(file: Any) -> list[Block]:
+    """Returns the blocks of one bearing: its histories, criteria, films and worn parts."""
     blocks = []
     if "step" in file.dimensions and file.dimensions["step"].size:
-        more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
-        names = ("history_residual_preload", "history_total_qv", *more)
-        ends = tuple(row for n in names for row in _ends(file, n))
-        rate = values(file, "history_ball_diameter_loss_rate")
-        if rate.ndim:
-            loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1]])
-            label = EQUIVALENT if EQUIVALENT_LOSS in file.variables else loss_rate.label
-            name = "history_ball_diameter_loss_rate"
-            ends += (loss_rate._replace(label=label, name=name),)
-        blocks.append(Block("during the life", ("start", "end"), ends))
-        blocks.append(Block("end-of-life criteria", ("start", "end"), _criteria(file, scene)))
-    return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]
+        criteria = _criterion_rows(file, _scene_content(file))
+        blocks.append(Block("during the life", ("start", "end"), _history_rows(file)))
+        blocks.append(Block("end-of-life criteria", ("start", "end"), criteria))
+    return [*blocks, *_film_blocks(file), *_steady_life_blocks(file), *_worn_part_blocks(file)]
 
 
-def _calibrated(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """By which tests the scene was calibrated."""
+def _history_rows(file: Any) -> tuple[Row, ...]:
+    """Returns rows of preload, QV, grooves, films and loss rate at the start and the end."""
+    optional = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
+    names = ("history_residual_preload", "history_total_qv", *optional)
+    rows = [row for name in names for row in _start_and_end_rows(file, name)]
+    loss_rate = values(file, "history_ball_diameter_loss_rate")
+    if loss_rate.ndim:
+        row = row_of("ball_diameter_loss_rate", loss_rate[[0, -1]])
+        label = EQUIVALENT if EQUIVALENT_LOSS in file.variables else row.label
+        rows.append(row._replace(label=label, name="history_ball_diameter_loss_rate"))
+    return tuple(rows)
+
+
+def _calibration_phrase(scene: Mapping[str, Any]) -> str:
+    """States with which tests the scene was calibrated; empty if it was not."""
     calibration = scene.get("calibrated")
-    return (
-        (
-            f"calibrated with {calibration['rows']} test{'s' * (calibration['rows'] > 1)} from "
-            f"{calibration['tests']}",
-        )
-        if calibration
-        else ()
-    )
+    if not calibration:
+        return ""
+    plural = "s" * (calibration["rows"] > 1)
+    return f"calibrated with {calibration['rows']} test{plural} from {calibration['tests']}"
 
 
-def _ends(file: Any, name: str) -> list[Row]:
-    """A row of a history at start and end, or one for each race."""
-    found = np.atleast_1d(values(file, name))[[0, -1]]
-    found = np.where(np.abs(found) < _ROUNDING * np.abs(found).max(initial=0.0), 0.0, found)
-    if found.ndim == 1:
-        return [row_of(name, found)]
+def _start_and_end_rows(file: Any, name: str) -> list[Row]:
+    """Returns a row with start and end of a history, or such a row for each race."""
+    ends = np.atleast_1d(values(file, name))[[0, -1]]
+    ends = np.where(np.abs(ends) < _ROUNDING * np.abs(ends).max(initial=0.0), 0.0, ends)
+    if ends.ndim == 1:
+        return [row_of(name, ends)]
     label = VARIABLES[name].label
     return [
-        row_of(name, row)._replace(label=f"{label}, {race}", name=f"{name}.{race}")
-        for race, row in zip(RACES, found.T, strict=True)
+        row_of(name, race_ends)._replace(label=f"{label}, {race}", name=f"{name}.{race}")
+        for race, race_ends in zip(RACES, ends.T, strict=True)
     ]
 
 
-def _films(file: Any) -> list[Block]:
-    """When the films are worn through."""
-    rows = [row_of(n, np.atleast_1d(values(file, n))) for n in WORN_THROUGH if n in file.variables]
-    rows = [
-        row._replace(values=tuple("not yet" if t != t else t for t in (row.values * 2)[:2]))
-        for row in rows
-    ]
+def _film_blocks(file: Any) -> list[Block]:
+    """Returns a block with the times at which the films are worn through, if there are films."""
+    rows = []
+    for name in WORN_THROUGH:
+        if name in file.variables:
+            row = row_of(name, np.atleast_1d(values(file, name)))
+            inner, outer = (row.values * 2)[:2]  # one number applies to both races
+            times = tuple("not yet" if math.isnan(time) else time for time in (inner, outer))
+            rows.append(row._replace(values=times))
     return [Block("worn through after", RACES, tuple(rows))] if rows else []
 
 
-def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
-    """A row for each criterion that the scene gives: what it was, what it came to, its limit.
+def _criterion_rows(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
+    """Returns a row for each criterion of the scene: the value at start and end, and the limit.
 
     Of two bearings, the one that meets the criterion ends the life.
     """
-    given = scene["wear"].get("end_of_life") or {}
-    ended = meaning(file, "end_criterion")
+    limits = scene["wear"].get("end_of_life") or {}
+    end_criterion = meaning(file, "end_criterion")
     rows = []
     for criterion, measure in ENDS.items():
-        if (limit := given.get(criterion)) is None:
+        limit = limits.get(criterion)
+        if limit is None:
             continue
-
-        def at(k: int, measure: Measure = measure) -> tuple[float, float]:
-            """Value that counts, and value shown."""
-
-            def of(name: str) -> np.ndarray:
-                return np.atleast_1d(values(file, f"history_{name}"))[k]
-
-            found, name = measure.critical(of, scene["operation"]["preload_N"])
-            return found, measure.shown(float(of(name)) if measure.signed else found)
-
-        (_, start), (end, shown) = at(0), at(-1)
-        met = not is_pair(scene) or measure.margin(end, limit) < MET
+        start, end = (_history_value(file, scene, measure, step) for step in (0, -1))
+        ended_here = not is_pair(scene) or measure.margin(end.critical, limit) < REACHED
         rows.append(
             Row(
-                measure.short,
-                measure.unit,
-                (start, shown),
-                criterion,
-                measure.shown_limit(limit),
-                "reached first" if criterion == ended and met else "",
+                label=measure.short,
+                unit=measure.unit,
+                values=(start.shown, end.shown),
+                name=criterion,
+                limit=measure.shown_limit(limit),
+                note="reached first" if criterion == end_criterion and ended_here else "",
             )
         )
     return tuple(rows)
 
 
-def _words(file: Any, name: str) -> str:
-    found = meaning(file, name)
-    return ENDS[found].words if found in ENDS else found
+class _HistoryValue(NamedTuple):
+    """The value of a measure at a step of a life."""
+
+    critical: float  # the worst value [SI]
+    shown: float  # the same in the unit of the measure, with its sign if that matters
 
 
-def _steady_life(file: Any) -> list[Block]:
-    """The life by the steady model, which a dynamic life has beside its own."""
+def _history_value(
+    file: Any, scene: Mapping[str, Any], measure: Measure, step: int
+) -> _HistoryValue:
+    """Returns the worst value of a measure at a step of the history of a life."""
+
+    def value_of(name: str) -> np.ndarray:
+        return np.atleast_1d(values(file, f"history_{name}"))[step]
+
+    critical, name = measure.critical(value_of, scene["operation"]["preload_N"])
+    shown = measure.shown(float(value_of(name)) if measure.signed else critical)
+    return _HistoryValue(critical=critical, shown=shown)
+
+
+def _criterion_words(file: Any, name: str) -> str:
+    """Returns the words for the criterion in a variable with flags, or its flag if it is none."""
+    criterion = meaning(file, name)
+    return ENDS[criterion].words if criterion in ENDS else criterion
+
+
+def _steady_life_blocks(file: Any) -> list[Block]:
+    """Returns a block with the life by the steady model, if the file of a dynamic life has it."""
     if "steady_status" not in file.variables:
         return []
     status = int(values(file, "steady_status"))
-    end = _words(file, "steady_end_criterion") if status == OK else STATUS_NAMES[status]
+    end = _criterion_words(file, "steady_end_criterion") if status == OK else STATUS_NAMES[status]
     rows = (*mean_rows(file, STEADY_LIFE), Row("ended by", "", (end,), "steady_end_criterion"))
     return [Block(f"steady, {getattr(file, 'steady_life_of', '?')}", (), rows)]
 
 
-def _worn(file: Any) -> list[Block]:
-    """Wear of the parts of a bearing at the end of a dynamic life."""
+def _worn_part_blocks(file: Any) -> list[Block]:
+    """Returns a block with the wear of the parts of a bearing at the end of a dynamic life.
+
+    All volumes have one unit, for comparison.
+    """
     if "history_ball_worn_volume" not in file.variables:
         return []
     at_end = {
@@ -201,20 +231,18 @@ def _worn(file: Any) -> list[Block]:
         for name in (*WORN_OF_EACH, WORN_RACES, *WORN_WHOLE)
         if name in file.variables
     }
-    cubic = [name for name in at_end if VARIABLES[name].units == "m3"]
-    unit = display("m3", *(at_end[name] for name in cubic))
-
-    def worn(name: str, *numbers: float) -> Row:
-        """One unit for all volumes, for comparison."""
-        return row_of(name, numbers, unit=unit if name in cubic else None)
-
-    rows = [
-        worn(name, mean(at_end[name]), at_end[name].min(), at_end[name].max())
-        for name in WORN_OF_EACH
-        if name in at_end
-    ]
+    volumes = [name for name in at_end if VARIABLES[name].units == "m3"]
+    volume_unit = display("m3", *(at_end[name] for name in volumes))
+    units = dict.fromkeys(volumes, volume_unit)
+    rows = []
+    for name in WORN_OF_EACH:
+        if name in at_end:
+            numbers = (mean(at_end[name]), at_end[name].min(), at_end[name].max())
+            rows.append(row_of(name, numbers, unit=units.get(name)))
     for race, volume in zip(RACES, at_end[WORN_RACES], strict=True):
-        row = worn(WORN_RACES, volume)
+        row = row_of(WORN_RACES, [volume], unit=units.get(WORN_RACES))
         rows.append(row._replace(label=f"{race} race", name=f"{WORN_RACES}.{race}"))
-    rows += [worn(name, at_end[name]) for name in WORN_WHOLE if name in at_end]
+    for name in WORN_WHOLE:
+        if name in at_end:
+            rows.append(row_of(name, [at_end[name]], unit=units.get(name)))
     return [Block("wear since the start", ("mean", "minimum", "maximum"), tuple(rows))]

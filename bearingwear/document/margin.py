@@ -1,4 +1,4 @@
-"""What is said of a torque margin: the worst corner in sentences, and a table of all."""
+"""Sentences and table of a torque margin: the worst corner, and all others."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from bearingwear.document.document import Block, Row
 from bearingwear.lives.margin import Corner
 from bearingwear.results.units import digits, display
 from bearingwear.scene.cases import NOMINAL
-from bearingwear.scene.requirements import STANDARDS
+from bearingwear.scene.requirements import STANDARDS, Drive
 from bearingwear.scene.scene import Scene
 
 
 def worst_corner(corners: Sequence[Corner]) -> Corner:
-    """The corner of the least margin; one that was not computed only where none was."""
-    return min(corners, key=lambda one: math.inf if is_missing(one) else one.margin)
+    """Returns the corner with the least margin; one that was not computed only if none was."""
+    return min(corners, key=lambda corner: math.inf if is_missing(corner) else corner.margin)
 
 
 def is_missing(corner: Corner) -> bool:
@@ -24,62 +24,77 @@ def is_missing(corner: Corner) -> bool:
 
 
 def corner_words(corner: Corner) -> str:
-    """A corner in words."""
+    """Names a corner: its case, its wear, and its friction or shear strength."""
     name = "friction" if corner.key.endswith("ball_race") else "shear strength"
     return f"{corner.case}, {corner.wear}, {name} {digits(corner.friction)}"
 
 
 def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
-    """The margin and its worst corner, the rule, and what the corners leave out."""
-    drive, worst = scene.drive, worst_corner(corners)
-    assert drive is not None
-    words, missing = corner_words(worst), [one for one in corners if is_missing(one)]
-    if is_missing(worst):
-        said = f"torque margin unknown: no corner was computed ({worst.why})"
-    elif worst.stalls:
-        said = f"the drive stalls: the resisting torque exceeds the drive torque ({words})"
-    else:
-        kept = "sufficient" if worst.margin >= 0.0 else "INSUFFICIENT"
-        percent = f"{digits(100.0 * worst.margin)} %"
-        said = f"torque margin {percent}, {kept}; worst corner: {words}"
-        if missing and worst.margin >= 0.0:
-            said = f"torque margin unknown; it is at most {percent} ({words})"
-    factors = f"{drive.rule[drive.bearings]:g} on the bearing torque (class {drive.bearings})"
-    others = ", ".join(
-        f"{drive.rule[name]:g} on {T:g} N m {name}" for name, T in drive.resistances_Nm.items()
-    )
-    rule = f"standard: {STANDARDS[drive.standard]}; data from {drive.data}; factors: {factors}"
-    found = [said, f"{rule}{', ' if others else ''}{others}"]
+    """States the margin, its worst corner and its standard, and what the corners do not cover."""
+    assert scene.drive is not None
+    missing = [corner for corner in corners if is_missing(corner)]
+    sentences = [_verdict_sentence(worst_corner(corners), is_complete=not missing)]
     if missing:
-        whys = "; ".join(dict.fromkeys(one.why for one in missing))
-        found.insert(1, f"{len(missing)} of {len(corners)} corners were not computed: {whys}")
-    if not any(one.wear != "new" for one in corners):
-        found.append("new bearings only: no end-of-life criterion was given")
-    if not any(one.case != NOMINAL for one in corners):
-        found.append("the scene contains no cases, so cold and hot operation were not checked")
-    return found
+        reasons = "; ".join(dict.fromkeys(corner.why for corner in missing))
+        sentences.append(f"{len(missing)} of {len(corners)} corners were not computed: {reasons}")
+    sentences.append(_standard_sentence(scene.drive))
+    if all(corner.wear == "new" for corner in corners):
+        sentences.append("new bearings only: no end-of-life criterion was given")
+    if all(corner.case == NOMINAL for corner in corners):
+        sentences.append("the scene contains no cases, so cold and hot operation were not checked")
+    return sentences
 
 
-def _note(corner: Corner, worst: Corner) -> str:
+def _verdict_sentence(worst: Corner, is_complete: bool) -> str:
+    """States the margin in the worst corner, or its bound if not all corners were computed."""
+    if is_missing(worst):
+        return f"torque margin unknown: no corner was computed ({worst.why})"
+    words, percent = corner_words(worst), f"{digits(100.0 * worst.margin)} %"
+    if worst.stalls:
+        return f"the drive stalls: the resisting torque exceeds the drive torque ({words})"
+    if worst.margin < 0.0:
+        return f"torque margin {percent}, INSUFFICIENT; worst corner: {words}"
+    if not is_complete:
+        return f"torque margin unknown; it is at most {percent} ({words})"
+    return f"torque margin {percent}, sufficient; worst corner: {words}"
+
+
+def _standard_sentence(drive: Drive) -> str:
+    """States the standard, the source of the torques, and the factors on these."""
+    factors = [
+        f"{drive.rule[drive.bearings]:g} on the bearing torque (class {drive.bearings})",
+        *(
+            f"{drive.rule[name]:g} on {torque_Nm:g} N m {name}"
+            for name, torque_Nm in drive.resistances_Nm.items()
+        ),
+    ]
+    return (
+        f"standard: {STANDARDS[drive.standard]}; data from {drive.data}; "
+        f"factors: {', '.join(factors)}"
+    )
+
+
+def _corner_note(corner: Corner, worst: Corner) -> str:
+    """States that a corner was not computed, that the drive stalls, or that it is the worst."""
     if is_missing(corner):
         return f"not computed ({corner.why})"
     return "stalls" if corner.stalls else "worst" if corner is worst else ""
 
 
 def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
-    """Torque, what the rule requires, and margin in every corner."""
-    drive = scene.drive
+    """Returns a table of torque, required torque and margin in every corner."""
+    drive, worst = scene.drive, worst_corner(corners)
     assert drive is not None
-    required, worst = [drive.required(one.torque) for one in corners], worst_corner(corners)
-    unit = display("N m", [*(one.torque for one in corners), *required])
+    required = [drive.required(corner.torque) for corner in corners]
+    unit = display("N m", [*(corner.torque for corner in corners), *required])
     rows = tuple(
         Row(
-            corner_words(one),
+            corner_words(corner),
             "",
-            (float(unit.of(one.torque)), float(unit.of(needed)), 100.0 * one.margin),
-            note=_note(one, worst),
+            (float(unit.of(corner.torque)), float(unit.of(limit)), 100.0 * corner.margin),
+            note=_corner_note(corner, worst),
         )
-        for one, needed in zip(corners, required, strict=True)
+        for corner, limit in zip(corners, required, strict=True)
     )
     columns = (f"torque, {unit.unit}", f"required, {unit.unit}", "margin, %")
     line = f"drive: {digits(float(unit.of(drive.torque_Nm)))} {unit.unit}"

@@ -1,4 +1,4 @@
-"""Views of a file of two bearings: each bearing, and the arrangement."""
+"""Views of each bearing in a file of two, and the block of their arrangement."""
 
 from __future__ import annotations
 
@@ -9,8 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.document.document import Block, Row, row_of
-from bearingwear.document.rows import limits_of_rows, marked, mean_rows, side_by_side, values
+from bearingwear.document.document import Block, row_of
+from bearingwear.document.rows import (
+    mean_rows,
+    rows_with_violations,
+    side_by_side,
+    values,
+    variable_limits,
+)
 from bearingwear.results.pair_variables import MODES, OF_BEARING
 
 SYSTEM_ROWS = (
@@ -21,8 +27,8 @@ SYSTEM_ROWS = (
 )
 
 
-class OfBearing:
-    """An open file as one bearing of its pair has it."""
+class BearingView:
+    """An open file of a pair, reduced to its bearing k: reads like the file of one bearing."""
 
     def __init__(self, file: Any, k: int):
         self._file, self._k = file, k
@@ -32,20 +38,20 @@ class OfBearing:
 
     @property
     def scene(self) -> str:
-        """The scene as this bearing has it: in tandem, with its share of the preload."""
+        """The scene of this bearing as JSON; in tandem, with its share of the preload."""
         scene = json.loads(self._file.scene)
         scene["operation"]["preload_N"] /= scene["arrangement"].get("tandem", (1, 1))[self._k]
         return json.dumps(scene)
 
     def __getitem__(self, name: str) -> Any:
         variable = self._file[name]
-        return (
-            _OfBearing(variable, self._k) if variable.dimensions[:1] == (OF_BEARING,) else variable
-        )
+        if variable.dimensions[:1] != (OF_BEARING,):
+            return variable
+        return _VariableView(variable, self._k)
 
 
-class _OfBearing:
-    """A variable of a pair as one bearing has it."""
+class _VariableView:
+    """A variable of a pair, reduced to bearing k."""
 
     def __init__(self, variable: Any, k: int):
         self._variable, self._k = variable, k
@@ -57,49 +63,47 @@ class _OfBearing:
         return self._variable[self._k][index]
 
 
-def bearings_of(file: Any) -> list[tuple[str, Any]]:
-    """Titles and views of the bearings of a file, the file itself if it is of one.
+def bearing_views(file: Any) -> list[tuple[str, Any]]:
+    """Returns the title and a view of each bearing of a file; the file itself if it has only one.
 
-    Two that are alike are shown once.
+    Two bearings that are alike have one view.
     """
     if OF_BEARING not in file.dimensions or file["status"].dimensions:
         return [("", file)]
-    views = [OfBearing(file, k) for k in range(file.dimensions[OF_BEARING].size)]
-    alike = all(
-        np.array_equal(each[0], each[1], equal_nan=True)
-        for name in file.variables
-        if (each := _each(file, name)) is not None
-    )
-    if alike:
+    views = [BearingView(file, k) for k in range(file.dimensions[OF_BEARING].size)]
+    if all(_is_equal_in_both(file, name) for name in file.variables):
         return [("each bearing: ", views[0])]
     return [(f"bearing {k}: ", view) for k, view in enumerate(views, 1)]
 
 
-def of_bearings(file: Any, blocks_of: Callable[[Any], list[Block]]) -> list[Block]:
-    """Blocks of each bearing of a file: of two that differ, side by side."""
-    titles, views = zip(*bearings_of(file), strict=True)
-    of_each = [blocks_of(one) for one in views]
-    if len(of_each) > 1:
-        return side_by_side(of_each)
-    return [replace(block, title=f"{titles[0]}{block.title}") for block in of_each[0]]
+def blocks_by_bearing(file: Any, blocks_of: Callable[[Any], list[Block]]) -> list[Block]:
+    """Returns the blocks of each bearing of a file; those of two that differ, side by side."""
+    (title, first), *others = bearing_views(file)
+    if others:
+        return side_by_side([blocks_of(view) for view in (first, *(view for _, view in others))])
+    return [replace(block, title=f"{title}{block.title}") for block in blocks_of(first)]
 
 
-def _each(file: Any, name: str) -> np.ndarray | None:
-    variable = file[name]
-    if variable.dimensions[:1] != (OF_BEARING,) or variable.dimensions == (OF_BEARING,) == (name,):
-        return None
-    return values(file, name)
+def _is_equal_in_both(file: Any, name: str) -> bool:
+    """Whether a variable is equal for both bearings; one that is not of a bearing counts as equal.
+
+    The coordinate of the bearings themselves does not count.
+    """
+    if name == OF_BEARING or file[name].dimensions[:1] != (OF_BEARING,):
+        return True
+    first, second = values(file, name)
+    return np.array_equal(first, second, equal_nan=True)
 
 
 def system_blocks(file: Any) -> list[Block]:
-    """Block of the arrangement of both bearings."""
-    rows: tuple[Row, ...] = marked(mean_rows(file, SYSTEM_ROWS, limits_of_rows(file)), file)
+    """Returns the block of the arrangement of both bearings."""
+    rows = rows_with_violations(mean_rows(file, SYSTEM_ROWS, variable_limits(file)), file)
     if "natural_frequency" in file.variables:
-        found = row_of("natural_frequency", values(file, "natural_frequency"))
+        row = row_of("natural_frequency", values(file, "natural_frequency"))
         rows += tuple(
-            found._replace(
+            row._replace(
                 label=f"{mode} natural frequency", values=(value,), name=f"{mode}_frequency"
             )
-            for mode, value in zip(MODES, found.values, strict=True)
+            for mode, value in zip(MODES, row.values, strict=True)
         )
     return [Block("arrangement", (), rows)] if rows else []

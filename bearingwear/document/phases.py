@@ -13,48 +13,60 @@ from bearingwear.measures import ENDS, WORST
 from bearingwear.results.life_variables import WORN_SURFACES
 
 _HIDDEN = "ball_diameter_loss", "axial_stiffness", "quasistatic_axial_stiffness"
-"""Worst values that other rows say."""
+"""Measures whose worst values other rows contain."""
 
 
 def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
-    """Shares of time and wear by phase, the lives of the phases alone, and their worst measures."""
+    """Returns blocks of the phases: shares of time and wear, lives alone, and worst measures.
+
+    Empty for a life without a duty.
+    """
     if "phase_time_share" not in file.variables:
         return []
-    names = tuple(str(file.phases).split())
-    wear, starts = (values(file, f"{one}_wear_share") for one in ("phase", "start"))
-    rows = [row_of("phase_time_share", values(file, "phase_time_share"))]
-    rows += _by_surface("phase_wear_share", wear)
-    lines = []
-    if np.any(starts > 0.0):
-        rows += _by_surface("start_wear_share", starts)
-        rows += _rows(file, "acceleration_friction_share")
-    elif any(phase.get("starts") for phase in scene["duty"]["phases"].values()):
-        lines.append("duty.start_s and duty.stop_s are 0: starts and stops cause no wear")
-    alone = _rows(file, "phase_life")
-    codes = file["phase_end_criterion"]
-    criteria = np.array(codes.flag_meanings.split())[np.asarray(codes[...], dtype=int)]
-    words = tuple(ENDS[one].short if one in ENDS else one for one in criteria)
-    alone.append(Row("ended by", "", words, "phase_end_criterion"))
-    worst = [row for name in WORST if name not in _HIDDEN for row in _rows(file, f"worst_{name}")]
+    phases = tuple(str(file.phases).split())
+    has_starts = any(phase.get("starts") for phase in scene["duty"]["phases"].values())
+    causes_start_wear = bool(np.any(values(file, "start_wear_share") > 0.0))
+    rows = [*_phase_rows(file, "phase_time_share"), *_surface_rows(file, "phase_wear_share")]
+    if causes_start_wear:
+        rows += _surface_rows(file, "start_wear_share")
+        rows += _phase_rows(file, "acceleration_friction_share")
+    lines: tuple[str, ...] = ()
+    if has_starts and not causes_start_wear:
+        lines = ("duty.start_s and duty.stop_s are 0: starts and stops cause no wear",)
+    worst_rows = [
+        row for name in WORST if name not in _HIDDEN for row in _phase_rows(file, f"worst_{name}")
+    ]
     return [
-        Block("phases of the duty", names, tuple(rows), tuple(lines)),
-        Block("each phase alone, without starts", names, tuple(alone)),
-        Block("worst in each phase", names, tuple(worst)),
+        Block("phases of the duty", phases, tuple(rows), lines),
+        Block("each phase alone, without starts", phases, _life_rows(file)),
+        Block("worst in each phase", phases, tuple(worst_rows)),
     ]
 
 
-def _by_surface(name: str, shares: np.ndarray) -> list[Row]:
-    """A row for each surface, that of all wear first."""
-    order = np.roll(np.arange(len(WORN_SURFACES)), 1).tolist()
-    made = []
-    for k in order:
+def _life_rows(file: Any) -> tuple[Row, ...]:
+    """Returns rows of the life in each phase alone, and of the criterion that would end it."""
+    codes = file["phase_end_criterion"]
+    criteria = np.array(codes.flag_meanings.split())[np.asarray(codes[...], dtype=int)]
+    words = tuple(ENDS[name].short if name in ENDS else name for name in criteria)
+    return (
+        *_phase_rows(file, "phase_life"),
+        Row("ended by", "", words, "phase_end_criterion"),
+    )
+
+
+def _surface_rows(file: Any, name: str) -> list[Row]:
+    """Returns a row of a variable over phase and worn surface for each surface, all wear first."""
+    shares = values(file, name)
+    last = len(WORN_SURFACES) - 1  # of all surfaces
+    rows = []
+    for k in (last, *range(last)):
         row = row_of(name, shares[:, k])
-        surface = WORN_SURFACES[k].replace("_", " ")
-        label = row.label if k == order[0] else f"{row.label}, {surface}"
-        made.append(row._replace(label=label, name=f"{name}.{WORN_SURFACES[k]}"))
-    return made
+        surface = WORN_SURFACES[k]
+        label = row.label if k == last else f"{row.label}, {surface.replace('_', ' ')}"
+        rows.append(row._replace(label=label, name=f"{name}.{surface}"))
+    return rows
 
 
-def _rows(file: Any, name: str) -> list[Row]:
-    """The row of a variable of the phases, if the file has it."""
+def _phase_rows(file: Any, name: str) -> list[Row]:
+    """Returns the row of a variable over the phases, if the file contains it."""
     return [row_of(name, values(file, name))] if name in file.variables else []

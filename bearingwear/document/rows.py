@@ -1,12 +1,13 @@
-"""Rows of a result sheet, made of an open result file and the table of variables."""
+"""Rows of result sheets, from an open result file and the table of variables."""
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,11 +17,11 @@ from bearingwear.results.units import scale_of
 from bearingwear.scene.scene import COUNTS
 
 COUNTED_WORDS = dict(zip(COUNTS, ("the balls alone", "balls and races"), strict=True))
-"""What wear counts, in a sentence."""
+"""Words for each value of `wear.counts`."""
 
 
 def counted_words(scene: Mapping[str, Any]) -> str:
-    """What wear a scene counts, in a sentence."""
+    """Returns the words for the parts whose wear a scene counts."""
     return COUNTED_WORDS[scene.get("wear", {}).get("counts", COUNTS[-1])]
 
 
@@ -32,103 +33,121 @@ TABLE_TESTS = (
     "Film lives disagree with published tests: a bearing lasted at least 27 times as long as "
     "computed, and the effect of temperature is too large by a factor of 1.6 (docs/film_tests.md)."
 )
-"""As `FILM_TESTS`, of films whose wear goes by a table of lives."""
+"""The sentence in place of `FILM_TESTS` for films whose wear follows a table of lives."""
 
 
 def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """What is known of the lives of films, for a scene with one that no test has calibrated."""
+    """Returns the sentence on tests of film lives, for a scene with a film and no calibration."""
     friction = scene.get("friction", {})
-    coats = [friction, *scene.get("materials", {}).values()]
-    if scene.get("calibrated") or not any(coat.get("film") for coat in coats):
+    coated = [friction, *scene.get("materials", {}).values()]
+    if scene.get("calibrated") or not any(block.get("film") for block in coated):
         return ()
-    by_table = (friction.get("film") or {}).get("wear_table")
-    return (TABLE_TESTS if by_table else FILM_TESTS,)
+    has_table = bool((friction.get("film") or {}).get("wear_table"))
+    return (TABLE_TESTS if has_table else FILM_TESTS,)
 
 
-def values(file: Any, name: str, factor: float = 1.0) -> np.ndarray:
-    """Values of a variable, NaN where not solved; all NaN if it is not there."""
+def values(file: Any, name: str) -> np.ndarray:
+    """Returns the values of a variable; NaN where not solved, and if the variable is missing."""
     if name not in file.variables:
         return np.array(np.nan)
-    return np.ma.filled(np.ma.asarray(file[name][...], dtype=float), np.nan) * factor
+    return np.ma.filled(np.ma.asarray(file[name][...], dtype=float), np.nan)
 
 
 def meaning(file: Any, name: str) -> str:
-    """The word for a single flag."""
+    """Returns the name of the flag in a variable with a single value."""
     return str(file[name].flag_meanings.split()[int(file[name][...])])
 
 
-def solved_rows(block: Block) -> Block:
-    """A block without its empty rows."""
-
-    def known(value: Any) -> bool:
-        return not isinstance(value, float) or not np.isnan(value)
-
-    rows = tuple(row for row in block.rows if any(map(known, row.values)))
+def without_empty_rows(block: Block) -> Block:
+    """Returns a block without the rows whose values are all NaN."""
+    rows = tuple(row for row in block.rows if not all(_is_nan(value) for value in row.values))
     return replace(block, rows=rows)
 
 
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
 def in_one_unit(blocks: Iterable[Block]) -> list[Block]:
-    """Blocks with every quantity in the largest of the units that it has in any of them."""
-    known = list(blocks)
+    """Converts every quantity to the largest of the units that it has in any of the blocks."""
+    blocks = list(blocks)
     largest: dict[tuple[str, str], tuple[float, str]] = {}
-    for row in (row for block in known for row in block.rows):
-        family, factor = scale_of(row.unit)
-        key = row.name or row.label, family
+    for row in (row for block in blocks for row in block.rows):
+        file_unit, factor = scale_of(row.unit)
+        key = row.name or row.label, file_unit
         largest[key] = min(largest.get(key, (factor, row.unit)), (factor, row.unit))
 
-    def converted(row: Row) -> Row:
-        family, old = scale_of(row.unit)
-        factor, unit = largest[row.name or row.label, family]
-        if unit == row.unit:
-            return row
-        values = tuple(v * factor / old if isinstance(v, float) else v for v in row.values)
-        limit, *limits = (
-            None if one is None else one * factor / old for one in (row.limit, *row.limits)
-        )
-        return row._replace(unit=unit, values=values, limit=limit, limits=tuple(limits))
+    def in_largest_unit(row: Row) -> Row:
+        file_unit, factor = scale_of(row.unit)
+        new_factor, unit = largest[row.name or row.label, file_unit]
+        return row if unit == row.unit else _converted_row(row, unit, new_factor, factor)
 
-    return [replace(block, rows=tuple(map(converted, block.rows))) for block in known]
-
-
-def side_by_side(of_each: Sequence[Sequence[Block]]) -> list[Block]:
-    """Blocks of two bearings as one, with a column for each."""
     return [
-        replace(
-            blocks[0],
-            columns=tuple(
-                f"{k}: {column}" if column else f"bearing {k}"
-                for k, block in enumerate(blocks, 1)
-                for column in block.columns or ("",)
-            ),
-            rows=tuple(_joined(rows) for rows in zip(*(b.rows for b in blocks), strict=True)),
-            lines=tuple(dict.fromkeys(line for block in blocks for line in block.lines)),
-        )
-        for blocks in zip(*of_each, strict=True)
+        replace(block, rows=tuple(in_largest_unit(row) for row in block.rows)) for block in blocks
     ]
 
 
-def _joined(rows: Sequence[Row]) -> Row:
-    """Rows of one quantity as one, in one unit, with limits that differ and notes of each."""
+def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row:
+    """Returns a row in another unit; each factor is a unit's `scale_of`."""
+
+    def converted(number: float | None) -> float | None:
+        return None if number is None else number * factor / old_factor
+
+    return row._replace(
+        unit=unit,
+        values=tuple(converted(x) if isinstance(x, float) else x for x in row.values),
+        limit=converted(row.limit),
+        limits=tuple(converted(limit) for limit in row.limits),
+    )
+
+
+def side_by_side(bearings: Sequence[Sequence[Block]]) -> list[Block]:
+    """Merges the blocks of several bearings, with columns for each bearing."""
+    return [_merged_block(blocks) for blocks in zip(*bearings, strict=True)]
+
+
+def _merged_block(blocks: Sequence[Block]) -> Block:
+    """Merges one block of each bearing into one, whose columns name the bearing."""
+    columns = tuple(
+        f"{k}: {column}" if column else f"bearing {k}"
+        for k, block in enumerate(blocks, 1)
+        for column in block.columns or ("",)
+    )
+    rows = zip(*(block.rows for block in blocks), strict=True)
+    return replace(
+        blocks[0],
+        columns=columns,
+        rows=tuple(_merged_row(bearing_rows) for bearing_rows in rows),
+        lines=tuple(dict.fromkeys(line for block in blocks for line in block.lines)),
+    )
+
+
+def _merged_row(rows: Sequence[Row]) -> Row:
+    """Merges one row of each bearing into one, in one unit, with differing limits and all notes."""
     rescaled = in_one_unit([Block("", rows=tuple(rows))])[0].rows
-    alike = len({row.limit and f"{row.limit:.9g}" for row in rescaled}) == 1
+    has_one_limit = len({row.limit and f"{row.limit:.9g}" for row in rescaled}) == 1
     limits = tuple(row.limit for row in rescaled for _ in row.values)
     notes = [f"{row.note} by bearing {k}" for k, row in enumerate(rows, 1) if row.note]
     return rescaled[0]._replace(
         values=tuple(value for row in rescaled for value in row.values),
-        limit=rescaled[0].limit if alike else None,
-        limits=() if alike else limits,
+        limit=rescaled[0].limit if has_one_limit else None,
+        limits=() if has_one_limit else limits,
         note=", ".join(notes),
     )
 
 
 def mean(values: np.ndarray) -> float:
+    """Returns the mean of an array of any shape; NaN if it is empty."""
     return float(values.mean()) if values.size else float("nan")
 
 
 def mean_rows(
     file: Any, names: Iterable[str], limits: Mapping[str, float] = MappingProxyType({})
 ) -> tuple[Row, ...]:
-    """A row for each variable that is there, with the mean of its values."""
+    """Returns a row with the mean of the values of each variable that the file contains.
+
+    limits: by variable [units of the file].
+    """
     return tuple(
         row_of(name, [mean(values(file, name))], limits.get(name))
         for name in names
@@ -136,32 +155,47 @@ def mean_rows(
     )
 
 
-def _criteria(file: Any) -> dict[str, tuple[Measure, float, float]]:
-    """Criteria of the scene: measure, limit and initial preload, by each variable one looks at."""
+class _Criterion(NamedTuple):
+    """An end-of-life criterion of a scene, for one of the variables of its measure."""
+
+    measure: Measure
+    limit: float  # as in the key of the scene
+    preload_N: float  # initial
+
+    @property
+    def file_limit(self) -> float:
+        """The limit in the unit of the variable in files."""
+        return self.measure.in_files(self.limit, self.preload_N)
+
+    def is_violated(self, numbers: np.ndarray) -> bool:
+        """Whether the worst of the values of the variable [SI] is beyond the limit."""
+        return self.measure.is_passed(self.measure.value(numbers, self.preload_N), self.limit)
+
+
+def _criteria(file: Any) -> dict[str, _Criterion]:
+    """Returns the criteria of the scene in a file, by variable."""
     scene = json.loads(getattr(file, "scene", "{}"))
-    given = scene.get("wear", {}).get("end_of_life") or {}
-    preload = scene.get("operation", {}).get("preload_N", 0.0)
+    limits = scene.get("wear", {}).get("end_of_life") or {}
+    preload_N = scene.get("operation", {}).get("preload_N", 0.0)
     return {
-        variable: (measure, given[key], preload)
+        variable: _Criterion(measure=measure, limit=limits[key], preload_N=preload_N)
         for key, measure in ENDS.items()
-        if given.get(key) and (preload or not measure.over_preload)
+        if limits.get(key) and (preload_N or not measure.over_preload)
         for variable in measure.variables
     }
 
 
-def limits_of_rows(file: Any) -> dict[str, float]:
-    """Limits of what may end a life, by variable [units of the file]."""
-    found = _criteria(file).items()
-    return {name: measure.in_files(limit, preload) for name, (measure, limit, preload) in found}
+def variable_limits(file: Any) -> dict[str, float]:
+    """Returns the limit of each variable that may end the life [units of the file]."""
+    return {name: criterion.file_limit for name, criterion in _criteria(file).items()}
 
 
-def marked(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
-    """Rows, of which those say so that are beyond their limit."""
-    criteria, found = _criteria(file), []
-    for row in rows:
-        if row.limit is not None:
-            measure, limit, preload = criteria[row.name]
-            value = measure.value(values(file, row.name), preload)
-            row = row._replace(note="violated" if measure.is_passed(value, limit) else "")
-        found.append(row)
-    return tuple(found)
+def rows_with_violations(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
+    """Returns the rows, with a note on those whose criterion is violated."""
+    criteria = _criteria(file)
+    return tuple(
+        row._replace(note="violated")
+        if row.limit is not None and criteria[row.name].is_violated(values(file, row.name))
+        else row
+        for row in rows
+    )

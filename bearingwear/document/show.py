@@ -1,11 +1,11 @@
-"""The sheet of a scene or of a result file: the numbers that matter, and on request accuracy."""
+"""The sheet of a scene or of a result: the main numbers and, on request, those of accuracy."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -16,20 +16,22 @@ import numpy as np
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row, quantity_row, row_of
 from bearingwear.document.life import life_blocks
-from bearingwear.document.pair import of_bearings, system_blocks
+from bearingwear.document.pair import blocks_by_bearing, system_blocks
 from bearingwear.document.rows import (
     counted_words,
-    limits_of_rows,
-    marked,
     mean,
     mean_rows,
-    solved_rows,
+    rows_with_violations,
     values,
+    variable_limits,
+    without_empty_rows,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.results.contents_view import ContentsView
+from bearingwear.results.entries import contents_of
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
-from bearingwear.results.netcdf import in_memory, opened
+from bearingwear.results.netcdf import opened
 from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.units import digits
 from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
@@ -80,10 +82,11 @@ RUN = (
     "disturbance_growth_per_turn",
     "slow_time_scale",
 )
-WARMTH = ("part_temperature", "thermal_growth")
+TEMPERATURES = ("part_temperature", "thermal_growth")
 FIT_ROWS = ("growth_by_fit", "fit_pressure")
-"""Rows that are left out where no ring is tight on its seat."""
-RINGS = ("growth_at_speed", *FIT_ROWS)
+"""Rows that are left out if no ring has an interference fit."""
+GROWTH_AT_SPEED = "growth_at_speed"
+RINGS = (GROWTH_AT_SPEED, *FIT_ROWS)
 CAGE_MEANS = (
     "cage_speed",
     "cage_friction_heat",
@@ -94,168 +97,193 @@ CAGE_MEANS = (
 )
 
 
-def _further(*dims: tuple[str, ...]) -> tuple[str, ...]:
-    """Variables with a label that have no row of their own above."""
-    placed = {
+def _other_variables(*dims: tuple[str, ...]) -> tuple[str, ...]:
+    """Returns the variables over `dims` that have a label and are in none of the lists above."""
+    listed = {
         *CONTACT,
         *BEARING,
         *LOSSES,
         *RUN,
         *CAGE_MEANS,
-        *WARMTH,
+        *TEMPERATURES,
         *RINGS,
         *SYSTEM,
         LOSS_PER_TIME,
     }
     return tuple(
         name
-        for name, one in CASE.items()
-        if one.label and one.dims in dims and name not in placed | DIAGNOSTICS
+        for name, variable in CASE.items()
+        if variable.label and variable.dims in dims and name not in listed | DIAGNOSTICS
     )
 
 
 def sheet(
     path: str | os.PathLike[str], more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
-    """The sheet of a result file of any kind.
+    """Returns the sheet of a result file of any kind. May raise CaseFileError.
 
-    more: for kinds of files that a study defines: a function that takes the open file
-        (`netCDF4.Dataset`) and returns a `Document`, which it may make of `values` and `row_of`.
-    every: with residuals, error estimates, counts of steps, versions.
-    May raise CaseFileError.
+    more: for the kinds of files that studies define, a function that takes the open file
+        (`netCDF4.Dataset`) and returns a `Document`, for example of `values` and `row_of`.
+    every: also with residuals, error estimates, counts of steps, and versions.
     """
-    from bearingwear.document.study import quantile_blocks
+    from bearingwear.document.study import spread_blocks
     from bearingwear.results.quantiles import KIND
 
     with opened(path) as file:
-        made, spread = _sheet(file, more), quantile_blocks(file, Path(path))
-        if kind_of(file) == KIND:  # what it holds besides is for those who ask
-            made, spread = replace(made, blocks=tuple(spread)), list(made.blocks if every else ())
-        further = [*spread, *(_diagnostics(file) if every else [])]
-        return Document(made.heading, made.facts, (*made.blocks, *further))
+        main, spread = _main_sheet(file, more), spread_blocks(file, Path(path))
+        if kind_of(file) == KIND:  # the spread comes first, and the other blocks only on request
+            blocks = [*spread, *(main.blocks if every else ())]
+        else:
+            blocks = [*main.blocks, *spread]
+        if every:
+            blocks += _diagnostic_blocks(file)
+        return Document(main.heading, main.facts, tuple(blocks))
 
 
 def sheet_of_result(result: Result) -> Document:
-    """The sheet of a case or life that is in no file."""
-    with in_memory(result) as file:
-        return _sheet(file, {})
+    """Returns the sheet of a case or life that is not in a file."""
+    return _main_sheet(ContentsView(contents_of(result)), {})
 
 
-def _sheet(file: Any, more: Registry) -> Document:
+def _main_sheet(file: Any, more: Registry) -> Document:
+    """Returns the sheet of a file without spread of lives and diagnostics."""
     kind = kind_of(file)
     if kind in more:
-        made: Document = function(more[kind])(file)
-        return made
-    if kind in SHEETS:
-        blocks = SHEETS[kind](file)
-        if kind == CASE_KIND and int(values(file, "status")) != OK:
-            blocks = [_known_unsolved(block, file) for block in blocks]
-        known = tuple(block for block in map(solved_rows, blocks) if block.rows or block.lines)
-        heading, facts = _heading(file)
-        return Document(heading, {"kind": kind, **facts}, known)
-    from bearingwear.document.study import several
+        document: Document = function(more[kind])(file)
+        return document
+    if kind not in SHEETS:
+        from bearingwear.document.study import study_document
 
-    return several(file)
+        return study_document(file)
+    blocks = SHEETS[kind](file)
+    if kind == CASE_KIND and int(values(file, "status")) != OK:
+        names = _names_known_unsolved(file)
+        blocks = [
+            replace(block, rows=tuple(row for row in block.rows if row.name in names))
+            for block in blocks
+        ]
+    blocks = [without_empty_rows(block) for block in blocks]
+    heading, facts = _heading_and_facts(file)
+    return Document(
+        heading,
+        {"kind": kind, **facts},
+        tuple(block for block in blocks if block.rows or block.lines),
+    )
 
 
-def _known_unsolved(block: Block, file: Any) -> Block:
-    """What of a block holds though the case was not solved: nothing that was to be verified."""
-    given = json.loads(getattr(file, "scene", "{}")).get("thermal") is None
-    known = {*TURN_COUNTS, *(RINGS if given else RINGS[:1]), *(WARMTH if given else ())}
-    return replace(block, rows=tuple(row for row in block.rows if row.name in known))
+def _names_known_unsolved(file: Any) -> set[str]:
+    """Returns the rows of a case that was not solved: those that no solution determines."""
+    if json.loads(getattr(file, "scene", "{}")).get("thermal") is None:  # temperatures are inputs
+        return {*TURN_COUNTS, *RINGS, *TEMPERATURES}
+    return {*TURN_COUNTS, GROWTH_AT_SPEED}
 
 
-def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """Heading lines, and the same as facts for programs."""
+def _heading_and_facts(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """Returns the heading lines of a case or life, and the same as facts for programs."""
     scene = json.loads(getattr(file, "scene", "{}"))
     status = STATUS_NAMES[int(values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
     why = (json.loads(getattr(file, "modelled", "[]")) or [""])[0].partition(": ")[2]
-    attributes = {"warnings": getattr(file, "warnings", "[]")}
-    lines = [
+    warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
+    reason = f" ({why})" if why else ""
+    heading = (
         *(operation_lines(scene) if scene else ()),
-        f"model {fidelity}{f' ({why})' if why else ''}, status {status}: "
-        f"{status_sentence(status, scene)}{_not_settled(file)}",
-        *warning_lines(attributes),
-    ]
+        f"model {fidelity}{reason}, status {status}: "
+        f"{status_sentence(status, scene)}{_drift_phrase(file)}",
+        *warnings,
+    )
     facts = {
         "scene": scene.get("name"),
         "fidelity": fidelity,
         "why": why,
         "status": status,
-        "warnings": [text.removeprefix(WARNING) for text in warning_lines(attributes)],
+        "warnings": [line.removeprefix(WARNING) for line in warnings],
     }
-    return tuple(lines), facts
+    return heading, facts
 
 
-def _not_settled(file: Any) -> str:
-    """What the first line adds for a run whose averages still drift."""
+def _drift_phrase(file: Any) -> str:
+    """States that the averages of a run still drift; empty if they have settled."""
     verdict = str(getattr(file, "settled", "")).partition(":")[0]
     return f"; {verdict}" if verdict.startswith("not settled") else ""
 
 
 def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
-    """Of all balls, the mean; of an extreme, the largest or the smallest."""
-    found = values(file, name)
-    of_all = found.reshape(-1, len(RACES)) if found.ndim else np.full((1, len(RACES)), np.nan)
-    made = row_of(name, of_all_balls(name, of_all, 0), limits.get(name))
-    several = found.ndim > 1 and found.shape[0] > 1 and name in EXTREMES
-    return made._replace(label=f"{made.label}, all balls") if several else made
+    """Returns a row with a value for each race: the mean or, for an extreme, that of all balls."""
+    numbers = values(file, name)
+    by_ball = numbers.reshape(-1, len(RACES)) if numbers.ndim else np.full((1, len(RACES)), np.nan)
+    row = row_of(name, of_all_balls(name, by_ball, 0), limits.get(name))
+    is_extreme_of_balls = numbers.ndim > 1 and numbers.shape[0] > 1 and name in EXTREMES
+    return row._replace(label=f"{row.label}, all balls") if is_extreme_of_balls else row
 
 
-def _case(file: Any) -> list[Block]:
-    """Blocks of a case."""
-    return system_blocks(file) + of_bearings(file, _case_of)
+def _case_blocks(file: Any) -> list[Block]:
+    """Returns the blocks of a case: the arrangement, then each bearing."""
+    return system_blocks(file) + blocks_by_bearing(file, _bearing_blocks)
 
 
-def _case_of(file: Any) -> list[Block]:
-    limits = limits_of_rows(file)
+def _bearing_blocks(file: Any) -> list[Block]:
+    """Returns the blocks of one bearing: contacts, bearing, wear, growth, and dynamic run."""
     balls = file.dimensions["ball"].size
-    mean_of = f" (mean of {balls} balls)" if balls > 1 else ""
-    contacts = (*CONTACT, *(name for name in _further(("ball", "race")) if name in file.variables))
-    names = [name for name in contacts if name not in LOAD_RANGE or name in file.variables]
-    contact = tuple(_race_row(file, name, limits) for name in names)
-    bearing = (
-        *mean_rows(file, BEARING, limits),
-        quantity_row("friction power", "W", [_friction_power(file)], "friction_power"),
-        *mean_rows(file, (*LOSSES, *_further((), ("ball",)))),
-        *_stiffness_rows(file),
-    )
+    suffix = f" (mean of {balls} balls)" if balls > 1 else ""
     blocks = [
-        Block(f"contact{mean_of}", RACES, marked(contact, file)),
-        Block(f"bearing{mean_of}", (), marked(bearing, file)),
+        Block(f"contact{suffix}", RACES, rows_with_violations(_contact_rows(file), file)),
+        Block(f"bearing{suffix}", (), rows_with_violations(_bearing_rows(file), file)),
     ]
     if LOSS_PER_TIME in file.variables:
         rate = row_of(LOSS_PER_TIME, [values(file, LOSS_PER_TIME)])
-        words = counted_words(json.loads(getattr(file, "scene", "{}")))
-        blocks.append(Block(f"wear of {words}", (), (rate,)))
-    blocks += _grown(file)
-    return blocks + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
+        counted = counted_words(json.loads(getattr(file, "scene", "{}")))
+        blocks.append(Block(f"wear of {counted}", (), (rate,)))
+    blocks += _growth_blocks(file)
+    if getattr(file, "fidelity", None) == "dynamic":
+        blocks += _dynamic_blocks(file)
+    return blocks
+
+
+def _contact_rows(file: Any) -> list[Row]:
+    """Returns a row for each quantity of the contacts, with a value for each race."""
+    limits = variable_limits(file)
+    optional = {*LOAD_RANGE, *_other_variables(("ball", "race"))}
+    return [
+        _race_row(file, name, limits)
+        for name in (*CONTACT, *_other_variables(("ball", "race")))
+        if name not in optional or name in file.variables
+    ]
+
+
+def _bearing_rows(file: Any) -> tuple[Row, ...]:
+    """Returns a row for each quantity of the bearing, means over the balls."""
+    return (
+        *mean_rows(file, BEARING, variable_limits(file)),
+        quantity_row("friction power", "W", [_friction_power(file)], "friction_power"),
+        *mean_rows(file, (*LOSSES, *_other_variables((), ("ball",)))),
+        *_stiffness_rows(file),
+    )
 
 
 def _stiffness_rows(file: Any) -> tuple[Row, ...]:
-    """Dynamic radial and tilting stiffness, each the mean of both directions."""
+    """Returns rows of the dynamic radial and tilting stiffness, means of both directions."""
     if "stiffness_matrix" not in file.variables:
         return ()
-    each = np.diagonal(values(file, "stiffness_matrix"))
-    units = {"radial": ("N m-1", each[1:3]), "tilting": ("N m rad-1", each[3:5])}
-    return tuple(
-        quantity_row(f"dynamic {way} stiffness", unit, [bearings.mean()], f"{way}_stiffness")
-        for way, (unit, bearings) in units.items()
+    stiffness = np.diagonal(values(file, "stiffness_matrix"))  # axial, 2 radial, 2 tilting
+    radial, tilting = float(stiffness[1:3].mean()), float(stiffness[3:5].mean())
+    return (
+        quantity_row("dynamic radial stiffness", "N m-1", [radial], "radial_stiffness"),
+        quantity_row("dynamic tilting stiffness", "N m rad-1", [tilting], "tilting_stiffness"),
     )
 
 
 def _friction_power(file: Any) -> float:
-    """Power of friction in the contacts, drag and cage [W]."""
+    """Returns the power of friction in contacts and cage, and of drag [W]."""
     heat = values(file, "friction_heat")
-    alike = getattr(file["ball"], "represents", 1) if "ball" in file.variables else 1
+    balls_per_value = getattr(file["ball"], "represents", 1) if "ball" in file.variables else 1
     cage = values(file, "cage_friction_heat")
     drag = values(file, "drag_power")
-    return float(heat.sum() * alike + np.nan_to_num(drag) + np.nan_to_num(cage))
+    return float(heat.sum() * balls_per_value + np.nan_to_num(drag) + np.nan_to_num(cage))
 
 
-def _dynamics(file: Any) -> list[Block]:
-    """Blocks that only a dynamic case has."""
+def _dynamic_blocks(file: Any) -> list[Block]:
+    """Returns the blocks of the run and of the cage, which only a dynamic case has."""
     settled = (str(file.settled),) if hasattr(file, "settled") else ()
     blocks = [Block("dynamic run", (), mean_rows(file, RUN), settled)]
     cage = mean_rows(file, CAGE_MEANS)
@@ -265,81 +293,123 @@ def _dynamics(file: Any) -> list[Block]:
     return [*blocks, *([Block("cage", (), cage)] if cage else [])]
 
 
-def _grown(file: Any) -> list[Block]:
-    """Block of growth by heat, speed and fits."""
-    blocks = []
-    for title, columns, names in (("parts", BEARING_PARTS, WARMTH), ("rings", RACES, RINGS)):
-        found = [(name, values(file, name)) for name in names if name in file.variables]
-        found = [
-            (name, of_parts) for name, of_parts in found if name not in FIT_ROWS or any(of_parts)
-        ]
-        if found:
-            known = np.isfinite(found[0][1])  # shaft and housing need not be
-            heads = tuple(c.replace("_", " ") for c, k in zip(columns, known, strict=True) if k)
-            said = (str(file.preload_spread),) if hasattr(file, "preload_spread") else ()
-            rows = tuple(row_of(n, v[known]) for n, v in found)
-            blocks.append(Block(title, heads, rows, said if title == "parts" else ()))
-    return blocks
+def _growth_blocks(file: Any) -> list[Block]:
+    """Returns blocks of temperature and growth of all parts, and of growth and fits of rings."""
+    parts = _growth_block(file, "parts", BEARING_PARTS, TEMPERATURES)
+    if parts is not None and hasattr(file, "preload_spread"):
+        parts = replace(parts, lines=(str(file.preload_spread),))
+    rings = _growth_block(file, "rings", RACES, RINGS)
+    return [block for block in (parts, rings) if block is not None]
 
 
-def _diagnostics(file: Any) -> list[Block]:
-    """How well a result was solved, and what made it."""
-    found = ((name, values(file, name)) for name in file.variables if name in DIAGNOSTICS)
-    rows = (row_of(name, v[np.isfinite(v)].ravel()) for name, v in found if v.size <= len(RACES))
-    elsewhere = ("scene", "warnings", "modelled", "title", "comment", "references", "Conventions")
-    names = [name for name in file.ncattrs() if name not in elsewhere]
-    attributes = tuple(f"{name}: {_short(file.getncattr(name))}" for name in names)
+def _growth_block(
+    file: Any, title: str, parts: Sequence[str], names: Sequence[str]
+) -> Block | None:
+    """Returns a block of variables over `parts`, with a column for each part that has values."""
+    by_name = {name: values(file, name) for name in names if name in file.variables}
+    by_name = {
+        name: numbers for name, numbers in by_name.items() if name not in FIT_ROWS or any(numbers)
+    }
+    if not by_name:
+        return None
+    is_known = np.isfinite(next(iter(by_name.values())))  # shaft and housing need not be
+    columns = tuple(
+        part.replace("_", " ") for part, known in zip(parts, is_known, strict=True) if known
+    )
+    rows = tuple(row_of(name, numbers[is_known]) for name, numbers in by_name.items())
+    return Block(title, columns, rows)
+
+
+def _diagnostic_blocks(file: Any) -> list[Block]:
+    """Returns blocks of residuals and error estimates, modelled effects, and provenance."""
+    rows = []
+    for name in file.variables:
+        if name in DIAGNOSTICS:
+            numbers = values(file, name)
+            finite = numbers[np.isfinite(numbers)].ravel()
+            if numbers.size <= len(RACES) and finite.size:
+                rows.append(row_of(name, finite))
+    in_other_parts = {
+        "scene", "warnings", "modelled", "title", "comment", "references", "Conventions",
+    }  # fmt: skip
+    provenance = tuple(
+        f"{name}: {_attribute_text(file.getncattr(name))}"
+        for name in file.ncattrs()
+        if name not in in_other_parts
+    )
     blocks = (
-        Block("accuracy of the solution", (), tuple(row for row in rows if row.values)),
+        Block("accuracy of the solution", (), tuple(rows)),
         Block("modelled effects", lines=tuple(json.loads(getattr(file, "modelled", "[]")))),
-        Block("provenance", lines=attributes),
+        Block("provenance", lines=provenance),
     )
     return [block for block in blocks if block.rows or block.lines]
 
 
-def _short(value: Any) -> str:
+def _attribute_text(value: Any) -> str:
+    """Returns an attribute as text; a float with three digits."""
     if isinstance(value, float | np.floating):
         return digits(float(value))
     return str(value)
 
 
-SHEETS: Mapping[str, Callable[[Any], list[Block]]] = {CASE_KIND: _case, LIFE_KIND: life_blocks}
-"""Of the kinds that are not shown like any file of a study."""
+SHEETS: Mapping[str, Callable[[Any], list[Block]]] = {
+    CASE_KIND: _case_blocks,
+    LIFE_KIND: life_blocks,
+}
+"""Blocks of a file, for the kinds that are neither defined by a study nor shown like one."""
 
 
 def scene_sheet(scene: Scene) -> Document:
-    """The main numbers of a scene."""
-    b, m = scene.bearing, scene.materials
-    angle = math.radians(b.contact_angle_deg)
-    mass = m[b.ball_material].density_kg_m3 * math.pi / 6.0 * b.ball_diameter_mm**3 * 1e-9
-    groove = (b.inner_groove_factor + b.outer_groove_factor - 1.0) * b.ball_diameter_mm
-    end = scene.wear.end_of_life
-    limits = end.criteria if end is not None else {}
-    speed = scene.operation.shaft_speed_rpm
-    bearing = (
-        Row("ball diameter", "mm", (b.ball_diameter_mm,)),
-        Row("pitch diameter", "mm", (b.pitch_diameter_mm,)),
-        Row("free contact angle", "degree", (b.contact_angle_deg,)),
-        Row("groove factor, inner", "", (b.inner_groove_factor,)),
-        Row("groove factor, outer", "", (b.outer_groove_factor,)),
-        Row("diametral clearance", "um", (2e3 * groove * (1.0 - math.cos(angle)),)),
-        Row("ball mass", "g", (1e3 * mass,)),
-        Row("speed x pitch diameter", "mm/min", (speed * b.pitch_diameter_mm,)),
-    )
-    materials = tuple(
-        Row(
-            f"{part}: {name}",
-            "",
-            (m[name].youngs_modulus_GPa, m[name].brinell_hardness_GPa, m[name].wear_coefficient),
-        )
-        for part, name in (("balls", b.ball_material), ("races", b.race_material))
-    )
-    ends = tuple(Row(name, "", (value,)) for name, value in limits.items()) or (Row("none given"),)
+    """Returns the sheet of a scene: dimensions, materials, and end-of-life criteria."""
+    end_of_life = scene.wear.end_of_life
+    limits = end_of_life.criteria if end_of_life is not None else {}
+    criteria = tuple(Row(name, "", (limit,)) for name, limit in limits.items())
     blocks = (
-        Block("bearing", (), bearing, given=True),
-        Block("material", ("E, GPa", "H, GPa", "K_s"), materials, given=True),
-        Block("end-of-life criteria", (), ends, given=True),
+        Block("bearing", (), _dimension_rows(scene), given=True),
+        Block("material", ("E, GPa", "H, GPa", "K_s"), _material_rows(scene), given=True),
+        Block("end-of-life criteria", (), criteria or (Row("none given"),), given=True),
     )
-    return Document(
-        operation_lines(scene.to_dict()), {"kind": "scene", "scene": scene.name}, blocks
+    return Document(operation_lines(scene.plain), {"kind": "scene", "scene": scene.name}, blocks)
+
+
+def _dimension_rows(scene: Scene) -> tuple[Row, ...]:
+    """Returns the dimensions of a bearing, and what follows from them."""
+    bearing = scene.bearing
+    diameter = bearing.ball_diameter_mm
+    density = scene.materials[bearing.ball_material].density_kg_m3
+    ball_kg = density * math.pi / 6.0 * diameter**3 * 1e-9
+    centres_mm = (bearing.inner_groove_factor + bearing.outer_groove_factor - 1.0) * diameter
+    clearance_um = 2e3 * centres_mm * (1.0 - math.cos(math.radians(bearing.contact_angle_deg)))
+    speed = scene.operation.shaft_speed_rpm * bearing.pitch_diameter_mm
+    return (
+        Row("ball diameter", "mm", (diameter,)),
+        Row("pitch diameter", "mm", (bearing.pitch_diameter_mm,)),
+        Row("free contact angle", "degree", (bearing.contact_angle_deg,)),
+        Row("groove factor, inner", "", (bearing.inner_groove_factor,)),
+        Row("groove factor, outer", "", (bearing.outer_groove_factor,)),
+        Row("diametral clearance", "um", (clearance_um,)),
+        Row("ball mass", "g", (1e3 * ball_kg,)),
+        Row("speed x pitch diameter", "mm/min", (speed,)),
     )
+
+
+def _material_rows(scene: Scene) -> tuple[Row, ...]:
+    """Returns Young's modulus, hardness and wear coefficient of balls and races."""
+    rows = []
+    for part, name in (
+        ("balls", scene.bearing.ball_material),
+        ("races", scene.bearing.race_material),
+    ):
+        material = scene.materials[name]
+        rows.append(
+            Row(
+                f"{part}: {name}",
+                "",
+                (
+                    material.youngs_modulus_GPa,
+                    material.brinell_hardness_GPa,
+                    material.wear_coefficient,
+                ),
+            )
+        )
+    return tuple(rows)

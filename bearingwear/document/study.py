@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from bearingwear.document.rows import counted_words, film_lines, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
+    ASSUMED_SPREAD,
     BY_WEAR,
     CONFIDENCE,
     GIVEN,
@@ -24,42 +25,44 @@ from bearingwear.results.quantiles import (
     PRELOAD_CHOICE,
     RECOMMENDED,
     SEE,
-    TAKEN,
     Spread,
     band_by_wear,
-    causes_told,
+    causes_sentence,
     spread_of,
     uncertainties_at,
 )
 from bearingwear.results.units import Rough, display
 
 MOST_LISTED = 8
-"""Values of a coordinate that are listed; of more, the first and the last are."""
+"""Most values of a coordinate that are listed; of more, only the first and the last are."""
 
 QUANTILE_COLUMNS = "quantiles", f"{100 * CONFIDENCE:g} % interval of each, due to sampling"
 
 STUDY_RANGES = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
 
 
-def several(file: Any) -> Document:
-    """The sheet of a file with more than one case or life in it."""
+def study_document(file: Any) -> Document:
+    """Returns the sheet of a file with more than one case or life in it."""
     title = str(getattr(file, "title", "study"))
     points = tuple(
-        Row(name, "", (dim.size,), note=_along(file, name)) for name, dim in file.dimensions.items()
+        Row(name, "", (dimension.size,), note=_coordinate_text(file, name))
+        for name, dimension in file.dimensions.items()
     )
     blocks = [Block("dimension", ("points",), points)]
     if "status" in file.variables:
-        blocks.append(Block("status", ("cases",), tuple(_statuses(file))))
-    is_study = kind_of(file) in (STUDY_KIND, WEAR_LIFE_KIND)
-    names = [n for n in STUDY_RANGES if n in file.variables] if is_study else _numbers_in(file)
+        blocks.append(Block("status", ("cases",), tuple(_status_rows(file))))
+    names = _numeric_variables(file)
+    if kind_of(file) in (STUDY_KIND, WEAR_LIFE_KIND):
+        names = [name for name in STUDY_RANGES if name in file.variables]
     if names:
         ranges = tuple(_range_row(file, name) for name in names)
         blocks.append(Block("variable", ("least", "most"), ranges))
-    return Document((title,), {"kind": kind_of(file), "title": title}, (*blocks, *_lives(file)))
+    blocks += _life_blocks(file)
+    return Document((title,), {"kind": kind_of(file), "title": title}, tuple(blocks))
 
 
-def _statuses(file: Any) -> Iterator[Row]:
-    """How many cases have each status; one that none has says why there was nothing to solve."""
+def _status_rows(file: Any) -> Iterator[Row]:
+    """Yields a row with the number of cases of each status, or the reason for having none."""
     codes, counts = np.unique(values(file, "status"), return_counts=True)
     missing = str(getattr(file["status"], "missing", "-1: nothing to solve"))
     for code, count in zip(codes, counts, strict=True):
@@ -70,49 +73,67 @@ def _statuses(file: Any) -> Iterator[Row]:
 
 
 def _range_row(file: Any, name: str) -> Row:
-    """Least and most of a variable, in the unit that both are shown in."""
-    found = values(file, name)
-    solved = found[np.isfinite(found)]
-    ends = (float(solved.min()), float(solved.max())) if solved.size else (np.nan, np.nan)
-    known = VARIABLES.get(name)
+    """Returns a row with the least and the largest value of a variable."""
+    numbers = values(file, name)
+    finite = numbers[np.isfinite(numbers)]
+    ends = (float(finite.min()), float(finite.max())) if finite.size else (np.nan, np.nan)
+    variable = VARIABLES.get(name)
     units = str(getattr(file[name], "units", ""))
-    unit = display(units, *ends, shown=known.shown if known and known.units == units else "")
+    shown = variable.shown if variable and variable.units == units else ""
+    unit = display(units, *ends, shown=shown)
     return Row(name, unit.unit, tuple(unit.of(end) for end in ends), name)
 
 
-def quantile_blocks(file: Any, path: Path) -> list[Block]:
-    """The spread of the lives of a file, from itself or from files of uncertainty beside it."""
-    lives = list(_lives_with_quantiles(file)) if hasattr(file, "scene") else []
+def spread_blocks(file: Any, path: Path) -> list[Block]:
+    """Returns a block with the spread of each life of a file, and sentences on all spreads.
+
+    The spreads are in the file itself, or in files of uncertainty beside its `path`.
+    """
+    lives = list(_lives_with_spread(file)) if hasattr(file, "scene") else []
     if not lives:
         unknown = f"{NO_QUANTILES}; {SEE}"
         return [Block("", lines=(unknown,))] if "life" in file.variables else []
-    known, scene = uncertainties_at(path), json.loads(file.scene)
+    uncertainties, scene = uncertainties_at(path), json.loads(file.scene)
     blocks: list[Block] = []
-    for label, method, friction, choice in lives:
-        if spread := spread_of(known, scene, method, friction, choice):
-            title = ": ".join(filter(None, ("spread in life", label)))
-            failed = tuple(filter(None, [spread.failures_sentence]))
-            blocks.append(Block(title, QUANTILE_COLUMNS, tuple(_error_rows(spread)), failed))
-    missing = len(lives) - len(blocks)
-    where = f" for the other {missing}" if blocks else ""
-    taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
-    lines = [*filter(None, [causes_told(scene)]), *taken] if blocks else []
-    lines += [f"{NO_QUANTILES}{where}; {SEE}"] if missing else []
-    lines += film_lines(scene) if kind_of(file) != LIFE_KIND else []  # its own sheet has it
+    for life in lives:
+        spread = spread_of(uncertainties, scene, life.method, life.friction, life.preload_choice)
+        if spread:
+            title = f"spread in life: {life.label}" if life.label else "spread in life"
+            failures = (spread.failures_sentence,) if spread.failures_sentence else ()
+            blocks.append(Block(title, QUANTILE_COLUMNS, tuple(_quantile_rows(spread)), failures))
+    lines = []
+    if blocks:
+        assumed = [
+            uncertainty.attrs[ASSUMED_SPREAD]
+            for uncertainty in uncertainties
+            if ASSUMED_SPREAD in uncertainty.attrs
+        ]
+        lines = [line for line in (causes_sentence(scene), *dict.fromkeys(assumed)) if line]
+    if missing := len(lives) - len(blocks):
+        remaining = f" for the other {missing}" if blocks else ""
+        lines.append(f"{NO_QUANTILES}{remaining}; {SEE}")
+    if kind_of(file) != LIFE_KIND:  # the sheet of a life contains these lines already
+        lines += film_lines(scene)
     return [*blocks, *([Block(lines=tuple(lines))] if lines else [])]
 
 
 def spread_rows(spreads: Sequence[Spread | None]) -> list[Row]:
-    """A row for each of `Spread.rows`, of several lives."""
-    each = [spread.rows if spread else {} for spread in spreads]
+    """Returns a row for each label of `Spread.rows`, with a value for each life."""
+    columns = [spread.rows if spread else {} for spread in spreads]
+    labels = dict.fromkeys(label for column in columns for label in column)
     return [
-        Row(name, "h", tuple(rough_value(one.get(name)) for one in each), _life_name(name))
-        for name in dict.fromkeys(name for one in each for name in one)
+        Row(
+            label,
+            "h",
+            tuple(rough_value(column.get(label)) for column in columns),
+            _row_name(label),
+        )
+        for label in labels
     ]
 
 
-def _error_rows(spread: Spread) -> list[Row]:
-    """The rows of a life, with the confidence interval beside each quantile."""
+def _quantile_rows(spread: Spread) -> list[Row]:
+    """Returns the rows of the spread of one life, with a confidence interval for each value."""
     return [
         row._replace(values=(*row.values, spread.errors[row.label]))
         for row in spread_rows([spread])
@@ -120,65 +141,81 @@ def _error_rows(spread: Spread) -> list[Row]:
 
 
 def by_wear_row(scene: Mapping[str, Any], lives: Iterable[float]) -> tuple[Row, ...]:
-    """Between which hours lives lie by what is unknown of wear alone, if that is stated."""
+    """Returns a row with the band of each life due to uncertain wear alone, if that is known."""
     bands = [band_by_wear(scene, life)[0] for life in lives]
     values = tuple(band or math.nan for band in bands)
     return (Row(BY_WEAR, "h", values, "life_by_wear_alone"),) if any(bands) else ()
 
 
 def rough_value(value: Any) -> Any:
-    """Hours as two digits; other cells as they are."""
+    """Returns a number of hours as one of two digits, None as NaN, and other cells unchanged."""
     value = math.nan if value is None else value
     return Rough(value) if isinstance(value, float) else value
 
 
-def _life_name(label: str) -> str:
-    """`life_90_percent_of_bearings`, for programs."""
+def _row_name(label: str) -> str:
+    """Returns the name of a row for programs: `life_90_percent_of_bearings`."""
     return f"life_{label.strip()}".replace("%", "percent").replace(" ", "_")
 
 
-def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float | None, int]]:
-    """Label, preload method, friction and choice of preload of each life that may have L10.
+class _LifeWithSpread(NamedTuple):
+    """A life of a file whose spread may have been computed."""
 
-    A film has no one friction.
-    """
+    label: str
+    method: str  # of preload
+    friction: float | None  # None for a film, which has no single coefficient
+    preload_choice: int = GIVEN
+
+
+def _lives_with_spread(file: Any) -> Iterator[_LifeWithSpread]:
+    """Yields each life of a file whose spread may have been computed."""
     kind = kind_of(file)
     if kind == LIFE_KIND:
         scene = json.loads(file.scene)
-        yield "", scene["operation"]["preload_method"], scene["friction"].get("ball_race"), GIVEN
+        method, friction = scene["operation"]["preload_method"], scene["friction"].get("ball_race")
+        yield _LifeWithSpread(label="", method=method, friction=friction)
     elif kind == "recommendation" or (kind == KIND and PRELOAD_CHOICE in file.variables):
-        own = json.loads(file.scene)["friction"].get("ball_race")
-        frictions = values(file, "friction").tolist() if "friction" in file.variables else []
-        for mu, method in itertools.product(frictions or [own], _methods(file)):
-            for choice in values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,):
-                where = "own" if choice == GIVEN else "recommended"
-                label = f"{method}, mu {mu:g}" if frictions else method
-                yield f"{label}, {where}", method, mu, choice
+        yield from _lives_at_preload_choices(file, kind)
     elif _has_lives(file):
-        for method in _methods(file):
+        for method in _preload_methods(file):
             for mu in values(file, "friction"):
-                yield f"{method}, mu {mu:g}", method, float(mu), GIVEN
+                label = f"{method}, mu {mu:g}"
+                yield _LifeWithSpread(label=label, method=method, friction=float(mu))
 
 
-def _methods(file: Any) -> list[str]:
-    """The preload methods along the dimension of that name."""
+def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]:
+    """Yields the lives at the scene's own and at the recommended preload, as far as contained."""
+    frictions = values(file, "friction").tolist() if "friction" in file.variables else []
+    scene_friction = json.loads(file.scene)["friction"].get("ball_race")
+    choices = values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
+    for mu, method in itertools.product(frictions or [scene_friction], _preload_methods(file)):
+        point = f"{method}, mu {mu:g}" if frictions else method
+        for choice in choices:
+            preload = "own" if choice == GIVEN else "recommended"
+            yield _LifeWithSpread(
+                label=f"{point}, {preload}", method=method, friction=mu, preload_choice=choice
+            )
+
+
+def _preload_methods(file: Any) -> list[str]:
+    """Returns the names of the preload methods along the dimension of a file."""
     names = file["preload_method"].flag_meanings.split()
     return [names[int(flag)] for flag in values(file, "preload_method")]
 
 
-def _along(file: Any, name: str) -> str:
-    """The values of a coordinate, or the first and the last where they are many."""
+def _coordinate_text(file: Any, name: str) -> str:
+    """Lists the values of a coordinate, or the first and the last of many, with the unit."""
     if name not in file.variables or file[name].dimensions != (name,):
         return ""
     flags = str(getattr(file[name], "flag_meanings", "")).split()
-    texts = [flags[int(v)] if flags else f"{v:g}" for v in values(file, name)]
+    texts = [flags[int(value)] if flags else f"{value:g}" for value in values(file, name)]
     unit = str(getattr(file[name], "units", "")).replace("1", "", 1)
     listed = ", ".join(texts) if len(texts) <= MOST_LISTED else f"{texts[0]} to {texts[-1]}"
     return f"{listed} {unit}".rstrip()
 
 
-def _numbers_in(file: Any) -> list[str]:
-    """Variables with numbers that are no coordinates and no flags."""
+def _numeric_variables(file: Any) -> list[str]:
+    """Returns the names of variables that are neither coordinates nor flags nor texts."""
     return [
         name
         for name, variable in file.variables.items()
@@ -190,25 +227,26 @@ def _numbers_in(file: Any) -> list[str]:
 
 
 def _has_lives(file: Any) -> bool:
+    """Whether a file contains lives over preload method and friction."""
     axes = ("preload_method", "friction")
     return "end_criterion" in file.variables and file["end_criterion"].dimensions == axes
 
 
-def _lives(file: Any) -> list[Block]:
-    """Each life of a file that has them over preload method and friction."""
+def _life_blocks(file: Any) -> list[Block]:
+    """Returns a table of the lives over preload method and friction, if the file contains such."""
     if not _has_lives(file):
         return []
-    ends = file["end_criterion"].flag_meanings.split()
-    criteria = values(file, "end_criterion").ravel()
-    methods, frictions = _methods(file), values(file, "friction").tolist()
+    criteria = file["end_criterion"].flag_meanings.split()
+    flags = values(file, "end_criterion").ravel()
+    ends = tuple(criteria[int(flag)] if np.isfinite(flag) else criteria[-1] for flag in flags)
+    methods, frictions = _preload_methods(file), values(file, "friction").tolist()
     points = list(itertools.product(methods, frictions))
-    words = counted_words(json.loads(getattr(file, "scene", "{}")))
-    met = tuple(ends[int(end)] if np.isfinite(end) else ends[-1] for end in criteria)
+    counted = counted_words(json.loads(getattr(file, "scene", "{}")))
     rows = (
         Row("preload method", "", tuple(method for method, _ in points), "preload_method"),
         Row("friction", "", tuple(mu for _, mu in points), "friction", given=True),
-        quantity_row(f"life, wear of {words}", "h", values(file, "life").ravel(), "life"),
+        quantity_row(f"life, wear of {counted}", "h", values(file, "life").ravel(), "life"),
         quantity_row("loss", "m", values(file, "loss_at_end").ravel(), "loss_at_end"),
-        Row("ended by", "", met, "end_criterion"),
+        Row("ended by", "", ends, "end_criterion"),
     )
     return [Block("lives", rows=rows, axes=2)]

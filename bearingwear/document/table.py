@@ -1,4 +1,4 @@
-"""Points of a dataset: as a table of a document, and as CSV."""
+"""Tables of the points of a dataset: as a block of a document, and as CSV."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import io
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def table_of(
+def dataset_table(
     dataset: xr.Dataset,
     axes: Sequence[str],
     columns: Sequence[tuple[xr.DataArray | str, str]],
@@ -26,35 +26,52 @@ def table_of(
     lines: tuple[str, ...] = (),
     errors: Sequence[xr.DataArray | None] = (),
 ) -> Block:
-    """A table with a line for each point along some axes; labels and units are the variables' own.
+    """Returns a table with a line for each point along `axes`.
 
-    axes: dimensions that points lie along; each has a column.
-    columns: a variable over the axes, or its name, which may go on after a point; and what tells
-        the column from others of the same variable. All columns of a variable have one unit.
+    axes: dimensions along which the points lie; each has a column.
+    columns: a variable over the axes, or its name, which may have a suffix after a point; and
+        words that distinguish the column from others of the same variable. All columns of a
+        variable have one unit. Labels and units are those of the table of variables.
     title, lines: of the block.
-    errors: relative error of each column, which decides its digits; None if it is not known.
+    errors: relative error of each column, which determines its digits; None if it is not known.
     """
-    found = [(dataset[v] if isinstance(v, str) else v, words) for v, words in columns]
+    variables = [dataset[v] if isinstance(v, str) else v for v, _ in columns]
+    rows = _axis_rows(dataset, axes)
+    for variable, (_, words), error in zip(
+        variables, columns, errors or [None] * len(columns), strict=True
+    ):
+        quantity = _quantity(variable)
+        table_entry = VARIABLES.get(quantity.name)
+        label = table_entry.label if table_entry else quantity.name.replace("_", " ")
+        same_quantity = [other for other in variables if _quantity(other) == quantity]
+        unit = display(quantity.units, *same_quantity, shown=quantity.shown)
+        numbers = unit.of(variable.transpose(*axes).values.ravel()).tolist()
+        if error is not None:
+            relative = error.transpose(*axes).values.ravel().tolist()
+            numbers = [
+                Estimated.of(number, abs(number) * share)
+                for number, share in zip(numbers, relative, strict=True)
+            ]
+        rows.append(
+            Row(
+                label=", ".join(filter(None, (label, words))),
+                unit=unit.unit,
+                values=tuple(numbers),
+                name=".".join(filter(None, (quantity.name, words.replace(", ", ".")))),
+            )
+        )
+    return Block(title, rows=tuple(rows), lines=lines, axes=len(axes))
+
+
+def _axis_rows(dataset: xr.Dataset, axes: Sequence[str]) -> list[Row]:
+    """Returns a row for each axis, with its coordinate at every point."""
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
     rows = []
     for axis, texts in zip(axes, zip(*points, strict=True), strict=True):
         words = tuple(text.replace("_", " ") for text in texts)
-        units = display(dataset[axis].attrs.get("units", "1")).unit
-        rows.append(Row(axis.replace("_", " "), units, words, axis))
-    for (variable, which), error in zip(found, errors or [None] * len(found), strict=True):
-        name, units, shown = _kind(variable)
-        known = VARIABLES.get(name)
-        label = ", ".join(filter(None, (known.label if known else name.replace("_", " "), which)))
-        alike = [v for v, _ in found if _kind(v) == (name, units, shown)]
-        unit = display(units, *alike, shown=shown)
-        numbers = unit.of(variable.transpose(*axes).values.ravel()).tolist()
-        if error is not None:
-            relative = error.transpose(*axes).values.ravel().tolist()
-            pairs = zip(numbers, relative, strict=True)
-            numbers = [Estimated.of(number, abs(number) * share) for number, share in pairs]
-        own = ".".join(filter(None, (name, which.replace(", ", "."))))
-        rows.append(Row(label, unit.unit, tuple(numbers), own))
-    return Block(title, rows=tuple(rows), lines=lines, axes=len(axes))
+        unit = display(dataset[axis].attrs.get("units", "1")).unit
+        rows.append(Row(axis.replace("_", " "), unit, words, axis))
+    return rows
 
 
 def points_block(
@@ -63,7 +80,12 @@ def points_block(
     points: Sequence[Sequence[Any]],
     axes: int = 1,
 ) -> Block:
-    """A table of points, each with a value for each column; columns by label, with their units."""
+    """Returns a table with a line for each point.
+
+    columns: unit of each column, by its label.
+    points: the values of each point, in the order of the columns.
+    axes: number of first columns that name a point.
+    """
     rows = (
         Row(label, unit, tuple(point[k] for point in points))
         for k, (label, unit) in enumerate(columns.items())
@@ -71,23 +93,33 @@ def points_block(
     return Block(title, rows=tuple(rows) if points else (), axes=axes)
 
 
-def _kind(variable: xr.DataArray) -> tuple[str, str, str]:
-    """Name in the table of variables, unit of the file, and what it is shown as."""
+class _Quantity(NamedTuple):
+    """The properties of a variable that determine the unit of its columns."""
+
+    name: str  # in the table of variables
+    units: str  # of the file
+    shown: str  # `Variable.shown`
+
+
+def _quantity(variable: xr.DataArray) -> _Quantity:
+    """Returns the quantity of a variable, whose name may have a suffix after a point."""
     name, units = str(variable.name).partition(".")[0], variable.attrs.get("units", "1")
-    known = VARIABLES.get(name)
-    own = known.shown if known and known.units == units else ""
-    return name, units, variable.attrs.get("shown", own)
+    table_entry = VARIABLES.get(name)
+    shown = table_entry.shown if table_entry and table_entry.units == units else ""
+    return _Quantity(name=name, units=units, shown=variable.attrs.get("shown", shown))
 
 
 def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
-    """A row for each point of a dataset and a column for each number, its unit in the header.
+    """Returns CSV with a row for each point of a dataset and a column for each number.
 
     A variable over further dimensions has a column for each of their flags.
 
-    axes: the head of the column of each dimension that points lie along.
+    axes: the head of the column of each dimension along which the points lie.
     """
     columns = {
-        head: texts for name in dataset.data_vars for head, texts in _of(dataset, name, axes)
+        head: texts
+        for name in dataset.data_vars
+        for head, texts in _variable_columns(dataset, name, axes)
     }
     axis_texts = [_axis_texts(dataset[axis]) for axis in axes]
     points = itertools.product(*axis_texts)
@@ -98,38 +130,41 @@ def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
     return text.getvalue()
 
 
-def _of(dataset: xr.Dataset, name: Any, axes: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
-    """Head and texts of each column of a variable, if it lies along the axes."""
+def _variable_columns(
+    dataset: xr.Dataset, name: Any, axes: Mapping[str, str]
+) -> Iterator[tuple[str, list[str]]]:
+    """Yields head and texts of each column of a variable, if it lies along the axes."""
     variable = dataset[name]
     if not set(axes) <= set(variable.dims):
         return
     values = variable.transpose(*axes, ...)
-    inner = values.dims[len(axes) :]
+    further_dims = values.dims[len(axes) :]
     flags = variable.attrs.get("flag_meanings", "").split()
     for index in np.ndindex(*values.shape[len(axes) :]):
-        words = [flag_names(dataset[dim])[k] for dim, k in zip(inner, index, strict=True)]
+        words = [flag_names(dataset[dim])[k] for dim, k in zip(further_dims, index, strict=True)]
         numbers = values.values[(..., *index)].ravel()
         unit = variable.attrs.get("units", "1")
-        if "dof_column" in inner:
+        if "dof_column" in further_dims:
             unit = STIFFNESS_UNITS[sum(word.startswith("tilt") for word in words)]
         head = ".".join([str(name), *words]) + (f" ({unit})" if unit != "1" else "")
-        yield head, [cell_text(x, flags) for x in numbers]
+        yield head, [cell_text(number, flags) for number in numbers]
 
 
 def _axis_texts(coordinate: xr.DataArray) -> list[str]:
+    """Returns the values of a coordinate as texts; flags by their names."""
     if "flag_meanings" in coordinate.attrs:
         return flag_names(coordinate)
     return [f"{value:g}" for value in coordinate.values]
 
 
 def cell_text(number: float, flags: Sequence[str] | None) -> str:
-    """A number with nine digits, a flag by its name, nothing where it is missing."""
+    """Returns a number with nine digits, a flag by its name, and an empty text for NaN."""
     if not np.isfinite(number):
         return ""
     return flags[int(number)] if flags else f"{number:.9g}"
 
 
 def flag_names(coordinate: xr.DataArray) -> list[str]:
-    """The names of the flags along a dimension."""
+    """Returns the names of the flags along a dimension."""
     names = coordinate.attrs.get("flag_meanings", "").split()
     return [names[int(flag)] for flag in coordinate.values]

@@ -1,4 +1,4 @@
-"""A document as text for a terminal."""
+"""Renders a document as plain text for a terminal."""
 
 from __future__ import annotations
 
@@ -11,76 +11,79 @@ from bearingwear.results.units import in_ascii
 
 LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
 WIDTH = 110
-"""Of a line of sentences, and of a table's heads where its columns need no more."""
-COMPARED = 4
-"""Columns that stay beside each other however wide: two methods, new and worn."""
+"""Characters in a line of a sentence or table; a table with wide columns may exceed it."""
+ALWAYS_BESIDE = 4
+"""Columns that stay beside each other however wide they are: two methods, new and worn."""
 
 
 def as_text(document: Document) -> str:
-    """Plain text for a terminal."""
-    lines = [part for text in document.heading for part in _wrapped(text)]
+    """Returns a document as plain text in ASCII."""
+    lines = [line for text in document.heading for line in _wrapped_lines(text)]
     for block in document.blocks:
-        lines += ["", *(_points(block) if block.axes else _quantities(block))]
+        lines += ["", *(_point_lines(block) if block.axes else _quantity_lines(block))]
         indent = "  " if block.rows or not block.title else "    "
-        lines += [part for text in block.lines for part in _wrapped(text, indent)]
+        lines += [line for text in block.lines for line in _wrapped_lines(text, indent)]
     return in_ascii("\n".join(line.rstrip() for line in lines)).strip("\n")
 
 
-def _wrapped(text: str, indent: str = "") -> list[str]:
+def _wrapped_lines(text: str, indent: str = "") -> list[str]:
     return textwrap.wrap(
         text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ",
         break_long_words=False, break_on_hyphens=False,
     )  # fmt: skip
 
 
-def _quantities(block: Block) -> list[str]:
-    """A line for each quantity."""
+def _quantity_lines(block: Block) -> list[str]:
+    """Returns the lines of a table with a line for each quantity."""
     cells = block.cells
-    columns_of = zip_longest(block.columns, *cells, fillvalue="")
-    widths = [max(VALUE_WIDTH, *(len(text) + 2 for text in column)) for column in columns_of]
+    columns = zip_longest(block.columns, *cells, fillvalue="")
+    widths = [max(VALUE_WIDTH, *(len(text) + 2 for text in column)) for column in columns]
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
 
     def line(label: str, unit: str, texts: Sequence[str], part: slice) -> str:
-        shown = zip(texts[part], widths[part], strict=False)
-        columns = "".join(f"{text:>{width}}" for text, width in shown)
-        return f"  {label:<{label_width}}{unit:<{UNIT_WIDTH}}{columns}"
+        aligned = (
+            f"{text:>{width}}" for text, width in zip(texts[part], widths[part], strict=False)
+        )
+        return f"  {label:<{label_width}}{unit:<{UNIT_WIDTH}}{''.join(aligned)}"
 
     lines = []
-    for part in _parts(widths, WIDTH - 2 - label_width - UNIT_WIDTH):
+    for part in _column_slices(widths, WIDTH - 2 - label_width - UNIT_WIDTH):
         if block.title:
             lines.append(line(block.title, block.unit, block.columns, part))
         for row, texts in zip(block.rows, cells, strict=True):
             if part.start and not texts[part]:
                 continue
             text, notes = line(row.label, row.unit, texts, part), row_notes(row)
-            last = part.stop >= len(texts)
-            lines.append(f"{text}  {notes}" if notes and last else text)
+            is_last_part = part.stop >= len(texts)
+            lines.append(f"{text}  {notes}" if notes and is_last_part else text)
     return lines
 
 
-def _parts(widths: Sequence[int], room: int) -> Iterator[slice]:
-    """Columns that fit beside each other; of many, further ones stand below."""
+def _column_slices(widths: Sequence[int], total_width: int) -> Iterator[slice]:
+    """Yields the columns that fit beside each other; the other columns stand below them."""
     start = 0
     for k in range(1, len(widths)):
-        if len(widths) > COMPARED and sum(widths[start : k + 1]) > room:
+        if len(widths) > ALWAYS_BESIDE and sum(widths[start : k + 1]) > total_width:
             yield slice(start, k)
             start = k
     yield slice(start, len(widths))
 
 
-def _points(block: Block) -> list[str]:
-    """A line for each point; heads stand on several lines, as their columns are narrow."""
+def _point_lines(block: Block) -> list[str]:
+    """Returns the lines of a table with a line for each point; long heads take several lines."""
     heads, points = block.table
-    narrow = [max(12, *(len(text) for text in column)) for column in zip(*points, strict=True)]
-    wrapped_heads = [textwrap.wrap(head, width) for head, width in zip(heads, narrow, strict=True)]
-    height = max(map(len, wrapped_heads), default=0)
+    cell_widths = [max(12, *(len(text) for text in column)) for column in zip(*points, strict=True)]
+    wrapped_heads = [
+        textwrap.wrap(head, width) for head, width in zip(heads, cell_widths, strict=True)
+    ]
+    # a long word in a head widens its column
     widths = [
         max(width, *(len(part) for part in parts), 0)
-        for width, parts in zip(narrow, wrapped_heads, strict=True)
+        for width, parts in zip(cell_widths, wrapped_heads, strict=True)
     ]
-    rows = [[(parts[k : k + 1] or [""])[0] for parts in wrapped_heads] for k in range(height)]
+    head_lines = zip_longest(*wrapped_heads, fillvalue="")
     title = [f"  {block.title}"] if block.title else []
     return title + [
-        "  " + "  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True))
-        for row in [*rows, *points]
+        "  " + "  ".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=True))
+        for texts in [*head_lines, *points]
     ]

@@ -1,4 +1,4 @@
-"""Figures of studies as a page holds them: small, with words, and with the files behind them."""
+"""Figures of studies for a page: reduced SVG, with their words and the files behind them."""
 
 from __future__ import annotations
 
@@ -25,33 +25,33 @@ DESCRIPTION, _SOURCE = (
     f"{{http://purl.org/dc/elements/1.1/}}{name}" for name in ("description", "source")
 )
 AS_CSV = {"study.nc": "cases", "wear_life.nc": "cases", "dynamic.nc": "dynamic", "design.nc": "map"}
-"""Tables (tables/NAME.csv) beside results, with the same numbers."""
-# What may stand in a data URI between quotation marks as it is; `#` would end it.
+"""Names of the tables (tables/NAME.csv) beside results, with the same numbers."""
+# Characters that a data URI between quotation marks may contain as they are; `#` would end it.
 UNQUOTED = " !$'()*+,-./:;<=>?@[]_|~"
 LINE = r'translate\([-\d.]+ ([\d.]+)\)|y="([\d.]+)"'
 PAPER, INK = (20, 23, 27), "#e4e7eb"
-"""Of a dark page, as in page.css."""
+"""Colours of a dark page, as in page.css."""
 DECIMALS = 1  # of a coordinate [pt]
 WITH_COORDINATES = ("d", "points", "x", "y", "transform")
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure as the page holds it."""
+    """A figure as the page contains it."""
 
     path: Path
-    message: str  # what it states, and what it shows
-    description: str
+    message: str  # its title, a sentence
+    description: str  # of its panels and legend
     width: int  # [px]
     height: int
     uri: Markup  # the picture itself
-    data: Sequence[Path] = ()  # what it was drawn from
+    data: Sequence[Path] = ()  # the files that it was drawn from, and tables of their numbers
 
 
 def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
-    """Every SVG among the files; a heavy one as the PNG of the same name, if that is given.
+    """Yields a drawing for every SVG among the files. May raise CaseFileError.
 
-    May raise CaseFileError.
+    A heavy one contains the PNG of the same name, if the files include that.
     """
     for file in files:
         if file.suffix == ".svg":
@@ -60,15 +60,17 @@ def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
 
 
 def _data_behind(root: ET.Element) -> list[Path]:
-    """The files that a figure says it was drawn from, and tables of the same numbers."""
+    """Returns the files that a figure states as its source, and tables of the same numbers."""
     text = next((node.text or "" for node in root.iter(_SOURCE)), "").strip()
     files = [Path(path) for path in text.split(DATA_SEPARATOR) if path]
-    known = [(file, AS_CSV[file.name]) for file in files if file.name in AS_CSV]
-    tables = [file.parent / "tables" / f"{name}.csv" for file, name in known]
+    tables = [
+        file.parent / "tables" / f"{AS_CSV[file.name]}.csv" for file in files if file.name in AS_CSV
+    ]
     return [*files, *(table for table in dict.fromkeys(tables) if table.is_file())]
 
 
 def _drawing(file: Path, png: Path | None) -> Drawing:
+    """Reads an SVG figure and reduces it; contains the PNG instead if that is much lighter."""
     try:
         root = ET.fromstring(file.read_text(encoding="utf-8"))
         _, _, width, height = (float(number) for number in root.attrib["viewBox"].split())
@@ -79,59 +81,58 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
     description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
     data = _data_behind(root)
-    # the page has the message beside the figure
-    top = 0.0
-    for parent in list(root.iter()):
-        for child in [child for child in parent if child.get("id") == MESSAGE]:
-            lines = re.findall(LINE, ET.tostring(child, encoding="unicode"))
-            top = max((float(moved or there) for moved, there in lines), default=0.0)
-            parent.remove(child)
-    root.set("viewBox", f"0 {top:g} {width:g} {height - top:g}")
-    height -= top
-    for size in ("width", "height"):
-        root.attrib.pop(size, None)
-    uri = Markup(f"data:image/svg+xml,{quote(_small(root), safe=UNQUOTED)}")
+    # the page shows the message beside the figure
+    message_height = _remove_message(root)
+    height -= message_height
+    root.set("viewBox", f"0 {message_height:g} {width:g} {height:g}")
+    for name in ("width", "height"):
+        root.attrib.pop(name, None)
+    uri = Markup(f"data:image/svg+xml,{quote(_reduced_svg(root), safe=UNQUOTED)}")
     if picture and len(uri) > HEAVY:
-        coded = base64.b64encode(picture).decode()
-        uri = min(uri, Markup(f"data:image/png;base64,{coded}"), key=len)
+        encoded = base64.b64encode(picture).decode()
+        uri = min(uri, Markup(f"data:image/png;base64,{encoded}"), key=len)
     return Drawing(
-        file,
-        message,
-        description,
-        round(width * 4.0 / 3.0),  # from points to pixels
-        round(height * 4.0 / 3.0),
-        uri,
-        data,
+        path=file,
+        message=message,
+        description=description,
+        width=round(width * 4.0 / 3.0),  # from points to pixels
+        height=round(height * 4.0 / 3.0),
+        uri=uri,
+        data=data,
     )
 
 
-def _small(root: ET.Element) -> str:
-    """An SVG without what nobody sees: comments, digits, groups of nothing, names nobody uses."""
+def _remove_message(root: ET.Element) -> float:
+    """Removes the message from a figure; returns the height that it took [pt]."""
+    height = 0.0
+    for parent in list(root.iter()):
+        for child in [child for child in parent if child.get("id") == MESSAGE]:
+            lines = re.findall(LINE, ET.tostring(child, encoding="unicode"))
+            height = max((float(offset or y) for offset, y in lines), default=0.0)
+            parent.remove(child)
+    return height
+
+
+def _reduced_svg(root: ET.Element) -> str:
+    """Returns an SVG without invisible content: comments, digits, empty groups, unused names."""
     ET.register_namespace("", SVG)
     ET.register_namespace("xlink", XLINK)
-    used = dict.fromkeys(re.findall(r"#([\w-]+)", ET.tostring(root, encoding="unicode")))
-    short = {name: f"i{k}" for k, name in enumerate(used)}  # colours are among them
-    styles: dict[str, str] = {}
-    _plain_text(root)
+    references = dict.fromkeys(re.findall(r"#([\w-]+)", ET.tostring(root, encoding="unicode")))
+    short_ids = {name: f"i{k}" for k, name in enumerate(references)}  # colours are among them
+    _remove_black_of_texts(root)
     for node in root.iter():
-        if name := node.attrib.pop("id", None):
-            node.attrib |= {"id": short[name]} if name in short else {}
+        _shorten_references(node, short_ids)
         if node.get("transform", "").startswith("rotate(-0 "):
             del node.attrib["transform"]
-        for name in ("clip-path", HREF):
-            if name in node.attrib:
-                node.set(name, re.sub(r"#([\w-]+)", lambda m: f"#{short[m[1]]}", node.attrib[name]))
         for name in WITH_COORDINATES:
             if name in node.attrib and "scale" not in node.attrib[name]:
                 node.set(name, re.sub(r"\d+\.\d{2,}", _rounded, node.attrib[name]).strip())
-        if style := node.attrib.pop("style", None):
-            style = style.replace("; ", ";").replace(": ", ":").replace("'", "")
-            node.set("class", styles.setdefault(style, f"s{len(styles)}"))
-    for name in ("metadata", "g"):
-        _unwrapped(root, f"{{{SVG}}}{name}")
+    classes = _replace_styles_by_classes(root)
+    _remove_metadata(root)
+    _unwrap_groups(root)
     sheet = ET.Element(f"{{{SVG}}}style")
-    sheet.text = "".join(f".{name}{{{style}}}" for style, name in styles.items())
-    sheet.text += f"@media (prefers-color-scheme:dark){{text{{fill:{INK}}}{_by_night(styles)}}}"
+    sheet.text = "".join(f".{name}{{{style}}}" for style, name in classes.items())
+    sheet.text += f"@media (prefers-color-scheme:dark){{text{{fill:{INK}}}{_dark_styles(classes)}}}"
     root.insert(0, sheet)
     text = " ".join(ET.tostring(root, encoding="unicode").split())
     text = text.replace("> <", "><").replace(" />", "/>")
@@ -139,48 +140,79 @@ def _small(root: ET.Element) -> str:
     return text if "'" in text else text.replace('"', "'")
 
 
-def _plain_text(root: ET.Element) -> None:
-    """Black, the colour of a text without one, is left out, so that a dark page may change it."""
+def _shorten_references(node: ET.Element, short_ids: Mapping[str, str]) -> None:
+    """Replaces the `id` of a node, and those to which it refers; removes an `id` without use."""
+    if identifier := node.attrib.pop("id", None):
+        node.attrib |= {"id": short_ids[identifier]} if identifier in short_ids else {}
+    for name in ("clip-path", HREF):
+        if name in node.attrib:
+            value = re.sub(r"#([\w-]+)", lambda match: f"#{short_ids[match[1]]}", node.attrib[name])
+            node.set(name, value)
+
+
+def _replace_styles_by_classes(root: ET.Element) -> dict[str, str]:
+    """Replaces the styles of all nodes by classes; returns the class of each style."""
+    classes: dict[str, str] = {}
+    for node in root.iter():
+        if style := node.attrib.pop("style", None):
+            style = style.replace("; ", ";").replace(": ", ":").replace("'", "")
+            node.set("class", classes.setdefault(style, f"s{len(classes)}"))
+    return classes
+
+
+def _remove_black_of_texts(root: ET.Element) -> None:
+    """Removes black from texts, whose default colour it is, so that a dark page may change it."""
     for node in root.iter(f"{{{SVG}}}text"):
         node.set("style", node.get("style", "").replace("fill: #000000", "").strip("; "))
 
 
-def _by_night(styles: Mapping[str, str]) -> str:
-    """The styles that a dark page changes: greys the other way round, colours lighter."""
-    changed = {
-        name: [
-            f"{key}:{_lighter(colour)}"
-            for key, colour in re.findall(r"(fill|stroke):\s?(#[0-9a-f]{6})", style)
-        ]
-        for style, name in styles.items()
-    }
-    return "".join(f".{name}{{{';'.join(each)}}}" for name, each in changed.items() if each)
+def _dark_styles(classes: Mapping[str, str]) -> str:
+    """Returns the style rules of a dark page: it inverts greys and has lighter colours.
+
+    classes: by style.
+    """
+    rules = []
+    for style, name in classes.items():
+        colours = re.findall(r"(fill|stroke):\s?(#[0-9a-f]{6})", style)
+        if colours:
+            changes = ";".join(f"{key}:{_dark_page_colour(colour)}" for key, colour in colours)
+            rules.append(f".{name}{{{changes}}}")
+    return "".join(rules)
 
 
-def _lighter(colour: str) -> str:
-    """A colour of a figure on the paper of a dark page."""
+def _dark_page_colour(colour: str) -> str:
+    """Returns the colour on a dark page for a colour of a figure, both as `#rrggbb`."""
     red, green, blue = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
-    hue, light, strong = colorsys.rgb_to_hls(red, green, blue)
-    if max(red, green, blue) - min(red, green, blue) < 0.05:
-        share = 1.0 - light
+    hue, lightness, saturation = colorsys.rgb_to_hls(red, green, blue)
+    if max(red, green, blue) - min(red, green, blue) < 0.05:  # grey
+        darkness = 1.0 - lightness
         ends = zip(PAPER, (228, 231, 235), strict=True)
-        return "#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in ends)
-    rgb = colorsys.hls_to_rgb(hue, max(light, 0.62), strong)
+        return "#" + "".join(
+            f"{round(dark + (light - dark) * darkness):02x}" for dark, light in ends
+        )
+    rgb = colorsys.hls_to_rgb(hue, max(lightness, 0.62), saturation)
     return "#" + "".join(f"{round(255 * part):02x}" for part in rgb)
 
 
-def _unwrapped(node: ET.Element, tag: str) -> None:
-    """Replace elements of a tag without attributes by their contents; drop metadata."""
+def _remove_metadata(node: ET.Element) -> None:
+    """Removes all elements `metadata` below a node."""
     for child in list(node):
-        _unwrapped(child, tag)
-    kept: list[ET.Element] = []
-    for child in node:
-        if child.tag == tag and (not child.attrib or tag.endswith("}metadata")):
-            kept += [] if tag.endswith("}metadata") else list(child)
+        if child.tag == f"{{{SVG}}}metadata":
+            node.remove(child)
         else:
-            kept.append(child)
-    node[:] = kept
+            _remove_metadata(child)
+
+
+def _unwrap_groups(node: ET.Element) -> None:
+    """Replaces groups without attributes below a node by their contents."""
+    children: list[ET.Element] = []
+    for child in node:
+        _unwrap_groups(child)
+        is_plain_group = child.tag == f"{{{SVG}}}g" and not child.attrib
+        children += list(child) if is_plain_group else [child]
+    node[:] = children
 
 
 def _rounded(number: re.Match[str]) -> str:
+    """Returns the text of a number with `DECIMALS` decimals."""
     return f"{round(float(number[0]), DECIMALS):g}"

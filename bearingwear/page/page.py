@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file that needs no network and, but for its data, no other file."""
+"""The page of a study: one HTML file that needs neither a network nor, except for data, others."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 import jinja2
@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from bearingwear.document.bearing_line import bearing_line, settled_by_a_case
+from bearingwear.document.bearing_line import bearing_line, is_answered_by_a_case
 from bearingwear.document.chart import Chart, load_charts
 from bearingwear.document.document import Block, Document, load_document
 from bearingwear.document.html import block_html, sentences_html
@@ -28,7 +28,7 @@ from bearingwear.page.sketch import sketch
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.units import Rough, in_print, key_in_words, unbroken
-from bearingwear.results.warnings import gathered_warnings, warnings_in
+from bearingwear.results.warnings import merged_warnings, warnings_in
 from bearingwear.results.words import scene_of
 from bearingwear.scene.arrangement import METHODS
 from bearingwear.scene.assumed import assumed_keys
@@ -58,58 +58,72 @@ GLOSSARY = {
     "wear life": "The running time until the first end-of-life criterion is met (not a "
     "fatigue life).",
 }
-"""Words that a reader of the page may not know."""
+"""Terms that a reader of the page may not know, and their meanings."""
 
 CHARTS = "charts.json"
-"""Beside an answer: its charts (`document.chart`)."""
+"""Name of the file with the charts of an answer (`document.chart`), beside the answer."""
 
-CHARTED = ("design", "map")
-"""Figures in whose place there are charts."""
+FIGURES_AS_CHARTS = ("design", "map")
+"""Figures that are left out if there are charts, which show the same."""
 
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
 
 
 @dataclass
 class Section:
-    """What belongs to one scene: the files in its folder and below it."""
+    """The results of one scene: the files in its folder and below it."""
 
     scene: dict[str, Any]
     figures: list[Drawing] = field(default_factory=list)
     tables: list[Path] = field(default_factory=list)
-    solved: list[tuple[str, int, int]] = field(default_factory=list)  # what, solved, of
-    errors: list[tuple[str, str]] = field(default_factory=list)  # of what, at most
-    warnings: list[tuple[str, str]] = field(default_factory=list)  # sentence and advice, where
+    counts: list[SolvedCount] = field(default_factory=list)
+    errors: list[tuple[str, str]] = field(default_factory=list)  # quantity, largest error
+    warnings: list[tuple[str, str]] = field(default_factory=list)  # sentence, cases
+
+
+class SolvedCount(NamedTuple):
+    """The number of cases or lives of a file, and how many of these were solved."""
+
+    noun: str  # `cases`, `dynamic cases` or `lives`
+    solved: int
+    total: int
 
 
 @dataclass
-class Answered:
-    """An answer with what belongs to it: its question, charts, figures, other files, a sketch."""
+class PageAnswer:
+    """An answer on the page: its document, and the charts, figures and files that belong to it."""
 
-    answer: Document
+    document: Document
     question: str
     charts: Sequence[Chart]
-    drawn: list[Drawing]
+    figures: list[Drawing]
     files: list[Path]
 
     @property
-    def said(self) -> list[Block]:
-        """Sentences beside the charts; the question has what else is asked."""
-        more = () if self.question else ("more",)
-        return [block for block in self.answer.placed("lead", *more) if not block.rows]
-
-    def tables(self, folded: bool) -> list[Block]:
-        """Those that stand open below the charts, or are folded."""
-        blocks = (block for block in self.answer.blocks if block.rows or not block.place)
-        below = [block for block in blocks if block.place != "lead"]
-        return [block for block in below if (block.place != "open") is folded]
+    def sentence_blocks(self) -> list[Block]:
+        """Sentences beside the charts; those of the place `more` only without a question."""
+        places = ("lead",) if self.question else ("lead", "more")
+        return [block for block in self.document.placed(*places) if not block.rows]
 
     @property
     def leading_tables(self) -> list[Block]:
-        """Those beside the first chart."""
-        return [block for block in self.answer.placed("lead") if block.rows]
+        """Tables beside the first chart."""
+        return [block for block in self.document.placed("lead") if block.rows]
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.answer, name)
+    @property
+    def open_tables(self) -> list[Block]:
+        """Blocks that stand open below the charts."""
+        return [block for block in self._blocks_below_charts if block.place == "open"]
+
+    @property
+    def folded_tables(self) -> list[Block]:
+        """Blocks that are folded away below the charts."""
+        return [block for block in self._blocks_below_charts if block.place != "open"]
+
+    @property
+    def _blocks_below_charts(self) -> list[Block]:
+        blocks = self.document.blocks
+        return [b for b in blocks if (b.rows or not b.place) and b.place != "lead"]
 
 
 def page(
@@ -118,53 +132,59 @@ def page(
     answers: Iterable[Path] = (),
     scenes: Iterable[Path] = (),
 ) -> str:
-    """The page, as HTML.
+    """Returns the page as HTML. May raise CaseFileError and SceneError.
 
     sections: files of a study, as the Snakefile makes them: study.nc, wear_life.nc and dynamic.nc
         of scenes; Markdown tables and figures in folders beside them, and figures of several scenes
         elsewhere.
     docs: documents to link.
-    answers: what studies answer (`Document.stored`, .json); the one of the least rank leads.
+    answers: answers of studies (`Document.stored`, .json); the one of the least rank stands first.
         Markdown and figures in folders beside one belong to it. The scenes of recommendations (.nc)
-        are the inputs where there are no sections.
+        are the inputs if there are no sections.
     scenes: files of the scenes, for their descriptions, which may have changed since the results
-        were made, and for the values that they mark as assumed.
-    May raise CaseFileError and SceneError.
+        were computed, and for the values that they mark as assumed.
     """
-    results, leading = list(sections), list(answers)
-    _check_kinds(results, (".nc", ".md", *SUFFIXES))
-    _check_kinds(leading, (".json", ".nc", ".md", *SUFFIXES))
-    datasets = {file: load(file) for file in results if file.suffix == ".nc"}
-    made = [*datasets.values(), *(load(file) for file in leading if file.suffix == ".nc")]
-    studied = _sections(datasets)
-    inputs = [section.scene for section in studied.values()] or list(map(scene_of, made))
-    assumed = _as_in_files(inputs, scenes)
-    figures = list(drawings([*results, *leading]))
-    answered = _answered(leading, figures)
-    taken = {figure.path for one in answered for figure in one.drawn} | set(leading)
-    across = _handed_out(studied, [one for one in figures if one.path not in taken], results)
+    section_files, answer_files = list(sections), list(answers)
+    _check_suffixes(section_files, (".nc", ".md", *SUFFIXES))
+    _check_suffixes(answer_files, (".json", ".nc", ".md", *SUFFIXES))
+    section_datasets = {file: load(file) for file in section_files if file.suffix == ".nc"}
+    answer_datasets = [load(file) for file in answer_files if file.suffix == ".nc"]
+    datasets = [*section_datasets.values(), *answer_datasets]
+    section_of = _sections(section_datasets)
+    inputs = [section.scene for section in section_of.values()]
+    inputs = inputs or [scene_of(dataset) for dataset in datasets]
+    assumed = _assumed_keys_with_descriptions(inputs, scenes)
+    figures = list(drawings([*section_files, *answer_files]))
+    page_answers = _page_answers(answer_files, figures)
+    shown_in_answers = {figure.path for answer in page_answers for figure in answer.figures}
+    remaining = [
+        figure for figure in figures if figure.path not in shown_in_answers | set(answer_files)
+    ]
+    figures_of_several = _add_to_sections(section_of, remaining, section_files)
     style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
     return (
         _environment()
         .from_string(_TEMPLATE.read_text(encoding="utf-8"))
         .render(
-            headline=answered[0].title if answered else "A study of friction and wear",
-            answers=answered,
-            named_once=partial(_without_name, inputs),
+            headline=(
+                page_answers[0].document.title if page_answers else "A study of friction and wear"
+            ),
+            answers=page_answers,
+            without_scene_name=partial(_without_scene_name, inputs),
             inputs=inputs,
-            sketch=_sketch(inputs, answered),
-            sections=list(studied.values()),
-            across=across,
+            sketch=_sketch_of_first_answer(inputs, page_answers),
+            sections=list(section_of.values()),
+            figures_of_several=figures_of_several,
             unsolved=[
-                (section.scene["name"], what, source - solved)
-                for section in studied.values()
-                for what, solved, source in section.solved
-                if solved < source
+                (section.scene["name"], count.noun, count.total - count.solved)
+                for section in section_of.values()
+                for count in section.counts
+                if count.solved < count.total
             ],
             keys=list(key_blocks(inputs, assumed)),
             assumed=assumed,
-            versions=_versions(made),
-            docs=[(file, _title(file)) for file in docs],
+            versions=_versions(datasets),
+            docs=[(file, _markdown_title(file)) for file in docs],
             glossary=GLOSSARY,
             style=Markup(style),
             script=Markup(script),
@@ -173,35 +193,47 @@ def page(
     )
 
 
-def _as_in_files(inputs: Sequence[dict[str, Any]], files: Iterable[Path]) -> set[str]:
-    """Give scenes the descriptions of their files; returns the keys that all of these assume."""
-    named = {data["name"]: (file, data) for file in files for data in [as_data(file)[0]]}
+def _assumed_keys_with_descriptions(
+    scenes: Sequence[dict[str, Any]], files: Iterable[Path]
+) -> set[str]:
+    """Copies the descriptions of scene files into scenes; returns the keys assumed in all files.
+
+    scenes: changed in place; the file of each is found by its name.
+    """
+    files_and_contents = {}
+    for file in files:
+        content = as_data(file)[0]
+        files_and_contents[content["name"]] = file, content
     assumed: list[set[str]] = []
-    for scene in inputs:
-        if found := named.get(scene["name"]):
-            file, data = found
-            if text := " ".join(data.get("description", "").split()):
-                scene["description"] = text
+    for scene in scenes:
+        if scene["name"] in files_and_contents:
+            file, content = files_and_contents[scene["name"]]
+            if description := " ".join(content.get("description", "").split()):
+                scene["description"] = description
             assumed.append(assumed_keys(file))
-    return set.intersection(*assumed) if len(assumed) == len(inputs) > 0 else set()
+    return set.intersection(*assumed) if len(assumed) == len(scenes) > 0 else set()
 
 
-def _handed_out(
-    scenes: Mapping[Path, Section], figures: Iterable[Drawing], results: Iterable[Path]
+def _add_to_sections(
+    section_of: Mapping[Path, Section], figures: Iterable[Drawing], files: Iterable[Path]
 ) -> list[Drawing]:
-    """Give figures and tables to the section of their scene; returns figures of several scenes."""
-    across: list[Drawing] = []
+    """Adds figures and tables to the sections of their scenes; returns figures of several scenes.
+
+    section_of: by the folder of the scene.
+    files: of the study; those of Markdown are tables.
+    """
+    figures_of_several: list[Drawing] = []
     for figure in figures:
-        owner = scenes.get(figure.path.parent.parent)
-        (owner.figures if owner else across).append(figure)
-    for file in results:
-        if file.suffix == ".md" and (owner := scenes.get(file.parent.parent)):
-            owner.tables.append(file)
-    return across
+        section = section_of.get(figure.path.parent.parent)
+        (section.figures if section else figures_of_several).append(figure)
+    for file in files:
+        if file.suffix == ".md" and (section := section_of.get(file.parent.parent)):
+            section.tables.append(file)
+    return figures_of_several
 
 
 def _environment() -> jinja2.Environment:
-    """What the template is filled with, beside the study's own."""
+    """Returns the environment of the template, with the functions that it calls."""
     environment = jinja2.Environment(
         autoescape=True,
         undefined=jinja2.StrictUndefined,
@@ -213,9 +245,9 @@ def _environment() -> jinja2.Environment:
         block=lambda block, name="": Markup(block_html(block, name)),
         sentences=lambda blocks: Markup(sentences_html(blocks)),
         link=_link,
-        named=_named,
-        line=bearing_line,
-        differences=scene_differences,
+        file_label=_file_label,
+        bearing_line=bearing_line,
+        scene_differences=scene_differences,
         chart=lambda chart, name, group, large=False: chart_html(
             chart, name, group, LARGE_CHART if large else SMALL_CHART
         ),
@@ -223,8 +255,8 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def _without_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
-    """A heading without the name of the scene, where the page is about no other."""
+def _without_scene_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
+    """Returns a heading without the name of the scene, if the page is about a single scene."""
     if len(scenes) != 1:
         return text
     name = scenes[0]["name"]
@@ -233,70 +265,74 @@ def _without_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
 
 
 def _csp_hash(text: str) -> str:
-    """The name of a text in a content security policy."""
+    """Returns the hash of a text for a content security policy."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
 
 
 def _link(path: Path) -> str:
-    """From the page to a file of the study."""
+    """Returns the link from the page to a file of the study."""
     return path.as_uri() if path.is_absolute() else UP + quote(path.as_posix())
 
 
-def _named(path: Path) -> str:
-    """A file's path below the results of the study; of a file elsewhere, its name and folder."""
+def _file_label(path: Path) -> str:
+    """Returns the path below the results of the study; of a file elsewhere, its folder and name."""
     parts = path.parts
     return "/".join(parts[1:] if parts[0] == "results" else parts[-2:])
 
 
 def _unbroken(value: Any) -> Any:
-    """A text with its numbers in one piece with their units; anything else as it is."""
+    """Removes line breaks between numbers and units from a text; returns other values unchanged."""
     return unbroken(value) if type(value) is str else value
 
 
-def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answered]:
-    """Answers, the leading one first, each with what lies beside it or is named by it."""
-    found = []
+def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[PageAnswer]:
+    """Returns the answers by rank, each with its charts, its figures and the files beside it."""
+    answers = []
     for file in files:
         if file.name == CHARTS or file.suffix != ".json":
             continue
-        answer = load_document(file)
-        charts = load_charts(one) if (one := file.with_name(CHARTS)) in files else None
+        document, chart_file = load_document(file), file.with_name(CHARTS)
+        charts = load_charts(chart_file) if chart_file in files else None
         siblings = [path for path in files if path.parent.parent == file.parent]
-        # what charts show is not drawn again
-        drawn = [
-            figure
-            for figure in figures
-            if figure.path.stem in answer.figures and answer.facts["scene"] in figure.path.parts
-            if not (charts and figure.path.stem in CHARTED)
-        ]
-        found.append(
-            Answered(
-                answer,
-                charts.question if charts else "",
-                charts.charts if charts else (),
-                drawn,
-                [path for path in siblings if path.suffix in (".md", ".svg")],
+        replaced_by_charts = FIGURES_AS_CHARTS if charts else ()
+        answers.append(
+            PageAnswer(
+                document=document,
+                question=charts.question if charts else "",
+                charts=charts.charts if charts else (),
+                figures=[
+                    figure
+                    for figure in figures
+                    if figure.path.stem in document.figures
+                    and document.facts["scene"] in figure.path.parts
+                    and figure.path.stem not in replaced_by_charts
+                ],
+                files=[path for path in siblings if path.suffix in (".md", ".svg")],
             )
         )
-    return sorted(found, key=lambda one: one.answer.rank)
+    return sorted(answers, key=lambda answer: answer.document.rank)
 
 
-def _sketch(scenes: Sequence[Mapping[str, Any]], answered: Sequence[Answered]) -> Markup:
-    """The bearing that the first answer is about, loaded as is recommended or as its scene says."""
+def _sketch_of_first_answer(
+    scenes: Sequence[Mapping[str, Any]], answers: Sequence[PageAnswer]
+) -> Markup:
+    """Returns the sketch of the bearing of the first answer, at the recommended preload if any."""
     if not scenes:
         return Markup()
-    if not answered:
+    if not answers:
         return sketch(scenes[0])
-    first = answered[0]
-    named = [scene for scene in scenes if scene["name"] == first.facts["scene"]]
-    lines = first.charts[0].lines if first.charts else ()
-    stars = [(line.star, line.method) for line in lines if line.star]
-    (preload, _), method = max(stars, key=lambda one: one[0][1], default=((None, None), ""))
-    return sketch([*named, *scenes][0], method, preload)
+    document, charts = answers[0].document, answers[0].charts
+    scene = next((s for s in scenes if s["name"] == document.facts["scene"]), scenes[0])
+    starred = [line for line in charts[0].lines if line.star] if charts else []
+    if not starred:
+        return sketch(scene)
+    # the star is at the preload [N] and life of the recommendation for a method
+    best = max(starred, key=lambda line: line.star[1] if line.star else 0.0)
+    return sketch(scene, best.method, best.star[0] if best.star else None)
 
 
-def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
-    """Refuse what would silently be missing on the page."""
+def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
+    """Refuses files that would silently be missing on the page."""
     for file in files:
         if file.suffix not in suffixes:
             raise CaseFileError(
@@ -305,11 +341,12 @@ def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
 
 
 def _is_life(dataset: xr.Dataset) -> bool:
+    """Whether a dataset contains lives by preload method, not cases."""
     return "end_criterion" in dataset and "preload_method" in dataset.dims
 
 
 def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
-    """Sections by the folders of the scenes, in the order in which their files are given."""
+    """Returns the sections by the folders of their scenes, in the order of the files."""
     sections: dict[Path, Section] = {}
     for file, dataset in datasets.items():
         if "preload_method" not in dataset.dims or "status" not in dataset:
@@ -318,140 +355,170 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
             )
         section = sections.setdefault(file.parent, Section(scene_of(dataset)))
         status = dataset["status"].values
-        answers = (OK, CRITERION_NOT_REACHED) if _is_life(dataset) else (OK,)
-        solved = int(np.isin(status, answers).sum())
-        section.solved.append((_what(dataset), solved, status.size))
+        solved_codes = (OK, CRITERION_NOT_REACHED) if _is_life(dataset) else (OK,)
+        solved = int(np.isin(status, solved_codes).sum())
+        section.counts.append(
+            SolvedCount(noun=_content_noun(dataset), solved=solved, total=status.size)
+        )
     for folder, section in sections.items():
-        own = [dataset for file, dataset in datasets.items() if file.parent == folder]
-        section.errors = list(_largest_errors(own))
-        section.warnings = list(_warnings(own, section.scene))
+        in_folder = [dataset for file, dataset in datasets.items() if file.parent == folder]
+        section.errors = list(_largest_errors(in_folder))
+        section.warnings = list(_warnings_with_counts(in_folder, section.scene))
     return sections
 
 
-def _what(dataset: xr.Dataset) -> str:
-    """What a scene's file holds several of."""
+def _content_noun(dataset: xr.Dataset) -> str:
+    """Returns the plural noun for the content of a file: `lives`, `cases` or `dynamic cases`."""
     if _is_life(dataset):
         return "lives"
     return "dynamic cases" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
 
 
-_ONE = {"lives": "life", "cases": "case", "dynamic cases": "dynamic case"}
+_SINGULAR = {"lives": "life", "cases": "case", "dynamic cases": "dynamic case"}
 
 
-def _warnings(
-    datasets: Iterable[xr.Dataset], scene: Mapping[str, Any]
+def _warnings_with_counts(
+    datasets: Sequence[xr.Dataset], scene: Mapping[str, Any]
 ) -> Iterator[tuple[str, str]]:
-    """Each warning of a scene once, at its worst, and how many cases and lives have it."""
-    files = [(_what(dataset), dataset.attrs) for dataset in datasets]
-    for one in warnings_in({"warnings": gathered_warnings(attrs for _, attrs in files)}):
+    """Yields each warning of a scene at its worst, and the numbers of cases and lives with it."""
+    merged = {"warnings": merged_warnings(dataset.attrs for dataset in datasets)}
+    for warning in warnings_in(merged):
+        if is_answered_by_a_case(warning, scene):
+            continue
         counts = [
-            f"{twin['cases']} {what if twin['cases'] != 1 else _ONE[what]}"
-            for what, attrs in files
-            for twin in warnings_in(attrs)
-            if twin["id"] == one["id"]
+            _count_text(in_file["cases"], _content_noun(dataset))
+            for dataset in datasets
+            for in_file in warnings_in(dataset.attrs)
+            if in_file["id"] == warning["id"]
         ]
-        if not settled_by_a_case(one, scene):
-            yield one["sentence"], ", ".join(counts)
+        yield warning["sentence"], ", ".join(counts)
+
+
+def _count_text(count: int, noun: str) -> str:
+    """Returns a number with its noun: `1 case`, `2 cases`."""
+    return f"{count} {noun if count != 1 else _SINGULAR[noun]}"
 
 
 def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]:
-    """Largest estimate of each numerical error of a scene, of what was solved."""
+    """Yields each quantity with an error estimate, and the largest one of all solved cases."""
     for name, words in (
         ("qv_error_estimate", "QV"),
         ("residual_preload_error_estimate", "residual preload"),
         ("wear_rate_error_estimate", "wear rate"),
         ("life_error_estimate", "life"),
     ):
-        known = [float(abs(one[name]).max()) for one in datasets if name in one]
-        known = [error for error in known if np.isfinite(error)]
-        if known:
-            yield words, f"{Rough(100.0 * max(known)).in_unit('%')} %"
+        errors = [float(abs(dataset[name]).max()) for dataset in datasets if name in dataset]
+        errors = [error for error in errors if np.isfinite(error)]
+        if errors:
+            yield words, f"{Rough(100.0 * max(errors)).in_unit('%')} %"
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:
-    """Versions of what made the files; more than one where they were made by unlike sources."""
-    found = [{name: str(d.attrs.get(name, "–")) for name in VERSIONS} for d in datasets]
-    return [one for k, one in enumerate(found) if one not in found[:k]]
+    """Returns the different sets of versions with which the datasets were computed."""
+    versions: list[dict[str, str]] = []
+    for dataset in datasets:
+        version = {name: str(dataset.attrs.get(name, "–")) for name in VERSIONS}
+        if version not in versions:
+            versions.append(version)
+    return versions
 
 
 def _text(file: Path) -> str:
+    """Reads a text file. May raise CaseFileError."""
     try:
         return file.read_text(encoding="utf-8")
     except (OSError, UnicodeError) as error:
         raise CaseFileError(f"{file}: cannot be read ({' '.join(str(error).split())})") from None
 
 
-def _title(file: Path) -> str:
-    """Title of a Markdown file, or the file's name."""
-    first = _text(file).partition("\n")[0]
-    return first[2:] if first.startswith("# ") else file.stem
+def _markdown_title(file: Path) -> str:
+    """Returns the title of a Markdown file, or the file's name if it has none."""
+    first_line = _text(file).partition("\n")[0]
+    return first_line[2:] if first_line.startswith("# ") else file.stem
 
 
-KeyRow = tuple[str, list[str], bool]
+class KeyRow(NamedTuple):
+    """A row of the table of scenes: a key in words, with a value for each scene."""
+
+    label: str
+    values: list[str]
+    differ: bool  # whether the values differ
+
+    @property
+    def block(self) -> str:
+        """The block of the scene that contains the key, in words."""
+        return self.label.partition(": ")[0]
+
+    @property
+    def label_in_block(self) -> str:
+        """The label without the block."""
+        return self.label.partition(": ")[2] or self.label
+
+
 ASSUMED = "\N{NO-BREAK SPACE}*"
-"""After the name of an assumed quantity."""
-_NAMES = ("name", "description")
-_MOST = 4  # scene_differences that are named
+"""Suffix of the label of an assumed quantity."""
+_NOT_COMPARED = ("name", "description")
+_MOST_DIFFERENCES = 4  # that `scene_differences` states
 
 
 def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) -> Iterator[KeyRow]:
-    """Rows of the table of scenes: key in words, a value for each, whether they differ.
+    """Yields the rows of the table of scenes, block by block.
 
-    assumed: keys of values that are marked as assumed.
+    assumed: keys whose values are marked as assumed.
     """
-    flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
-    for scene, values in zip(scenes, flat, strict=True):
-        if is_pair(scene) and METHOD_KEY not in values:  # both were studied
-            values[KIND_KEY] = _value(list(METHODS))
-    names = list(dict.fromkeys(name for values in flat for name in values))
-    blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
-    for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
-        if name not in _NAMES:
-            row = [values.get(name, "–") for values in flat]
-            mark = ASSUMED if name in assumed else ""
-            yield f"{key_label(name)}{mark}", row, len(set(row)) > 1
+    columns = [
+        {key: _value_text(value) for key, value in leaves(scene).items()} for scene in scenes
+    ]
+    for scene, column in zip(scenes, columns, strict=True):
+        if is_pair(scene) and METHOD_KEY not in column:  # both methods were studied
+            column[KIND_KEY] = _value_text(list(METHODS))
+    keys = list(dict.fromkeys(key for column in columns for key in column))
+    blocks = list(dict.fromkeys(key.partition(".")[0] for key in keys))
+    for key in sorted(keys, key=lambda key: blocks.index(key.partition(".")[0])):
+        if key not in _NOT_COMPARED:
+            values = [column.get(key, "–") for column in columns]
+            label = f"{key_label(key)}{ASSUMED if key in assumed else ''}"
+            yield KeyRow(label=label, values=values, differ=len(set(values)) > 1)
 
 
 def key_blocks(
     scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()
 ) -> Iterator[tuple[str, list[KeyRow]]]:
-    """Rows of `key_rows` by the block of the scene that they belong to."""
-    rows = groupby(key_rows(scenes, assumed), key=lambda row: row[0].partition(": ")[0])
-    for block, members in rows:
-        yield (
-            block,
-            [(name.partition(": ")[2] or name, values, differ) for name, values, differ in members],
-        )
+    """Yields each block of the scenes with its rows, labelled within the block."""
+    for block, rows in groupby(key_rows(scenes, assumed), key=lambda row: row.block):
+        yield block, [row._replace(label=row.label_in_block) for row in rows]
 
 
 def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:
-    """Differences of another scene from the first, in words, without `uncertainty`."""
-    rows = key_rows([_certain(first), _certain(other)])
-    said = [
-        f"{label.partition(': ')[2] or label} {values[1]} instead of {values[0]}"
-        for label, values, differ in rows
-        if differ
+    """States how another scene differs from the first, without `uncertainty`."""
+    rows = key_rows([_without_uncertainty(first), _without_uncertainty(other)])
+    phrases = [
+        f"{row.label_in_block} {row.values[1]} instead of {row.values[0]}"
+        for row in rows
+        if row.differ
     ]
-    more = f"; {len(said) - _MOST} more" if len(said) > _MOST else ""
-    return "; ".join(said[:_MOST]) + more
+    remaining = len(phrases) - _MOST_DIFFERENCES
+    suffix = f"; {remaining} more" if remaining > 0 else ""
+    return "; ".join(phrases[:_MOST_DIFFERENCES]) + suffix
 
 
-def _certain(scene: Mapping[str, Any]) -> dict[str, Any]:
+def _without_uncertainty(scene: Mapping[str, Any]) -> dict[str, Any]:
     return {block: value for block, value in scene.items() if block != "uncertainty"}
 
 
 def key_label(key: str) -> str:
-    """A key of a scene in words: `bearing: ball diameter (mm)`."""
+    """Returns a dotted key of a scene in words: `bearing: ball diameter (mm)`."""
     blocks = ", ".join(block.replace("_", " ") for block in key.split(".")[:-1])
     words, unit = key_in_words(key)
     return f"{blocks}: {words}" + (f" ({in_print(unit)})" if unit else "")
 
 
-def _value(value: Any) -> str:
+def _value_text(value: Any) -> str:
+    """Returns a value of a scene as text; a dash for None."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return ", ".join(map(_value, value))
+        return ", ".join(map(_value_text, value))
     return "–" if value is None else str(value).replace("_", " ")

@@ -1,9 +1,9 @@
-"""A bearing's section through a ball, to scale from its scene."""
+"""Draws the section of a bearing through a ball, to scale, from its scene."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
 
@@ -17,12 +17,12 @@ on the other side."""
 _WALL = 0.35
 """Assumed thickness of a ring below its groove, over the ball diameter, if its size is missing."""
 _GAP = 0.7
-"""Between the rings of a pair as drawn, over the width of one."""
+"""Assumed space between the rings of a pair, over the width of a ring."""
 _MARGIN, _TOP = 96.0, 26.0
 
 
 class BearingSection(NamedTuple):
-    """A bearing's section [mm]: x along the axis, z radially, its ball at x = 0."""
+    """The section of a bearing [mm]: x along the axis, z radially, the ball at x = 0."""
 
     ball: float
     pitch: float
@@ -34,166 +34,191 @@ class BearingSection(NamedTuple):
 
     @property
     def normal(self) -> tuple[float, float]:
-        """From the ball's centre to the outer contact."""
+        """The unit vector (x, z) from the centre of the ball to the outer contact."""
         return math.sin(self.angle), math.cos(self.angle)
 
     def centre(self, inner: bool) -> tuple[float, float]:
-        """Of the groove's circle."""
+        """Returns the centre (x, z) of the circle of a groove."""
         x, z = self.normal
-        away = self.grooves[not inner] - 0.5 * self.ball
+        distance = self.grooves[not inner] - 0.5 * self.ball
         sign = 1.0 if inner else -1.0
-        return sign * away * x, 0.5 * self.pitch + sign * away * z
+        return sign * distance * x, 0.5 * self.pitch + sign * distance * z
+
+
+class _Layout(NamedTuple):
+    """The positions of the bearings in the drawing."""
+
+    scale: float  # [px/mm]
+    ring_width: float  # [px]
+    outer_radius: float  # largest radius of an outer ring [mm]
+    centres: list[float]  # x of each bearing [px]
+    width: float  # of the drawing [px]
+    height: float
+
+    def y(self, radius: float) -> float:
+        """Returns the ordinate of a radius [mm] above the bearing axis [px]."""
+        return _TOP + (self.outer_radius - radius) * self.scale
 
 
 def section_of(bearing: Mapping[str, Any]) -> BearingSection:
-    """The section of a scene's bearing; what its data leave open is assumed."""
+    """Returns the section of the bearing of a scene; missing dimensions are assumed."""
     ball, pitch = bearing["ball_diameter_mm"], bearing["pitch_diameter_mm"]
     angle = math.radians(bearing["contact_angle_deg"])
-    # high enough for the contact
-    high = 0.5 - max(_SHOULDER, 0.5 * (1.0 - math.cos(angle)) + 0.08)
+    # the shoulders are high enough for the contact
+    shoulder = (0.5 - max(_SHOULDER, 0.5 * (1.0 - math.cos(angle)) + 0.08)) * ball
+    rim = (0.5 + _WALL) * ball
     bore, outside = bearing.get("bore_mm"), bearing.get("outside_diameter_mm")
-    thick = (0.5 + _WALL) * ball
-
     inner, outer = bearing.get("inner_shoulder_mm"), bearing.get("outer_shoulder_mm")
     return BearingSection(
-        ball,
-        pitch,
-        angle,
-        (bearing["inner_groove_factor"] * ball, bearing["outer_groove_factor"] * ball),
-        (
-            0.5 * bore if bore else 0.5 * pitch - thick,
-            0.5 * (outside or pitch) + (0.0 if outside else thick),
+        ball=ball,
+        pitch=pitch,
+        angle=angle,
+        grooves=(bearing["inner_groove_factor"] * ball, bearing["outer_groove_factor"] * ball),
+        rims=(
+            0.5 * bore if bore else 0.5 * pitch - rim,
+            0.5 * outside if outside else 0.5 * pitch + rim,
         ),
-        (
-            0.5 * inner if inner else 0.5 * pitch - high * ball,
-            0.5 * outer if outer else 0.5 * pitch + high * ball,
+        shoulders=(
+            0.5 * inner if inner else 0.5 * pitch - shoulder,
+            0.5 * outer if outer else 0.5 * pitch + shoulder,
         ),
-        bool(bore and outside),
+        sized=bool(bore and outside),
     )
 
 
 def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None = None) -> Markup:
-    """The section of a bearing, or of both of a pair, with what loads it, as SVG with a caption.
+    """Returns the section of a bearing or of a pair, with its preload, as SVG with a caption.
 
-    method: how the preload is applied, if not as the scene says.
-    preload_N: if not the scene's.
+    method: of preload; by default that of the scene.
+    preload_N: by default that of the scene.
     """
     arrangement = scene.get("arrangement") or {}
-    pair = arrangement.get("kind", "single") != "single"
-    bearings = [scene["bearing"]]
-    if pair:
-        bearings.append(scene["bearing"] | ((arrangement.get("second") or {}).get("bearing") or {}))
-    sections = [section_of(one) for one in bearings]
-    first = sections[0]
-    scale = _BALL[pair] / first.ball
-    width = _RING * max(one.ball for one in sections) * scale
-    low = min(one.rims[0] for one in sections)
-    high = max(one.rims[1] for one in sections)
-    step = (1.0 + _GAP) * width if pair else 0.0
-    size = (2.0 * _MARGIN + width + step, _TOP + (high - low) * scale + 96.0)
-    spring = (method or scene["operation"].get("preload_method")) == "constant_force"
-    load = scene["operation"].get("preload_N") if preload_N is None else preload_N
-    outward = arrangement.get("orientation", "back_to_back") == "back_to_back"
-    places = [_MARGIN + 0.5 * width + k * step for k in range(len(sections))]
-    if not outward:
-        places.reverse()
-    parts = []
-    for k, (one, x) in enumerate(zip(sections, places, strict=True)):
-        flip = -1.0 if k else 1.0
-        parts.append(
-            f'<g transform="translate({x:.1f} {_TOP + high * scale:.1f}) '
-            f'scale({flip * scale:.4g} {-scale:.4g})">{_rings(one)}</g>'
-        )
-    parts.append(_loads(sections, places, (width, scale, high), spring=spring, outward=outward))
-    parts.append(_words(first, places[0], (scale, high), size))
-    way = "spring" if spring else "spacer"
-    known = "" if first.sized else ", ring thickness"
+    is_pair = arrangement.get("kind", "single") != "single"
+    is_back_to_back = arrangement.get("orientation", "back_to_back") == "back_to_back"
+    has_spring = (method or scene["operation"].get("preload_method")) == "constant_force"
+    sections = [section_of(scene["bearing"])]
+    if is_pair:
+        second = (arrangement.get("second") or {}).get("bearing") or {}
+        sections.append(section_of(scene["bearing"] | second))
+    layout = _layout(sections, is_back_to_back)
+    parts = [
+        f'<g transform="translate({x:.1f} {layout.y(0.0):.1f}) '
+        f'scale({direction * layout.scale:.4g} {-layout.scale:.4g})">{_rings(section)}</g>'
+        for section, x, direction in zip(sections, layout.centres, (1.0, -1.0), strict=False)
+    ]
+    parts.append(_preload(sections[0], layout, has_spring, is_back_to_back))
+    parts.append(_dimensions(sections[0], layout))
+    load_N = scene["operation"].get("preload_N") if preload_N is None else preload_N
+    load = "" if load_N is None else f" of {load_N:.4g} N"
     text = (
-        f"{'Both bearings' if pair else 'The bearing'} in section, to scale, new and unloaded; "
-        f"preload{'' if load is None else f' of {load:.4g} N'} applied by a {way}. "
-        f"Assumed: ring width, shoulders{known}."
+        f"{'Both bearings' if is_pair else 'The bearing'} in section, to scale, new and unloaded; "
+        f"preload{load} applied by a {'spring' if has_spring else 'spacer'}. "
+        f"Assumed: ring width, shoulders{'' if sections[0].sized else ', ring thickness'}."
     )
     return Markup(
-        f'<figure class="sketch{" pair" * pair}">'
-        f'<svg viewBox="0 0 {size[0]:.0f} {size[1]:.0f}" role="img" '
+        f'<figure class="sketch{" pair" * is_pair}">'
+        f'<svg viewBox="0 0 {layout.width:.0f} {layout.height:.0f}" role="img" '
         f'aria-label="{escape(text)}">{"".join(parts)}</svg>'
         f"<figcaption>{escape(text)}</figcaption></figure>"
     )
 
 
-def _rings(one: BearingSection) -> str:
-    """Both rings, the ball and its line of contact, in mm."""
-    half = 0.5 * _RING * one.ball
-    x, z = one.normal
-    mid = 0.5 * one.pitch
-    ring = ""
-    for inner in (True, False):
-        rim = one.rims[not inner]
-        sign = 1.0 if inner else -1.0  # the loaded shoulder of the inner ring is at -x
-        bottom = mid - sign * 0.5 * one.ball
-        lands = {
-            True: one.shoulders[not inner],
-            False: bottom + sign * _RELIEVED * one.ball,
-        }
-        left, right = (lands[inner], lands[not inner])
-        cx, cz = one.centre(inner)
-        r = one.grooves[not inner]
-        ends = [
-            (cx + side * math.sqrt(max(r * r - (land - cz) ** 2, 0.0)), land)
-            for side, land in ((-1.0, left), (1.0, right))
-        ]
-        sweep = 0 if inner else 1
-        ring += (
-            f'<path class="ring" d="M{-half:.4f} {rim:.4f}V{left:.4f}H{ends[0][0]:.4f}'
-            f"A{r:.4f} {r:.4f} 0 0 {1 - sweep} {ends[1][0]:.4f} {right:.4f}"
-            f'H{half:.4f}V{rim:.4f}Z"/>'
-        )
-    reach = 0.95 * one.ball
-    return (
-        f'{ring}<circle class="ball" cx="0" cy="{mid:.4f}" r="{0.5 * one.ball:.4f}"/>'
-        f'<path class="contact" d="M{-reach * x:.4f} {mid - reach * z:.4f}'
-        f'L{reach * x:.4f} {mid + reach * z:.4f}"/>'
-        f'<path class="thin" d="M0 {mid - reach:.4f}V{mid + reach:.4f}"/>'
+def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layout:
+    """Returns the layout of a bearing or a pair; in a face-to-face pair, the second is on the left.
+
+    The ball of the first bearing determines the scale.
+    """
+    is_pair = len(sections) > 1
+    scale = _BALL[is_pair] / sections[0].ball
+    ring_width = _RING * max(section.ball for section in sections) * scale
+    distance = (1.0 + _GAP) * ring_width if is_pair else 0.0
+    centres = [_MARGIN + 0.5 * ring_width + k * distance for k in range(len(sections))]
+    inner_radius = min(section.rims[0] for section in sections)
+    outer_radius = max(section.rims[1] for section in sections)
+    return _Layout(
+        scale=scale,
+        ring_width=ring_width,
+        outer_radius=outer_radius,
+        centres=centres if is_back_to_back else centres[::-1],
+        width=2.0 * _MARGIN + ring_width + distance,
+        height=_TOP + (outer_radius - inner_radius) * scale + 96.0,
     )
 
 
-def _loads(
-    sections: list[BearingSection],
-    places: list[float],
-    frame: tuple[float, float, float],
-    *,
-    spring: bool,
-    outward: bool,
+def _rings(section: BearingSection) -> str:
+    """Returns paths of both rings, the ball and its line of contact [mm]."""
+    x, z = section.normal
+    middle = 0.5 * section.pitch
+    reach = 0.95 * section.ball
+    return (
+        f"{_ring(section, True)}{_ring(section, False)}"
+        f'<circle class="ball" cx="0" cy="{middle:.4f}" r="{0.5 * section.ball:.4f}"/>'
+        f'<path class="contact" d="M{-reach * x:.4f} {middle - reach * z:.4f}'
+        f'L{reach * x:.4f} {middle + reach * z:.4f}"/>'
+        f'<path class="thin" d="M0 {middle - reach:.4f}V{middle + reach:.4f}"/>'
+    )
+
+
+def _ring(section: BearingSection, inner: bool) -> str:
+    """Returns the path of a ring with its groove [mm]; the inner one is loaded at -x."""
+    sign = 1.0 if inner else -1.0
+    groove_bottom = 0.5 * section.pitch - sign * 0.5 * section.ball
+    loaded, relieved = section.shoulders[not inner], groove_bottom + sign * _RELIEVED * section.ball
+    left, right = (loaded, relieved) if inner else (relieved, loaded)
+    radius, rim = section.grooves[not inner], section.rims[not inner]
+    centre_x, centre_z = section.centre(inner)
+    # the ends of the groove are where its circle meets the shoulders
+    left_x = centre_x - math.sqrt(max(radius * radius - (left - centre_z) ** 2, 0.0))
+    right_x = centre_x + math.sqrt(max(radius * radius - (right - centre_z) ** 2, 0.0))
+    half_width = 0.5 * _RING * section.ball
+    return (
+        f'<path class="ring" d="M{-half_width:.4f} {rim:.4f}V{left:.4f}H{left_x:.4f}'
+        f"A{radius:.4f} {radius:.4f} 0 0 {int(inner)} {right_x:.4f} {right:.4f}"
+        f'H{half_width:.4f}V{rim:.4f}Z"/>'
+    )
+
+
+def _preload(
+    section: BearingSection, layout: _Layout, has_spring: bool, is_back_to_back: bool
 ) -> str:
-    """What holds the preload, and where it acts."""
-    width, scale, high = frame
-    half = 0.5 * width
+    """Returns the spring or spacer that maintains the preload, and arrows where this acts.
 
-    def radius(inner: bool) -> float:
-        """Height of the middle of a ring's side."""
-        one = sections[0]
-        edge = 0.5 * one.pitch + (-1.0 if inner else 1.0) * 0.5 * one.ball
-        return _TOP + (high - 0.5 * (one.rims[not inner] + edge)) * scale
+    section: of the first bearing.
+    """
+    half_width = 0.5 * layout.ring_width
+    element = _spring if has_spring else _spacer
+    if len(layout.centres) == 1:
+        y, left = _ring_y(section, layout, inner=True), layout.centres[0] - half_width
+        wall_x, wall_y = layout.centres[0] + half_width + 4, _ring_y(section, layout, inner=False)
+        wall = f'<path class="ground" d="M{wall_x:.1f} {wall_y - 24:.1f}v48"/>'
+        return wall + element(left - 58, left - 22, y) + _arrow(left - 20, left - 1, y)
+    first, second = sorted(layout.centres)
+    element_y = _ring_y(section, layout, inner=not is_back_to_back)
+    arrow_y = _ring_y(section, layout, inner=is_back_to_back)
+    left, right = first - half_width, second + half_width
+    return (
+        element(first + half_width, second - half_width, element_y)
+        + _arrow(left - 30, left - 2, arrow_y)
+        + _arrow(right + 30, right + 2, arrow_y)
+    )
 
-    if len(places) == 1:
-        y, right = radius(True), places[0] + half
-        left = places[0] - half
-        wall = f'<path class="ground" d="M{right + 4:.1f} {radius(False) - 24:.1f}v48"/>'
-        return wall + _held(left - 58, left - 22, y, spring) + _arrow(left - 20, left - 1, y)
-    a, b = sorted(places)
-    y = radius(not outward)
-    ends = radius(outward)
-    inward = _arrow(a - half - 30, a - half - 2, ends) + _arrow(b + half + 30, b + half + 2, ends)
-    return _held(a + half, b - half, y, spring) + inward
+
+def _ring_y(section: BearingSection, layout: _Layout, inner: bool) -> float:
+    """Returns the ordinate of the middle of a ring's side [px]."""
+    edge = 0.5 * section.pitch + (-1.0 if inner else 1.0) * 0.5 * section.ball
+    return layout.y(0.5 * (section.rims[not inner] + edge))
 
 
-def _held(left: float, right: float, y: float, spring: bool) -> str:
-    """A spring or a spacer between two places."""
-    if not spring:
-        return (
-            f'<rect class="spacer" x="{left:.1f}" y="{y - 9:.1f}" width="{right - left:.1f}" '
-            f'height="18"/>'
-        )
+def _spacer(left: float, right: float, y: float) -> str:
+    """Returns a spacer between two abscissae [px]."""
+    return (
+        f'<rect class="spacer" x="{left:.1f}" y="{y - 9:.1f}" width="{right - left:.1f}" '
+        f'height="18"/>'
+    )
+
+
+def _spring(left: float, right: float, y: float) -> str:
+    """Returns a spring between two abscissae [px]."""
     turns = 6
     step = (right - left) / (2 * turns)
     zigzag = "".join(f"l{step:.2f} {-18 if k % 2 else 18}" for k in range(2 * turns - 1))
@@ -202,6 +227,7 @@ def _held(left: float, right: float, y: float, spring: bool) -> str:
 
 
 def _arrow(start: float, end: float, y: float) -> str:
+    """Returns an arrow along the axis, between two abscissae [px]."""
     head = math.copysign(7.0, end - start)
     return (
         f'<path class="load" d="M{start:.1f} {y:.1f}H{end:.1f}'
@@ -209,30 +235,29 @@ def _arrow(start: float, end: float, y: float) -> str:
     )
 
 
-def _words(
-    one: BearingSection, x: float, frame: tuple[float, float], size: tuple[float, float]
-) -> str:
-    """Dimensions of the first bearing, and a bar of a round length."""
-    scale, high = frame
-    mid = _TOP + (high - 0.5 * one.pitch) * scale
-    rounds = [n * p for p in (0.01, 0.1, 1.0, 10.0, 100.0) for n in (1, 2, 5)]
-    length = max(one for one in rounds if one * scale < _MARGIN - 14.0)
-    foot = size[1] - 36.0
-    reach = 0.95 * one.ball * scale
+def _dimensions(section: BearingSection, layout: _Layout) -> str:
+    """Returns the dimensions of the first bearing as text, and a bar of a round length."""
+    ball = section.ball
+    inner_factor, outer_factor = (radius / ball for radius in section.grooves)
     lines = [
-        f"ball ø {one.ball:.4g} mm, pitch circle ø {one.pitch:.4g} mm",
-        f"groove factors {one.grooves[0] / one.ball:.4g} (inner), {one.grooves[1] / one.ball:.4g} "
-        "(outer)",
+        f"ball ø {ball:.4g} mm, pitch circle ø {section.pitch:.4g} mm",
+        f"groove factors {inner_factor:.4g} (inner), {outer_factor:.4g} (outer)",
     ]
-    if one.sized:
-        lines[0] += f", {2 * one.rims[0]:.4g} × {2 * one.rims[1]:.4g} mm"
+    if section.sized:
+        lines[0] += f", {2 * section.rims[0]:.4g} × {2 * section.rims[1]:.4g} mm"
+    text_x, text_y = 0.5 * layout.width, layout.height - 36.0
     texts = "".join(
-        f'<text x="{0.5 * size[0]:.1f}" y="{foot + 20 * k:.1f}" text-anchor="middle">{text}</text>'
+        f'<text x="{text_x:.1f}" y="{text_y + 20 * k:.1f}" text-anchor="middle">{text}</text>'
         for k, text in enumerate(lines)
     )
+    reach = 0.95 * ball * layout.scale
+    angle_x = layout.centres[0] + reach * math.sin(0.5 * section.angle) + 2
+    angle_y = layout.y(0.5 * section.pitch) - reach - 4
+    round_lengths = [n * p for p in (0.01, 0.1, 1.0, 10.0, 100.0) for n in (1, 2, 5)]
+    length = max(length for length in round_lengths if length * layout.scale < _MARGIN - 14.0)
     return (
-        f'<text x="{x + reach * math.sin(0.5 * one.angle) + 2:.1f}" y="{mid - reach - 4:.1f}" '
-        f'text-anchor="middle">{math.degrees(one.angle):.3g}°</text>{texts}'
-        f'<path class="bar" d="M12 {_TOP + 6:.1f}v-6h{length * scale:.1f}v6"/>'
+        f'<text x="{angle_x:.1f}" y="{angle_y:.1f}" '
+        f'text-anchor="middle">{math.degrees(section.angle):.3g}°</text>{texts}'
+        f'<path class="bar" d="M12 {_TOP + 6:.1f}v-6h{length * layout.scale:.1f}v6"/>'
         f'<text x="12" y="{_TOP - 6:.1f}">{length:g} mm</text>'
     )

@@ -20,7 +20,7 @@ from bearingwear.atomic import OutputError, whole_file
 from bearingwear.kernels.status import OK
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import Display
-from bearingwear.results.words import methods, mu_is
+from bearingwear.results.words import friction_text, methods
 
 STYLE = Path(__file__).with_name("style.mplstyle")
 
@@ -196,7 +196,7 @@ def dashes(frictions: Iterable[float]) -> dict[float, str]:
 
 def dash_keys(styles: dict[float, str]) -> list[Line2D]:
     """Legend of the friction coefficients."""
-    return [key(mu_is(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
+    return [key(friction_text(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
 
 
 def lines(

@@ -8,7 +8,7 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure, save
 from bearingwear.results.kinds import Registry, function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.words import chosen_bearing
+from bearingwear.results.words import dataset_of_bearing
 
 
 def figure_of(
@@ -20,7 +20,7 @@ def figure_of(
         figure.
     """
     kind = kind_of(dataset)
-    dataset = chosen_bearing(dataset, name, bearing)
+    dataset = dataset_of_bearing(dataset, name, bearing)
     if kind not in figures:
         known = ", ".join(figures) or "none"
         raise CaseFileError(f"{name}: got a file of kind {kind}, expected {known}")

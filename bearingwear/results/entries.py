@@ -1,4 +1,4 @@
-"""Contents of a result file: its variables and attributes, from the values of a result."""
+"""The contents of a result file: its variables and attributes, from the values of a result."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from bearingwear import __version__
 from bearingwear.provenance import source_hash
-from bearingwear.results.pair_variables import BEARINGS, OF_BEARING, is_pair, of_pair
+from bearingwear.results.pair_variables import BEARINGS, OF_BEARING, is_pair, pair_table
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import (
     BALL_AXES,
@@ -30,46 +30,47 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
 
 SOURCE = "bearingwear"
-"""What the attribute `source` of every file of this package starts with."""
+"""The start of the attribute `source` of every file of this package."""
 
 OVER_TURNS = {
     "time: mean": ", mean over the evaluated turns",
     "time: maximum": ", maximum over all instants of the evaluated turns",
     "time: minimum": ", minimum over all instants of the evaluated turns",
 }
-"""What the long name of a variable of a dynamic case adds, by its cell method."""
+"""Suffix of the long name of a variable of a dynamic case, by its cell method."""
 
 
 ALL_COORDINATES = COORDINATES | {STRIP_POSITION.name: STRIP_POSITION}
-"""Variables along a dimension: its coordinate, and the places of strips."""
+"""Variables that describe dimensions: the coordinates, and the positions of strips."""
 
-_GIVEN = np.empty(0)
-"""Stands for data that a value replaces."""
+_REPLACED = np.empty(0)
+"""Placeholder for data that a value of the result replaces."""
 
 
 class Entry(NamedTuple):
-    """A variable of a file, apart from its data."""
+    """A variable of a file without its data."""
 
     dims: tuple[str, ...]
     attrs: dict[str, Any]
     fill: np.generic | None
-    default: np.ndarray  # where a result has no value
+    default: np.ndarray  # data if a result has no value
 
 
 class Layout(NamedTuple):
-    """The variables of a file; shared by results with values of the same shapes."""
+    """The variables of a file; results with values of the same shapes share it."""
 
     coordinates: Mapping[str, Entry]
     variables: Mapping[str, Entry]
     sizes: Mapping[str, int]  # of their dimensions
 
     @property
-    def every(self) -> dict[str, Entry]:
+    def entries(self) -> dict[str, Entry]:
+        """All variables by name, the coordinates first."""
         return {**self.coordinates, **self.variables}
 
 
 class Contents(NamedTuple):
-    """Contents of a file: layout, data by the names of variables, and global attributes."""
+    """The contents of a file: layout, data by the names of variables, and global attributes."""
 
     layout: Layout
     data: dict[str, np.ndarray]
@@ -77,7 +78,7 @@ class Contents(NamedTuple):
 
 
 def common_attributes() -> dict[str, Any]:
-    """Global attributes of every file: conventions, origin, versions of what made it."""
+    """Returns the global attributes of every file: conventions, origin, and versions."""
     return {
         "Conventions": "CF-1.11",
         "source": f"{SOURCE} {__version__}",
@@ -94,26 +95,25 @@ def common_attributes() -> dict[str, Any]:
 
 
 def contents_of(result: Result) -> Contents:
-    """Contents of the file of a result, in the order of the table."""
+    """Returns the contents of the file of a result, variables in the order of the table."""
     values, scene = result.values, result.scene
     is_life, fidelity = "end_criterion" in values, result.attrs.get("fidelity")
-    table = _table(is_life, is_pair(scene))
-    require_known(values, table)
-    given = {name: stored_data(table[name], value) for name, value in values.items()}
-    layout = _with_phases(
-        result.attrs.get("phases"),
-        _layout(
-            is_life=is_life,
-            of_two=is_pair(scene),
-            over_turns=fidelity == "dynamic" and not is_life,
-            shapes=tuple((name, data.shape) for name, data in given.items()),
-            strips=scene.get("model", {}).get("strips", STANDARD.strips),
-            balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
-        ),
+    table = _variable_table(is_life, is_pair(scene))
+    check_in_table(values, table)
+    solved = {name: stored_data(table[name], value) for name, value in values.items()}
+    layout = _layout(
+        is_life=is_life,
+        is_of_pair=is_pair(scene),
+        is_averaged=fidelity == "dynamic" and not is_life,
+        shapes=tuple((name, data.shape) for name, data in solved.items()),
+        strips=scene.get("model", {}).get("strips", STANDARD.strips),
+        balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
     )
+    if "phases" in result.attrs:
+        layout = _with_phase_names(layout, result.attrs["phases"])
     data = {
-        name: given[name] if name in given else entry.default.copy()
-        for name, entry in layout.every.items()
+        name: solved[name] if name in solved else entry.default.copy()
+        for name, entry in layout.entries.items()
     }
     kind = "wear life" if is_life else "case"
     title = {"title": f"{kind} of {scene['name']}" if "name" in scene else kind}
@@ -121,9 +121,12 @@ def contents_of(result: Result) -> Contents:
     return Contents(layout, data, {key: _attribute(value) for key, value in attrs.items()})
 
 
-def _with_phases(names: str | None, layout: Layout) -> Layout:
-    """A layout whose coordinate of phases names those of a duty, as flags."""
-    if names is None or "phase" not in layout.coordinates:
+def _with_phase_names(layout: Layout, names: str) -> Layout:
+    """Returns a layout whose coordinate of phases has the names of a duty as flags.
+
+    names: of the phases, separated by spaces.
+    """
+    if "phase" not in layout.coordinates:
         return layout
     phase = layout.coordinates["phase"]
     codes = np.arange(layout.sizes["phase"], dtype=phase.default.dtype)
@@ -132,45 +135,51 @@ def _with_phases(names: str | None, layout: Layout) -> Layout:
 
 
 def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
-    """`contents_of` results of the same shapes, variables along a new first dimension."""
+    """Returns the contents of results of the same shapes, stacked along a new first dimension."""
     layout, data, attrs = contents_of(results[0])
-    given = results[0].values
-    table = _table("end_criterion" in given, is_pair(results[0].scene))
+    values = results[0].values
+    table = _variable_table("end_criterion" in values, is_pair(results[0].scene))
     for name in layout.variables:
-        if name in given:
+        if name in values:
             data[name] = stored_data(table[name], [result.values[name] for result in results])
         else:
             data[name] = np.repeat(data[name][None], len(results), axis=0)
-    along = {
+    variables = {
         name: entry._replace(dims=(dim, *entry.dims)) for name, entry in layout.variables.items()
     }
     sizes = {dim: len(results), **layout.sizes}
-    return Contents(layout._replace(variables=along, sizes=sizes), data, attrs)
+    return Contents(layout._replace(variables=variables, sizes=sizes), data, attrs)
 
 
 @functools.cache
-def _table(is_life: bool, of_two: bool) -> Mapping[str, Variable]:
-    """Variables of a file, its coordinates first."""
+def _variable_table(is_life: bool, is_of_pair: bool) -> Mapping[str, Variable]:
+    """Returns the variables that a file may contain, the coordinates first."""
     table = LIFE if is_life else CASE
-    return ALL_COORDINATES | (of_pair(table) if of_two else table)
+    return ALL_COORDINATES | (pair_table(table) if is_of_pair else table)
 
 
-def require_known(values: Iterable[str], known: Container[str]) -> None:
-    if unknown := sorted(name for name in values if name not in known):
+def check_in_table(names: Iterable[str], table: Container[str]) -> None:
+    """Raises KeyError if a name is not in a table of variables."""
+    if unknown := sorted(name for name in names if name not in table):
         raise KeyError(f"not in the table of variables: {', '.join(unknown)}")
 
 
 @functools.lru_cache(maxsize=16)  # results in a loop are alike
 def _layout(
     is_life: bool,
-    of_two: bool,
-    over_turns: bool,
+    is_of_pair: bool,
+    is_averaged: bool,
     shapes: tuple[tuple[str, tuple[int, ...]], ...],
     strips: int,
     balls: int,
 ) -> Layout:
-    """Layout of a result whose values have these shapes; shared, so do not write to it."""
-    table, given = _table(is_life, of_two), dict(shapes)
+    """Returns the layout of a result; it is shared, so do not write to it.
+
+    is_averaged: whether the values are means over the evaluated turns of a dynamic case.
+    shapes: name and shape of each value.
+    balls: number of balls that a value for one ball represents; 0 if it is not known.
+    """
+    table, shape_of = _variable_table(is_life, is_of_pair), dict(shapes)
     sizes = {
         "ball": 1,
         "race": len(RACES),
@@ -183,72 +192,79 @@ def _layout(
         if len(shape) != len(dims):
             raise ValueError(f"{name} has {len(shape)} dimensions, not {len(dims)}")
         sizes.update(zip(dims, shape, strict=True))
-    solved = {
-        name: _entry(variable, given.get(name), sizes)
+    variables = {
+        name: _entry(variable, shape_of.get(name), sizes)
         for name, variable in table.items()
-        if name not in ALL_COORDINATES and (name in given or variable.always)
+        if name not in ALL_COORDINATES and (name in shape_of or variable.always)
     }
-    if over_turns:
-        for name, entry in solved.items():
-            if name in given and (method := _cell_methods(table[name])):
+    if is_averaged:
+        for name, entry in variables.items():
+            if name in shape_of and (method := _cell_method(table[name])):
                 entry.attrs["cell_methods"] = method
                 if entry.dims[: len(TIME)] != TIME:
                     entry.attrs["long_name"] += OVER_TURNS[method]
-    used = dict.fromkeys(dim for entry in solved.values() for dim in entry.dims)
-    coordinates = _coordinates(used, given, sizes)
+    used_dims = dict.fromkeys(dim for entry in variables.values() for dim in entry.dims)
+    coordinates = _coordinates(used_dims, shape_of, sizes)
     if balls and "ball" in coordinates and sizes["ball"] == 1:
         coordinates["ball"].attrs["represents"] = np.int32(balls)
-    return Layout(coordinates, solved, {dim: sizes[dim] for dim in used})
+    return Layout(coordinates, variables, {dim: sizes[dim] for dim in used_dims})
 
 
 def _coordinates(
-    used: Container[str], given: Mapping[str, tuple[int, ...]], sizes: Mapping[str, int]
+    used_dims: Container[str], shape_of: Mapping[str, tuple[int, ...]], sizes: Mapping[str, int]
 ) -> dict[str, Entry]:
-    """Coordinates of the dimensions that are used; they have a value everywhere."""
-    found = {}
+    """Returns the coordinates of the dimensions that are used; these never have missing values."""
+    coordinates = {}
     for name, variable in ALL_COORDINATES.items():
         dim = variable.dims[0]
-        if dim not in used:
+        if dim not in used_dims:
             continue
         data = None
         if variable is STRIP_POSITION:
             data = (2.0 * np.arange(sizes[dim]) + 1.0) / sizes[dim] - 1.0
         elif variable.dtype[0] == "i":
             data = np.arange(sizes[dim], dtype=variable.dtype)
-        elif name not in given:
+        elif name not in shape_of:
             raise ValueError(f"{name} is missing")
-        found[name] = _entry(variable, given.get(name), sizes, data)._replace(fill=None)
-    return found
+        entry = _entry(variable, shape_of.get(name), sizes, data)
+        coordinates[name] = entry._replace(fill=None)
+    return coordinates
 
 
 def _entry(
     variable: Variable,
-    given: tuple[int, ...] | None,
+    solved_shape: tuple[int, ...] | None,
     sizes: Mapping[str, int],
     default: np.ndarray | None = None,
 ) -> Entry:
+    """Returns the entry of a variable; its data are `default` or missing values if not solved.
+
+    solved_shape: of its value in a result; None if there is none.
+    sizes: of all dimensions.
+    """
     dims = variable.dims
-    shape = tuple(map(sizes.__getitem__, dims))
-    if given is not None and given != shape:
-        raise ValueError(f"{variable.name} has shape {given}, not {shape}")
+    shape = tuple(sizes[dim] for dim in dims)
+    if solved_shape is not None and solved_shape != shape:
+        raise ValueError(f"{variable.name} has shape {solved_shape}, not {shape}")
     attrs = variable.attributes
     if len(dims) > 1 and "strip" in dims:
         attrs["coordinates"] = STRIP_POSITION.name
     if default is None:
-        default = _GIVEN if given is not None else np.full(shape, variable.missing)
-    return Entry(dims, attrs, None if variable.dtype[0] == "i" else variable.missing, default)
+        default = _REPLACED if solved_shape is not None else np.full(shape, variable.missing)
+    fill = None if variable.dtype[0] == "i" else variable.missing
+    return Entry(dims=dims, attrs=attrs, fill=fill, default=default)
 
 
 def stored_data(variable: Variable, value: Any) -> np.ndarray:
-    """Values as they stand in a file."""
+    """Converts a value [SI, radians] to the type and unit of its variable in a file."""
     data = np.array(value, dtype=variable.stored_type)
     if variable.scale != 1.0 and data.dtype.kind == "f":
         data = np.asarray(data * data.dtype.type(variable.scale))
     return data
 
 
-def _cell_methods(variable: Variable) -> str | None:
-    """CF cell method of a variable of a dynamic case."""
+def _cell_method(variable: Variable) -> str | None:
+    """Returns the CF cell method of a variable of a dynamic case; None if it has none."""
     if variable.dims[: len(TIME)] == TIME:
         return "time: mean" if variable.name in INTERVAL_MEANS else "time: point"
     if variable.name in EXTREMES:
@@ -258,7 +274,7 @@ def _cell_methods(variable: Variable) -> str | None:
 
 
 def _attribute(value: Any) -> Any:
-    """A value as a netCDF attribute that every reader understands."""
+    """Converts a value to a netCDF attribute that every reader understands."""
     if isinstance(value, bool | np.bool_ | int | np.integer):
         return np.int64(value)
     if isinstance(value, float | np.floating):

@@ -1,4 +1,4 @@
-"""The kind of result that a file holds, and the function for each kind.
+"""The kind of a result file, and registries of functions for each kind.
 
 A registry maps kinds to functions by their dotted names, `module:function`, so that nothing is
 imported before it is needed. The studies, which stand above this part of the package, hand in a
@@ -16,7 +16,7 @@ CASE_KIND, LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND = "case", "life", "study", "wea
 SWEEP_KIND = "sweep"
 
 ONLY_IN_CASES = ("strip", "steady_state", "time", "state", "final_time", "ball_diameter_loss")
-"""What a study leaves to case files: variables and dimensions whose variables are left out.
+"""Variables that only case files contain, and dimensions whose variables only they contain.
 
 They are profiles, histories, states to restart from, lists whose length differs from case to case,
 and the worn diameter, which is an axis of a study.
@@ -27,10 +27,10 @@ Registry = Mapping[str, str]
 
 
 def kind_of(file: Any) -> str:
-    """The kind of a result file: a case, a life, a study, a wear life, or a kind of some study.
+    """Returns the kind of an open file or dataset: case, life, wear life, or a kind of study.
 
-    A case and a life are known by their variables. Every other file names its kind by its attribute
-    `kind`, or else by its title up to the first ` of ` or colon.
+    Cases and lives are recognised by their variables. Every other file states its kind in its
+    attribute `kind`, or else in its title, up to the first ` of ` or colon.
     """
     if _is_scalar(file, "end_criterion"):
         return LIFE_KIND
@@ -46,7 +46,7 @@ def _is_scalar(file: Any, name: str) -> bool:
 
 
 def function(dotted: str) -> Callable[..., Any]:
-    """The function of a dotted name `module:function`."""
+    """Imports the function with a dotted name, `module:function`."""
     module, _, name = dotted.partition(":")
-    found: Callable[..., Any] = getattr(importlib.import_module(module), name)
-    return found
+    imported: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return imported

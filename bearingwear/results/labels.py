@@ -1,6 +1,6 @@
-"""Names for codes: race 0 in a file is race "inner" in memory.
+"""Conversion between codes and names: race 0 in a file is race "inner" in memory.
 
-Files keep whole numbers with `flag_meanings`, as CF asks; a person selects by name.
+Files contain whole numbers with `flag_meanings`, as CF requires; a person selects by name.
 """
 
 from __future__ import annotations
@@ -14,57 +14,70 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
-MEMORY_ALONE = ("wall_time_s", "message")
+ONLY_IN_MEMORY = ("wall_time_s", "message")
 """Attributes of a dataset in memory that its file does not have."""
 
 
 NO_NAME = "none"
-"""What a code has that stands for nothing: of a status, that there was nothing to solve."""
+"""The name of the code -1; as a status, it means that there was nothing to solve."""
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """A dataset with names instead of codes: `race="inner"`, `status="ok"`."""
-    return dataset.assign({name: named(dataset.variables[name]) for name in dataset.variables})
+    """Returns a dataset with names instead of codes: `race="inner"`, `status="ok"`."""
+    return dataset.assign(
+        {name: _labelled_variable(dataset.variables[name]) for name in dataset.variables}
+    )
 
 
-def named(variable: xr.Variable) -> xr.Variable:
-    """A variable with names for its codes, if it has codes."""
+def _labelled_variable(variable: xr.Variable) -> xr.Variable:
+    """Returns a variable with names instead of codes, if it has codes."""
     if "flag_meanings" not in variable.attrs or variable.dtype.kind not in "iu":
         return variable
     return type(variable)(variable.dims, *named_data(variable.values, variable.attrs))
 
 
 def named_data(codes: np.ndarray, attrs: Mapping[Any, Any]) -> tuple[np.ndarray, dict[Any, Any]]:
-    """Names of codes, by the `flag_meanings` in their attributes, and the attributes of names."""
-    names = np.asarray(_names(attrs["flag_meanings"])[codes])
+    """Returns the names of codes and their attributes.
+
+    attrs: of the codes; their `flag_meanings` are the names.
+    """
+    names = np.asarray(_code_names(attrs["flag_meanings"])[codes])
     return names, {key: value for key, value in attrs.items() if key != "flag_values"}
 
 
 @functools.cache
-def _names(meanings: str) -> np.ndarray:
-    """Of each code; the last one of a code of -1."""
+def _code_names(meanings: str) -> np.ndarray:
+    """Returns an array with the name of each code, and with that of -1 as its last item."""
     return np.array([*meanings.split(), NO_NAME])
 
 
 def coded(dataset: xr.Dataset) -> xr.Dataset:
-    """A dataset as files have it: the codes that `labelled` has named.
+    """Reverses `labelled`: returns a dataset with the codes and attributes of files.
 
-    What has other names than its `flag_meanings` stays as it is.
+    A variable with other names than its `flag_meanings` is not changed.
     """
     codes = {}
     for name, variable in dataset.variables.items():
         meanings = str(variable.attrs.get("flag_meanings", "")).split()
-        given = variable.values
-        known = {NO_NAME: -1} | {label: code for code, label in enumerate(meanings)}
-        if meanings and given.dtype.kind in "UOT" and set(given.flat) <= set(known):
-            numbers = np.array([known[label] for label in given.flat], dtype=np.int8)
-            attrs = {}
-            for key, value in variable.attrs.items():  # in the order of the files of commands
-                if key == "flag_meanings":
-                    attrs["flag_values"] = np.arange(len(meanings), dtype=np.int8)
-                attrs[key] = value
-            codes[name] = (variable.dims, numbers.reshape(given.shape), attrs)
-    attrs = {key: value for key, value in dataset.attrs.items() if key not in MEMORY_ALONE}
-    made = dataset.assign(codes)
-    made.attrs = attrs
-    return made
+        labels = variable.values
+        code_of = {NO_NAME: -1} | {label: code for code, label in enumerate(meanings)}
+        if meanings and labels.dtype.kind in "UOT" and set(labels.flat) <= set(code_of):
+            numbers = np.array([code_of[label] for label in labels.flat], dtype=np.int8)
+            attrs = _attributes_of_codes(variable.attrs, len(meanings))
+            codes[name] = (variable.dims, numbers.reshape(labels.shape), attrs)
+    result = dataset.assign(codes)
+    result.attrs = {key: dataset.attrs[key] for key in dataset.attrs if key not in ONLY_IN_MEMORY}
+    return result
+
+
+def _attributes_of_codes(attrs: Mapping[Any, Any], count: int) -> dict[Any, Any]:
+    """Returns the attributes of names with `flag_values`, in the order of the files of commands.
+
+    count: the number of flags.
+    """
+    attributes = {}
+    for key, value in attrs.items():
+        if key == "flag_meanings":
+            attributes["flag_values"] = np.arange(count, dtype=np.int8)
+        attributes[key] = value
+    return attributes

@@ -41,7 +41,7 @@ GROWN = table(
     Variable("history_part_temperature", ("step", "part"), "degC",
         "temperature of the part at each step", label="temperature"),
 )
-"""Of a bearing that does not run as it was mounted."""
+"""Variables of a bearing whose parts grow by heat, speed or fits."""
 
 _PHASE, _PHASE_SURFACE = ("phase",), ("phase", "surface")
 _OF_DUTY = "in the order of the attribute phases"
@@ -91,7 +91,7 @@ DUTY = table(
         if measure.key not in OF_CAGE
     ),
 )
-"""Of a life over a duty alone."""
+"""Variables that only a life over a duty has."""
 
 LIFE = table(
     STATUS,

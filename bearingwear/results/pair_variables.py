@@ -13,7 +13,7 @@ from bearingwear.sides import SHARED
 BEARINGS = ("first", "second")
 MODES = ("axial", "radial", "conical")
 OF_BEARING = "bearing"
-"""Dimension of what each bearing of a pair has as its own; it stands first."""
+"""The first dimension of variables that have a value for each bearing of a pair."""
 
 PAIR_COORDINATES = table(
     Variable(OF_BEARING, (OF_BEARING,), "", "bearing of the pair", "i1", flags=BEARINGS),
@@ -43,23 +43,23 @@ SYSTEM = table(
     Variable("rotor_balance_residual", (), "1",
         "residual of the rotor's force and position balances, relative to the larger preload"),
 )
-"""Of the arrangement, once for both bearings."""
+"""Variables of the arrangement, with one value for both bearings."""
 # fmt: on
 
 
 def is_pair(scene: Mapping[str, Any]) -> bool:
-    """Whether a scene, as a file holds it, is of two bearings."""
+    """Whether a scene, as plain data, contains two bearings."""
     return (scene.get("arrangement") or {}).get("kind") in METHODS
 
 
 def method_words(scene: Mapping[str, Any], method: str) -> str:
-    """Preload method in words; for a pair, its kind."""
+    """Returns the words for a preload method; for a pair, the kind of the pair."""
     return (PAIRS[method] if is_pair(scene) else method).replace("_", " ")
 
 
-def of_pair(known: Mapping[str, Variable]) -> dict[str, Variable]:
-    """A table as a file of a pair has it: what is not shared has a value for each bearing."""
+def pair_table(table: Mapping[str, Variable]) -> dict[str, Variable]:
+    """Returns the table for a pair, in which all but shared variables are over the bearings."""
     return {
-        name: v if name in SHARED else replace(v, dims=(OF_BEARING, *v.dims))
-        for name, v in known.items()
+        name: variable if name in SHARED else replace(variable, dims=(OF_BEARING, *variable.dims))
+        for name, variable in table.items()
     }

@@ -1,4 +1,4 @@
-"""The state at the end of a dynamic case, from which another run continues."""
+"""Reads the state at the end of a dynamic case, from which another run continues."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.scene import Scene
 
 MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGULARISATION)
-"""What a continued run may change in its scene; the rest decides the state."""
+"""Keys of the scene that a continued run may change; the others determine the state."""
 
 
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
-    """State from which a run continues.
+    """Returns the state from which a run continues.
 
     scene: the scene to continue; it may differ from the file's only in `MAY_DIFFER`.
 
@@ -48,35 +48,41 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
             )
         state = _numbers(file["final_state"])
         time = float(_numbers(file["final_time"]))
-        before = json.loads(file.scene)
+        earlier_scene = json.loads(file.scene)
     if not np.isfinite(state).all() or not np.isfinite(time):
         raise CaseFileError(
             f"{name}: got a case without a final state, expected one with a final state"
         )
     if scene is not None:
-        _same_scene(name, before, scene.to_dict())
-    return {"state": state, "time": time, "scene": before}
+        _check_same_scene(name, earlier_scene, scene.plain)
+    return {"state": state, "time": time, "scene": earlier_scene}
 
 
 def _numbers(variable: Any) -> np.ndarray:
-    """Values of a variable, NaN where there is none."""
+    """Returns the values of a variable of an open file; NaN for missing values."""
     return np.ma.filled(np.ma.asarray(variable[...], dtype=float), np.nan)
 
 
-def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
-    """Refuse a case whose scene differs in a key that decides the state."""
-    one, other = (
-        leaves({key: part for key, part in scene.items() if key not in MAY_DIFFER})
-        for scene in (before, now)
-    )
-    for key in [*other, *one]:
-        if one.get(key) != other.get(key) and key not in MAY_DIFFER:
+def _check_same_scene(name: str, earlier: Mapping[str, Any], scene: Mapping[str, Any]) -> None:
+    """Refuses a case whose scene differs in a key that determines the state.
+
+    name: of the file.
+    """
+    earlier_values, values = _decisive_values(earlier), _decisive_values(scene)
+    for key in [*values, *earlier_values]:
+        earlier_value, value = earlier_values.get(key), values.get(key)
+        if earlier_value != value and key not in MAY_DIFFER:
             raise CaseFileError(
-                f"{name}: {key}: got a case with {_shown(one.get(key))}, expected the value in "
-                f"the scene, {_shown(other.get(key))} (only wear, model and {REGULARISATION} may "
+                f"{name}: {key}: got a case with {_value_text(earlier_value)}, expected the value "
+                f"in the scene, {_value_text(value)} (only wear, model and {REGULARISATION} may "
                 "differ)"
             )
 
 
-def _shown(value: Any) -> str:
+def _decisive_values(scene: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Returns the values of a scene by dotted key, without the blocks of `MAY_DIFFER`."""
+    return leaves({key: block for key, block in scene.items() if key not in MAY_DIFFER})
+
+
+def _value_text(value: Any) -> str:
     return "nothing" if value is None else json.dumps(value)

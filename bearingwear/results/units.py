@@ -18,7 +18,7 @@ _R_PER_MIN = 30.0 / math.pi
 
 
 class _Scale(NamedTuple):
-    """A unit, its factor on a value of the file, and the least number that is shown in it."""
+    """A unit, the factor from the unit of files, and the least number that is shown in it."""
 
     unit: str
     factor: float
@@ -49,61 +49,64 @@ SCALES: dict[str, tuple[_Scale, ...]] = {
 as (`Variable.shown`). A unit that is not here is shown as it is."""
 
 LEAST_PERCENT = 1e-3
-"""Percentages below are shown as less than this one."""
+"""Smaller percentages are shown as less than this one."""
 
 
 LEAST_SHOWN = {"": 1e-15, "N": 1e-9, "degree": 1e-9, "um": 1e-9}
-"""Smaller numbers are what rounding leaves of zero, and are shown as that, by their unit."""
+"""Smaller numbers in these units are rounding errors, and are shown as 0."""
 
 
 class Display(NamedTuple):
-    """Display of a quantity: its unit, and the factor on a value of the file."""
+    """The display of a quantity: its unit, and the factor from the unit of files."""
 
     unit: str
     factor: float
 
     @property
     def printed(self) -> str:
-        """The unit as figures, tables and the page have it: `N/µm`."""
+        """The unit with the characters of figures, tables and the page: `N/µm`."""
         return in_print(self.unit)
 
     def of(self, values: Any) -> Any:
-        """Values of the file in this unit."""
+        """Converts values from the unit of files to this unit."""
         return self.factor * values
 
     def label(self, text: str) -> str:
-        """A name with the unit in brackets, for an axis or a column."""
+        """Returns a name with the unit in brackets, for an axis or a column."""
         return f"{text} ({self.printed})" if self.unit else text
 
     def text(self, value: Any) -> str:
-        """A value of the file, in this unit, with three digits; a dash where it is not known."""
+        """Returns a value of a file as text in this unit, with three digits; a dash for NaN."""
         return digits(self.of(float(value)), self.unit)
 
 
 def display(units: str, *values: Any, shown: str = "") -> Display:
-    """The unit in which values are shown together.
+    """Returns the unit in which all values of a quantity are shown.
 
-    *values: those that are shown; the largest magnitude decides.
-    shown: how the quantity is shown where its unit does not say: `%`.
+    units: of the file.
+    *values: in that unit; their largest magnitude determines the display.
+    shown: key of `SCALES`, if it is not `units`: `%`.
     """
     scales = SCALES.get(shown or units, (_Scale(shown or units, 1.0),))
-    numbers = [np.abs(np.asarray(v, dtype=float)).ravel() for v in values]
-    every = np.concatenate(numbers) if numbers else np.empty(0)
-    largest = float(every[np.isfinite(every)].max(initial=0.0))
-    # what would round up to the next unit is shown in it
-    fitting = [s for s in scales if rounded(s.factor * largest) >= s.least] or [scales[0]]
-    return Display(fitting[-1].unit, fitting[-1].factor)
+    arrays = [np.abs(np.asarray(value, dtype=float)).ravel() for value in values]
+    numbers = np.concatenate(arrays) if arrays else np.empty(0)
+    largest = float(numbers[np.isfinite(numbers)].max(initial=0.0))
+    # a number that rounds up to the next unit is shown in that unit
+    fitting = [scale for scale in scales if rounded(scale.factor * largest) >= scale.least] or [
+        scales[0]
+    ]
+    return Display(unit=fitting[-1].unit, factor=fitting[-1].factor)
 
 
 def rounded(value: float) -> float:
-    """A number with three significant digits."""
+    """Rounds a number to three significant digits."""
     return float(f"{value:.3g}")
 
 
 def digits(value: float, unit: str = "") -> str:
-    """A number with three significant digits; a dash where it is not known.
+    """Returns a number as text with three significant digits; a dash for NaN.
 
-    A percentage too small to matter is only said to be less than that.
+    A percentage below `LEAST_PERCENT` is shown as less than that.
     """
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value:g}"
@@ -115,73 +118,82 @@ def digits(value: float, unit: str = "") -> str:
 
 
 def scale_of(unit: str) -> tuple[str, float]:
-    """The unit of the file behind a unit that is shown, and the factor between them."""
-    every = ((key, scale) for key, scales in SCALES.items() for scale in scales)
-    return next(((key, scale.factor) for key, scale in every if scale.unit == unit), (unit, 1.0))
+    """Returns the unit of files for a unit of the display, and the factor from it to that one."""
+    for file_unit, scales in SCALES.items():
+        for scale in scales:
+            if scale.unit == unit:
+                return file_unit, scale.factor
+    return unit, 1.0
 
 
 class Rough(float):
-    """A number that is known to two digits at best: a life as hours."""
+    """A number of two digits, as the hours of a life, which are not known better."""
 
     @property
     def text(self) -> str:
-        """With the digits that it has: K_s/H of 1e-17 m2/N is not what rounding leaves of zero."""
+        """The number with its two digits, however small it is: K_s/H may be 1e-17 m2/N."""
         return f"{float(f'{self:.2g}'):.7g}" if math.isfinite(self) else digits(self)
 
     def in_unit(self, unit: str) -> str:
+        """Returns the number as text; 0 if it is a rounding error in this unit."""
         return digits(float(f"{self:.2g}"), unit)
 
 
 class Percent(float):
-    """The difference of two numbers, with its sign."""
+    """The difference of two numbers in percent."""
 
     @property
     def text(self) -> str:
+        """The number with its sign."""
         text = digits(self, "%")
         return text if self < 0.0 or text.startswith("<") else f"+{text}"
 
 
 class Interval(NamedTuple):
-    """Interval of most values."""
+    """The interval that contains most values, for example the lives of 90 % of the bearings."""
 
     low: float
     high: float
 
     @property
     def text(self) -> str:
-        """`0.34 to 5.8`: the ends are not known better than to two digits."""
+        """The ends with two digits: `0.34 to 5.8`."""
         return " to ".join(Rough(end).text for end in self)
 
 
 RESOLVED = 1e-4
-"""Relative error below which a number has no further digits: those serve no comparison."""
+"""Least relative error for which digits are shown; smaller ones serve no comparison."""
 
 
-_GIVEN = 1e-8
-"""Relative difference below which a result is the given number of few digits."""
+_EQUAL_TO_INPUT = 1e-8
+"""Relative difference below which a result counts as a number of few digits that was its input."""
 
 
 class Estimated(float):
-    """A number with the estimate of its error, which decides its digits."""
+    """A number with an estimate of its error, which determines its digits."""
 
     error: float
 
     @classmethod
     def of(cls, value: float, error: float) -> Estimated:
-        found = cls(value)
-        found.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan
-        return found
+        """Returns a number with its error, at least `RESOLVED`; NaN if the error is not known."""
+        number = cls(value)
+        number.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan
+        return number
 
     @property
     def text(self) -> str:
+        """The number to the first digit of its error."""
         text = to_error(self, self.error)
-        if self.error <= RESOLVED * abs(self) and math.isclose(float(text), self, rel_tol=_GIVEN):
-            return f"{float(text):.7g}"  # a given number, as 140, no computed one
+        if self.error <= RESOLVED * abs(self) and math.isclose(
+            float(text), self, rel_tol=_EQUAL_TO_INPUT
+        ):
+            return f"{float(text):.7g}"  # an input, as 140, and no computed number
         return text
 
 
 def to_error(value: float, error: float) -> str:
-    """A number to the first digit of its error: `0.87` of an error of 0.02."""
+    """Returns a number as text to the first digit of its error: `0.87` with an error of 0.02."""
     if not (math.isfinite(value) and 0.0 < error < math.inf):
         return digits(value)
     places = -math.floor(math.log10(float(f"{error:.0e}")))
@@ -189,15 +201,15 @@ def to_error(value: float, error: float) -> str:
 
 
 def span(values: Iterable[float]) -> str:
-    """The least and the most of the values that are known: `1.2 to 3`; a dash without any."""
-    known = sorted(value for value in values if math.isfinite(value))
-    ends = [known[0], known[-1]] if known else [math.nan]
-    texts = [one.text if isinstance(one, Rough) else digits(one) for one in ends]
+    """Returns the least and the largest finite value: `1.2 to 3`; a dash if there is none."""
+    finite = sorted(value for value in values if math.isfinite(value))
+    ends = [finite[0], finite[-1]] if finite else [math.nan]
+    texts = [end.text if isinstance(end, Rough) else digits(end) for end in ends]
     return " to ".join(dict.fromkeys(texts))
 
 
 def in_print(unit: str) -> str:
-    """A unit with its proper characters, in one piece: `N/um` as `N/µm`."""
+    """Returns a unit with its proper characters and without breaks: `N/um` as `N/µm`."""
     text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("degree", "°")
     text = text.replace("m3", "m³").replace("s2", "s²")
     return text.replace(" ", "\N{NO-BREAK SPACE}")
@@ -228,7 +240,7 @@ KEY_UNITS = {
 """Units at the ends of the keys of scenes and limits."""
 
 
-_PROPER = {
+_PROPER_NAMES = {
     "youngs modulus": "Young's modulus",
     "poisson ratio": "Poisson's ratio",
     "brinell hardness": "Brinell hardness",
@@ -236,18 +248,18 @@ _PROPER = {
 
 
 def key_in_words(key: str) -> tuple[str, str]:
-    """The last part of a key in words, and its unit: `ball diameter`, `mm`."""
+    """Returns the last part of a dotted key in words, and its unit: `ball diameter`, `mm`."""
     name = key.rpartition(".")[2]
-    end = next((end for end in KEY_UNITS if name.endswith(end)), "")
-    words = name.removesuffix(end).replace("_", " ")
-    return _PROPER.get(words, words), KEY_UNITS.get(end, "")
+    suffix = next((suffix for suffix in KEY_UNITS if name.endswith(suffix)), "")
+    words = name.removesuffix(suffix).replace("_", " ")
+    return _PROPER_NAMES.get(words, words), KEY_UNITS.get(suffix, "")
 
 
 _ASCII = str.maketrans({"µ": "u", "³": "3", "\N{NO-BREAK SPACE}": " ", "\N{MINUS SIGN}": "-"})
 
 
 def in_ascii(text: str) -> str:
-    """A text with its units as a terminal has them: `N/µm` as `N/um`."""
+    """Returns a text with units in ASCII, for a terminal: `N/µm` as `N/um`."""
     return text.translate(_ASCII)
 
 
@@ -255,10 +267,10 @@ _UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?
 """The space between a number and its unit."""
 
 _MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}N/)u(?=m)")
-"""The prefix of a unit as a terminal has it."""
+"""The prefix of a unit in ASCII."""
 
 
 def unbroken(text: str) -> str:
-    """A text with its numbers in one piece with their units, and µ for u in these."""
+    """Returns a text without line breaks between numbers and units, and with µ for u in these."""
     text = _MICRO.sub("µ", _UNIT.sub("\N{NO-BREAK SPACE}", text))
     return text.replace("N/µm", "N/\N{WORD JOINER}µm")

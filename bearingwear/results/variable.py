@@ -21,7 +21,7 @@ ESTIMATE = "based on solutions with different accuracy settings; excludes modell
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of a result file."""
+    """A variable of a result file."""
 
     name: str
     dims: tuple[str, ...]
@@ -31,45 +31,50 @@ class Variable:
     scale: float = 1.0  # factor on the program's SI value in the file's units
     flags: tuple[str, ...] | None = None  # meanings of 0, 1 and so on
     comment: str | None = None
-    # written also where it was not solved, as `_FillValue`; others are then left out
+    # whether files of unsolved cases contain it, as `_FillValue`; others are then left out
     always: bool = False
-    # of a dynamic case, this is the mean over the evaluated turns; so is all that is `always`
+    # whether a dynamic case contains its mean over the evaluated turns, as of all with `always`
     averaged: bool = False
     label: str = ""  # short name for a person, as in `bearingwear show`
-    shown: str = ""  # what it is shown as (`units.SCALES`), where its unit does not say
+    shown: str = ""  # key of `units.SCALES` for its display, if `units` is not that key
 
     @functools.cached_property
     def stored_type(self) -> np.dtype[Any]:
-        """`dtype`, which takes NumPy as long to read as to store a number."""
+        """The NumPy type; kept, since to parse its name takes as long as to store a number."""
         return np.dtype(self.dtype)
 
     @functools.cached_property
     def missing(self) -> np.generic:
-        """Its value where it was not solved."""
-        # a last flag says "none"
+        """The value that marks it as not solved: NaN, or the last flag, whose name is "none"."""
         return self.stored_type.type(len(self.flags) - 1 if self.flags else np.nan)
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Its attributes in a file."""
+        """A new dictionary of its attributes in a file."""
         return self._attributes.copy()
 
     @functools.cached_property
     def _attributes(self) -> dict[str, Any]:
-        found: dict[str, Any] = {"long_name": self.long_name}
+        attributes: dict[str, Any] = {"long_name": self.long_name}
         if self.units:
-            found["units"] = self.units
+            attributes["units"] = self.units
         if self.flags:
-            found["flag_values"] = np.arange(len(self.flags), dtype=self.dtype)
-            found["flag_meanings"] = " ".join(self.flags)
+            attributes["flag_values"] = np.arange(len(self.flags), dtype=self.dtype)
+            attributes["flag_meanings"] = " ".join(self.flags)
         if self.comment:
-            found["comment"] = self.comment
-        return found
+            attributes["comment"] = self.comment
+        return attributes
 
 
 def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
-    """Variables by their names; `always` holds for all of them."""
-    return {v.name: replace(v, always=True) if always else v for v in variables}
+    """Returns variables by their names.
+
+    always: sets `Variable.always` of all of them.
+    """
+    return {
+        variable.name: replace(variable, always=True) if always else variable
+        for variable in variables
+    }
 
 
 STATUS = Variable("status", (), "", "whether the values may be used", "i1", flags=STATUS_NAMES,

@@ -1,7 +1,7 @@
 """The one table of variables of result files: names, dimensions, units, meaning, display.
 
 Inside the program all values are SI and radians; `scale` takes them to the units of the file, and
-`results/units.py` says in which a person reads them. What has no unit has flags.
+`results/units.py` converts those to the units for people. Variables without a unit have flags.
 
 A study describes its own variables with the same `Variable`, in a `table` of its own, and makes
 datasets with `bearingwear.studies.dataset.filled`. Their dimensions are then those of one solve;
@@ -45,7 +45,7 @@ def _history(
     scale: float = 1.0,
     comment: str | None = None,
 ) -> Variable:
-    """Values of a dynamic case at instants, in single precision."""
+    """Returns a variable of a dynamic case over time, stored in single precision."""
     return Variable(f"history_{name}", dims, units, long_name, "f4", scale, comment=comment)
 
 
@@ -83,7 +83,7 @@ STUDY_COORDINATES = table(
     Variable("ball_diameter_loss", ("ball_diameter_loss",), "um", "loss of ball diameter due to "
                                                                   "wear"),
 )  # fmt: skip
-"""Axes along which the studies repeat solves."""
+"""Coordinates along which studies repeat solves."""
 
 STRIP_POSITION = Variable("strip_position", ("strip",), "1",
     "position of the strip centre divided by the semi-major axis",
@@ -103,14 +103,15 @@ EXTREMES = {
     "maximum_contact_load": "max",
     "minimum_contact_load": "min",
 }
-"""Of a dynamic case, the largest or smallest over the evaluated turns; of others, the mean.
-
-So it is of several balls where one number stands for all.
-"""
+"""Variables whose largest or smallest value represents several: the evaluated turns of a dynamic
+case, or all balls. Other variables are represented by their mean."""
 
 
 def of_all_balls(name: str, values: Any, balls: int | str) -> Any:
-    """One number for all balls, along an axis or dimension: the mean, or an extreme."""
+    """Returns one value for all balls: the mean, or an extreme for the variables of `EXTREMES`.
+
+    balls: axis or dimension of the balls.
+    """
     return getattr(values, EXTREMES.get(name, "mean"))(balls)
 
 
@@ -158,7 +159,7 @@ ALWAYS = table(STATUS) | table(
         label="wear rate, whole race"),
     always=True,
 )
-"""Of every case, solved or not."""
+"""Variables of every case, solved or not."""
 
 STATE = ALWAYS | table(
     Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets", averaged=True,
@@ -356,4 +357,4 @@ DIAGNOSTICS = frozenset(
     "final_state",
     "final_time",
 }
-"""Variables on how well a result was solved, not on what came of it."""
+"""Variables that describe the accuracy of a result: residuals, error estimates, step counts."""

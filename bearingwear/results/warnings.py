@@ -1,6 +1,6 @@
-"""The warnings in the attributes of results and files: read, counted over many, as lines of text.
+"""Reads the warnings in the attributes of results and files, merges them, and states them.
 
-What is warned of is decided in `bearingwear.solvers.effects.table`.
+`bearingwear.solvers.effects.table` determines when a warning is given.
 """
 
 import json
@@ -8,34 +8,36 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 WARNING = "warning: "
-"""How a line about a warning begins."""
+"""The start of a line about a warning."""
 
 
 def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The warnings in the global attributes of a result or of a file."""
-    found: list[dict[str, Any]] = json.loads(attributes.get("warnings", "[]"))
-    return found
+    """Returns the warnings in the global attributes of a result or of a file."""
+    warnings: list[dict[str, Any]] = json.loads(attributes.get("warnings", "[]"))
+    return warnings
 
 
-def gathered_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
-    """The attribute `warnings` of many results together: the worst of each id, and its `cases`."""
+def merged_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
+    """Returns the attribute `warnings` of many results: the worst of each id, with its `cases`.
+
+    attributes: of each result.
+    """
     worst: dict[str, dict[str, Any]] = {}
-    for one in (one for each in attributes for one in warnings_in(each)):
-        known = worst.setdefault(one["id"], one | {"cases": 0})
-        cases = known["cases"] + one.get("cases", 1)
-        if (one["excess"] or 0.0) > (known["excess"] or 0.0):
-            known = one
-        worst[one["id"]] = known | {"cases": cases}
+    for warning in (warning for result in attributes for warning in warnings_in(result)):
+        previous = worst.get(warning["id"], warning | {"cases": 0})
+        cases = previous["cases"] + warning.get("cases", 1)
+        is_worse = (warning["excess"] or 0.0) > (previous["excess"] or 0.0)
+        worst[warning["id"]] = (warning if is_worse else previous) | {"cases": cases}
     return json.dumps(list(worst.values()))
 
 
 def warning_lines(attributes: Mapping[str, Any]) -> list[str]:
-    """A line for each warning in the attributes of a result or of a file."""
-    return [warning_line(one) for one in warnings_in(attributes)]
+    """Returns a line for each warning in the attributes of a result or of a file."""
+    return [warning_line(warning) for warning in warnings_in(attributes)]
 
 
-def warning_line(one: Mapping[str, Any]) -> str:
-    """A warning as text; if many results share it, the worst."""
-    cases = one.get("cases", 1)
-    where = f"{cases} cases, at worst: " if cases > 1 else ""
-    return f"{WARNING}{where}{one['sentence']}; {one['advice']}"
+def warning_line(warning: Mapping[str, Any]) -> str:
+    """Returns a warning as text; one of several cases with their number."""
+    cases = warning.get("cases", 1)
+    count = f"{cases} cases, at worst: " if cases > 1 else ""
+    return f"{WARNING}{count}{warning['sentence']}; {warning['advice']}"

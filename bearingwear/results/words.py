@@ -1,4 +1,4 @@
-"""Words and numbers of result files as texts and figures have them."""
+"""Converts names and numbers of result files for texts and figures, and selects from datasets."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ _Data = TypeVar("_Data", xr.Dataset, xr.DataArray)
 
 
 def methods(dataset: _Data) -> list[tuple[str, _Data]]:
-    """Name and slice of each preload method in a dataset, or in a variable."""
+    """Returns name and slice of each preload method in a dataset or variable."""
     names = dataset["preload_method"].attrs["flag_meanings"].split()
     return [
         (names[int(flag)], dataset.isel(preload_method=k))
@@ -23,8 +23,11 @@ def methods(dataset: _Data) -> list[tuple[str, _Data]]:
     ]
 
 
-def each_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
-    """Slice of each bearing of a pair; None: the only bearing, or either of two that are alike."""
+def datasets_by_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
+    """Returns the slice of each bearing of a pair, by `first` and `second`.
+
+    The key is None for a single bearing, and for two that are alike.
+    """
     if OF_BEARING not in dataset.dims:
         return {None: dataset}
     first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
@@ -32,24 +35,27 @@ def each_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
         return {None: first}
     scene = scene_of(dataset)
     return {
-        which: one.assign_attrs(
-            scene=json.dumps(scene | {"name": f"{scene['name']}, {which} bearing"})
+        bearing: slice_of_bearing.assign_attrs(
+            scene=json.dumps(scene | {"name": f"{scene['name']}, {bearing} bearing"})
         )
-        for which, one in zip(BEARINGS, (first, second), strict=True)
+        for bearing, slice_of_bearing in zip(BEARINGS, (first, second), strict=True)
     }
 
 
-def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = None) -> xr.Dataset:
-    """What one bearing has: the only one, either of two that are alike, or `first` or `second`.
+def dataset_of_bearing(
+    dataset: xr.Dataset, name: str | Path, bearing: str | None = None
+) -> xr.Dataset:
+    """Returns the slice of one bearing: `first` or `second`, or None for the only one.
 
-    CaseFileError: two bearings that differ without a choice of one, or a choice where there is
-    none.
+    name: of the file, for messages.
+    CaseFileError: two bearings that differ without a choice of one, or a choice in a file of a
+    single bearing.
     """
-    known = each_bearing(dataset)
-    if None in known:
-        known |= dict.fromkeys(BEARINGS if OF_BEARING in dataset.dims else (), known[None])
-    if bearing in known:
-        return known[bearing]
+    slices = datasets_by_bearing(dataset)
+    if None in slices and OF_BEARING in dataset.dims:  # two that are alike
+        slices |= dict.fromkeys(BEARINGS, slices[None])
+    if bearing in slices:
+        return slices[bearing]
     if bearing is None:
         raise CaseFileError(
             f"{name}: got a file with two different bearings, expected a choice: --bearing first "
@@ -62,25 +68,25 @@ def chosen_bearing(dataset: xr.Dataset, name: str | Path, bearing: str | None = 
 
 
 def in_words(name: str) -> str:
-    """A name of the files as it stands in a figure."""
+    """Returns a name in files as words."""
     return name.replace("_", " ")
 
 
 def scene_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """The scene a file was made from."""
+    """Returns the scene of a dataset as plain data."""
     return json.loads(dataset.attrs["scene"])
 
 
-def mu_is(mu: float) -> str:
-    """A friction coefficient for a title, in one piece."""
+def friction_text(mu: float) -> str:
+    """Returns `µ = 0.1` without breaks, for a title."""
     return f"µ\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{mu:g}"
 
 
 def percent(value: float) -> str:
-    """A ratio as a percentage for a title; a dash where it is not known."""
+    """Returns a ratio as a whole percentage, for a title; a dash for NaN."""
     return f"{100.0 * value:.0f} %" if np.isfinite(value) else "– %"
 
 
 def percent_in_text(value: float) -> str:
-    """A ratio as a percentage with two digits, in one piece; a dash where it is not known."""
+    """Returns a ratio as a percentage of two digits without breaks, for a text; a dash for NaN."""
     return f"{plain(100.0 * value, 2)}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.atomic import whole_file
-from bearingwear.results.entries import common_attributes, require_known, stored_data
+from bearingwear.results.entries import check_in_table, common_attributes, stored_data
 from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.scene import Scene
@@ -47,7 +47,7 @@ def filled(
     outer = {name: size for name, size in sizes.items() if name not in inner}
     if len(rows) != math.prod(outer.values()):
         raise ValueError(f"got {len(rows)} rows, expected {outer}")
-    require_known({name for row in rows for name in row}, table)
+    check_in_table({name for row in rows for name in row}, table)
     variables = {}
     for name, variable in table.items():
         data = _column(variable, [row.get(name) for row in rows], sizes)

@@ -14,7 +14,7 @@ import numpy as np
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.kinds import ONLY_IN_CASES, SWEEP_KIND
 from bearingwear.results.variable import STATUS, Variable, table
-from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lines
+from bearingwear.results.warnings import WARNING, merged_warnings, warning_lines
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
@@ -127,14 +127,14 @@ def points_dataset(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
     attrs = [one.get("attrs", {}) for one in answers]
     made.attrs = {
         "fidelity": ", ".join(sorted({one["fidelity"] for one in attrs if "fidelity" in one})),
-        "warnings": gathered_warnings(attrs),
+        "warnings": merged_warnings(attrs),
         "problem": next((one[PROBLEM] for one in answers if PROBLEM in one), ""),
     }
     return made
 
 
 def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
-    from bearingwear.results.netcdf import datasets_of
+    from bearingwear.results.netcdf import stacked_datasets
     from bearingwear.solvers.result import Result
     from bearingwear.studies.dataset import stacked
 
@@ -147,7 +147,7 @@ def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
         result = Result(one.get("values", refused), dict(one.get("attrs", {})))
         result.scene = one.get("scene", about)
         results.append(result)
-    made = stacked(datasets_of(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)
+    made = stacked(stacked_datasets(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)
     names = kept.names
     return made if names is None else made[[n for n in made.data_vars if n in (*names, "status")]]
 
@@ -257,7 +257,7 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
     problems = [one.attrs["problem"] for one in each if one.attrs["problem"]]
     made.attrs = each[0].attrs | {
         "fidelity": ", ".join(sorted(fidelities)),
-        "warnings": gathered_warnings(one.attrs for one in each),
+        "warnings": merged_warnings(one.attrs for one in each),
         "problem": problems[0] if problems else "",
     }
     return whole_sweep(made, points)

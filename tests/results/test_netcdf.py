@@ -282,7 +282,7 @@ def test_interrupted_writing_leaves_the_old_file(case, stop, tmp_path, monkeypat
     def interrupted(*_):
         raise stop
 
-    monkeypatch.setattr(netcdf, "_fill", interrupted)
+    monkeypatch.setattr(netcdf, "_write_contents", interrupted)
     with pytest.raises(OutputError if isinstance(stop, RuntimeError) else stop):
         write_result(case, path)
     assert os.listdir(tmp_path) == ["x.nc"] and path.read_bytes() == b"old"

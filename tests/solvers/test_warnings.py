@@ -14,7 +14,7 @@ from support import ROOT, scene_file
 import bearingwear
 from bearingwear.lives.life import life
 from bearingwear.results.warnings import (
-    gathered_warnings,
+    merged_warnings,
     warning_lines,
     warnings_in,
 )
@@ -392,9 +392,9 @@ def test_gathered_at_their_worst():
         {"warnings": json.dumps([{"id": "groove_worn", "sentence": s, "advice": "a", "excess": x}])}
         for s, x in (("small", 2.0), ("large", 7.0))
     )
-    told = {"warnings": gathered_warnings([small, {}, large, small])}
+    told = {"warnings": merged_warnings([small, {}, large, small])}
     (one,) = warnings_in(told)
     assert one["cases"] == 3 and one["sentence"] == "large"
     assert warning_lines(told) == ["warning: 3 cases, at worst: large; a"]
-    again = gathered_warnings([told, told])
+    again = merged_warnings([told, told])
     assert warnings_in({"warnings": again})[0]["cases"] == 6

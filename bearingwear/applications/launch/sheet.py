@@ -1,14 +1,21 @@
-"""The sheet of a launch: what each load does to both bearings, and how far gap and dent are."""
+"""The sheet of a launch: loads of both bearings, and margins to gapping and denting."""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+
+import numpy as np
 
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.launch import denting_share, launch_gap, launch_verdict, worst_state
+from bearingwear.document.launch import (
+    NEW_AND_WORN,
+    launch_verdict,
+    state_of_largest_gap,
+    state_of_largest_pressure,
+    state_suffix,
+)
 from bearingwear.results.units import span
 from bearingwear.scene.new.minimum_preload import minimum_preload_line
 from bearingwear.scene.requirements import Launch
@@ -17,7 +24,6 @@ from bearingwear.solvers.bearing.launch import Launched, LaunchLoad, RestingBear
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
-_SHOWN = 2  # states of one case: new and worn
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
 SOFT_PAIR_GAPS = (
@@ -25,155 +31,175 @@ SOFT_PAIR_GAPS = (
     "sigma, as measured (docs/launch.md)"
 )
 
-_OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
-    ("axial load", "N", "axial_load", lambda one: one.axial),
-    ("radial load", "N", "radial_load", lambda one: one.radial),
-    ("maximum ball load", "N", "largest_ball_load", lambda one: float(one.load.max())),
-    ("minimum ball load", "N", "least_ball_load", lambda one: float(one.load.min())),
-    ("unloaded balls", "", "loose_balls", lambda one: int((one.load == 0.0).sum())),
-    ("peak pressure, inner", "GPa", "pressure_inner", lambda one: _GPA * one.pressure[:, 0].max()),
-    ("peak pressure, outer", "GPa", "pressure_outer", lambda one: _GPA * one.pressure[:, 1].max()),
-    ("gap", "um", "gap", lambda one: _UM * one.gap),
-)
+_BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
+    ("axial load", "N", "axial_load", lambda bearing: bearing.axial),
+    ("radial load", "N", "radial_load", lambda bearing: bearing.radial),
+    ("maximum ball load", "N", "largest_ball_load", lambda bearing: float(bearing.load.max())),
+    ("minimum ball load", "N", "least_ball_load", lambda bearing: float(bearing.load.min())),
+    ("unloaded balls", "", "loose_balls", lambda bearing: int((bearing.load == 0.0).sum())),
+    ("peak pressure, inner", "GPa", "pressure_inner",
+     lambda bearing: _GPA * bearing.pressure[:, 0].max()),
+    ("peak pressure, outer", "GPa", "pressure_outer",
+     lambda bearing: _GPA * bearing.pressure[:, 1].max()),
+    ("gap", "um", "gap", lambda bearing: _UM * bearing.gap),
+)  # fmt: skip
+"""Label, unit, name and value of each row of a bearing."""
 
 
-def launch_document(scene: Scene, found: Mapping[str, Launched]) -> Document:
-    """Report on the bearings of a scene at launch.
+def launch_document(scene: Scene, states: Mapping[str, Launched]) -> Document:
+    """Returns the report on the bearings of a scene at launch.
 
-    found: as of `lives.margin.launched_by_wear`.
+    states: result of `lives.margin.launched_by_wear`.
     """
-    states = list(found.values())
-    blocks = [Block("axial acceleration limits", tuple(found), _limits(states))]
-    if states[0].random:
+    columns = tuple(states)
+    blocks = [
+        Block("axial acceleration limits", columns, _acceleration_limit_rows(states.values()))
+    ]
+    if next(iter(states.values())).random:
         title = f"random vibration over {(scene.launch or Launch()).duration_s:g} s"
-        blocks.append(Block(title, tuple(found), _random_rows(states)))
-    for words in _told(found):
-        loads, state = found[words].loads, f", {words}" if len(found) > 1 else ""
-        if loads:
-            columns = tuple(load.name for load in loads)
-            blocks += [Block(f"rotor{state}", columns, tuple(_rotor_rows(loads)))]
-            blocks += [
-                Block(f"bearing {k + 1}{state}", columns, tuple(_bearing_rows(loads, k)))
-                for k in range(2)
-            ]
-    said = launch_verdict(found) + _soft_pair_lines(scene, found)
-    facts = {"kind": "launch", "scene": scene.name, "verdict": said}
-    data = json.loads(scene.json)
-    minimum = minimum_preload_line(data["bearing"], data["operation"])
-    heading = (operation_lines(data)[0], *_asked(scene, found), *filter(None, [minimum]), *said)
-    return Document(heading, facts, tuple(blocks))
-
-
-def _told(found: Mapping[str, Launched]) -> list[str]:
-    """States that are shown at each load: new and worn; of several cases those that decide."""
-    if len(found) <= _SHOWN:
-        return list(found)
-    return list(dict.fromkeys([worst_state(found, launch_gap), worst_state(found, denting_share)]))
-
-
-def _soft_pair_lines(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
-    """That a pair on a spring that gaps sees higher loads than any computed at rest."""
-    gaps = scene.operation.preload_method == "constant_force" and launch_gap(
-        found[worst_state(found, launch_gap)]
+        blocks.append(Block(title, columns, _random_rows(list(states.values()))))
+    for state in _states_with_load_blocks(states):
+        blocks += _load_blocks(states[state].loads, state_suffix(state, states))
+    verdict = launch_verdict(states) + _soft_pair_lines(scene, states)
+    facts = {"kind": "launch", "scene": scene.name, "verdict": verdict}
+    plain = scene.plain
+    heading = (
+        operation_lines(plain)[0],
+        *_vibration_lines(scene, states),
+        *filter(None, [minimum_preload_line(plain["bearing"], plain["operation"])]),
     )
-    return [SOFT_PAIR_GAPS] if gaps else []
+    return Document((*heading, *verdict), facts, tuple(blocks))
 
 
-def _asked(scene: Scene, found: Mapping[str, Launched]) -> list[str]:
-    a, asked = scene.arrangement, scene.launch or Launch()
-    assert a is not None
-    parts = [f"at rest, rotor mass {a.rotor_mass_kg:g} kg"]
-    parts += (
-        [f"centre of mass {a.rotor_offset_mm:g} mm from the midpoint"] if a.rotor_offset_mm else []
-    )
-    states = list(found.values())
-    for way, values in (
-        ("axial", [one.axial_g for one in states]),
-        ("radial", [one.radial_g for one in states]),
-    ):
-        parts += [f"{span(values)} g {way}"] if any(values) else []
-    lines = [", ".join(parts)]
-    lines += [_NEW_ONLY] if len(found) == len(scene.in_cases) else []
-    if asked.axial_density_g2_Hz is not None or asked.radial_density_g2_Hz is not None:
-        axial, radial = (
-            span(float(one.frequencies[k]) for one in states if one.frequencies is not None)
+def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
+    """Returns blocks of the rotor and of both bearings, with a column for each load."""
+    if not loads:
+        return []
+    columns = tuple(load.name for load in loads)
+    return [
+        Block(f"rotor{suffix}", columns, tuple(_rotor_rows(loads))),
+        *(
+            Block(f"bearing {k + 1}{suffix}", columns, tuple(_bearing_rows(loads, k)))
             for k in range(2)
-        )
+        ),
+    ]
+
+
+def _states_with_load_blocks(states: Mapping[str, Launched]) -> list[str]:
+    """Returns the states shown at each load: new and worn, or of several cases the worst ones."""
+    if len(states) <= NEW_AND_WORN:
+        return list(states)
+    return list(dict.fromkeys([state_of_largest_gap(states), state_of_largest_pressure(states)]))
+
+
+def _soft_pair_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
+    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
+    has_spring = scene.operation.preload_method == "constant_force"
+    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
+
+
+def _vibration_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
+    """Describes rotor and accelerations, and how random vibration was converted to the latter."""
+    arrangement, launch = scene.arrangement, scene.launch or Launch()
+    assert arrangement is not None
+    phrases = [f"at rest, rotor mass {arrangement.rotor_mass_kg:g} kg"]
+    if arrangement.rotor_offset_mm:
+        phrases.append(f"centre of mass {arrangement.rotor_offset_mm:g} mm from the midpoint")
+    axial_g = [state.axial_g for state in states.values()]
+    radial_g = [state.radial_g for state in states.values()]
+    if any(axial_g):
+        phrases.append(f"{span(axial_g)} g axial")
+    if any(radial_g):
+        phrases.append(f"{span(radial_g)} g radial")
+    lines = [", ".join(phrases)]
+    lines += [_NEW_ONLY] if len(states) == len(scene.in_cases) else []
+    if launch.axial_density_g2_Hz is not None or launch.radial_density_g2_Hz is not None:
+        frequencies = _natural_frequencies(states.values())
+        axial_Hz, radial_Hz = (span(float(state[k]) for state in frequencies) for k in range(2))
         largest = "three sigma"
-        if asked.duration_s > 0.0:
-            largest = f"the largest expected in {asked.duration_s:g} s, at least three sigma"
+        if launch.duration_s > 0.0:
+            largest = f"the largest expected in {launch.duration_s:g} s, at least three sigma"
         lines.append(
-            f"accelerations from Miles' equation ({largest}; Q = {asked.amplification:g}) at "
-            f"{axial} Hz axial, {radial} Hz radial"
+            f"accelerations from Miles' equation ({largest}; Q = {launch.amplification:g}) at "
+            f"{axial_Hz} Hz axial, {radial_Hz} Hz radial"
         )
     return lines
 
 
-def _limits(found: Sequence[Launched]) -> tuple[Row, ...]:
+def _natural_frequencies(states: Iterable[Launched]) -> list[np.ndarray]:
+    """Returns axial, radial and conical frequency [Hz] of each state whose span is known."""
+    return [state.frequencies for state in states if state.frequencies is not None]
+
+
+def _acceleration_limit_rows(states: Collection[Launched]) -> tuple[Row, ...]:
+    """Returns rows of the accelerations [g] at which gapping and denting start, and frequencies."""
     rows = [
-        Row("gapping starts at", "g", tuple(one.opening_g for one in found), "opening_g"),
-        Row("denting starts at", "g", tuple(one.denting_g for one in found), "denting_g"),
+        Row("gapping starts at", "g", tuple(state.opening_g for state in states), "opening_g"),
+        Row("denting starts at", "g", tuple(state.denting_g for state in states), "denting_g"),
     ]
-    known = [one.frequencies for one in found if one.frequencies is not None]
-    if known:
-        rows += [
-            Row(f"{name} natural frequency at rest", "Hz", tuple(map(float, frequencies)),
-                f"{name}_frequency")
-            for name, frequencies in zip(
-                ("axial", "radial", "conical"), zip(*known, strict=True), strict=True
-            )
-        ]  # fmt: skip
+    if frequencies := _natural_frequencies(states):
+        for k, mode in enumerate(("axial", "radial", "conical")):
+            values = tuple(float(state[k]) for state in frequencies)
+            label = f"{mode} natural frequency at rest"
+            rows.append(Row(label, "Hz", values, f"{mode}_frequency"))
     return tuple(rows)
 
 
 def _random_rows(states: Sequence[Launched]) -> tuple[Row, ...]:
-    """Largest accelerations expected, beside three sigma."""
+    """Returns rows of the largest accelerations expected, in rms values and beside three sigma."""
     rows = []
-    for way in states[0].random:
-        responses = [one.random[way] for one in states]
-        for label, unit, name, values in (
-            (f"{way}, largest expected", "g", "largest_g", [one.largest_g for one in responses]),
-            ("over the rms", "", "expected_peak", [one.expected for one in responses]),
-            ("three sigma", "g", "three_sigma_g", [one.three_sigma_g for one in responses]),
-        ):
-            rows.append(Row(label, unit, tuple(values), f"{way}_{name}"))
+    for direction in states[0].random:
+        responses = [state.random[direction] for state in states]
+        largest_g = tuple(response.largest_g for response in responses)
+        over_rms = tuple(response.expected for response in responses)
+        three_sigma_g = tuple(response.three_sigma_g for response in responses)
+        rows += [
+            Row(f"{direction}, largest expected", "g", largest_g, f"{direction}_largest_g"),
+            Row("over the rms", "", over_rms, f"{direction}_expected_peak"),
+            Row("three sigma", "g", three_sigma_g, f"{direction}_three_sigma_g"),
+        ]
     return tuple(rows)
 
 
 def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
-    held = [load.rotor for load in loads]
+    """Returns rows of the forces on the rotor and of its shifts; NaN where nothing supports it."""
     rows = [
         Row("axial force", "N", tuple(load.axial for load in loads), "axial_force"),
         Row("radial force", "N", tuple(load.radial for load in loads), "radial_force"),
     ]
     for label, unit, name, value_of in (
-        ("axial shift", "um", "shift", lambda one: _UM * one.shift),
-        ("radial shift", "um", "across", lambda one: _UM * one.across),
-        ("tilt", "mrad", "tilt", lambda one: _MM * one.tilt),
-        ("spring extension", "um", "slide", lambda one: _UM * one.slide),
-        ("force on the stop", "N", "on_stop", lambda one: one.on_stop),
+        ("axial shift", "um", "shift", lambda rotor: _UM * rotor.shift),
+        ("radial shift", "um", "across", lambda rotor: _UM * rotor.across),
+        ("tilt", "mrad", "tilt", lambda rotor: _MM * rotor.tilt),
+        ("spring extension", "um", "slide", lambda rotor: _UM * rotor.slide),
+        ("force on the stop", "N", "on_stop", lambda rotor: rotor.on_stop),
     ):
-        values = tuple(math.nan if one is None else _unrounded(value_of(one)) for one in held)
+        values = tuple(
+            math.nan if load.rotor is None else _without_rounding(value_of(load.rotor))
+            for load in loads
+        )
         if name not in ("slide", "on_stop") or any(values):
             rows.append(Row(label, unit, values, name))
     return rows
 
 
 def _bearing_rows(loads: Sequence[LaunchLoad], k: int) -> list[Row]:
+    """Returns rows of loads, pressures and gap of bearing k; NaN where nothing supports it."""
+    bearings = [load.rotor.bearings[k] if load.rotor is not None else None for load in loads]
     return [
         Row(
             label,
             unit,
             tuple(
-                math.nan if one.rotor is None else _unrounded(value_of(one.rotor.bearings[k]))
-                for one in loads
+                math.nan if bearing is None else _without_rounding(value_of(bearing))
+                for bearing in bearings
             ),
             name,
         )
-        for label, unit, name, value_of in _OF_BEARING
+        for label, unit, name, value_of in _BEARING_ROWS
     ]
 
 
-def _unrounded(value: float) -> float:
-    """A value, and nothing in place of the rounding of what balls in a circle cancel."""
+def _without_rounding(value: float) -> float:
+    """Returns 0 for a value that is nothing but rounding, as of forces that cancel in a circle."""
     return 0.0 if abs(value) < _ROUNDING else value

@@ -21,7 +21,7 @@ from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
-from bearingwear.results.warnings import gathered_warnings, warnings_in
+from bearingwear.results.warnings import merged_warnings, warnings_in
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.checking.errors import SceneError
@@ -243,7 +243,7 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
         errors = [parts[name]["life_error_estimate"] for name in cases_that_wear(scene)]
         return {
             "life_error_estimate": max(errors),
-            "warnings": _with_cases(gathered_warnings(parts.values()), parts),
+            "warnings": _with_cases(merged_warnings(parts.values()), parts),
             WORST_CASES: worst_cases(point),
         }
     grooves, _ = grooves_followed(scene, "steady")
@@ -290,7 +290,7 @@ def _dataset(
         limits=json.dumps(limits.stored),
     )
     made["status"].attrs["missing"] = "-1: nothing to solve"
-    made.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
+    made.attrs["warnings"] = merged_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
     if any(row.get(MACHINE) for row in rows):
         made.attrs[MACHINE] = json.dumps([row.get(MACHINE, {}) for row in rows])
     if scene.cases:

@@ -12,9 +12,9 @@ from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BEARINGS_BETWEEN,
-    causes_told,
+    available_preload_choice,
+    causes_sentence,
     interval_of,
-    preload_drawn,
     quantities_of,
     spread_at,
 )
@@ -75,7 +75,7 @@ def _quantiles(uncertainty: xr.Dataset) -> Block:
     ]  # fmt: skip
     said = (
         f"{int(uncertainty.attrs['samples'])} sampled bearings, random seed "
-        f"{int(uncertainty.attrs['seed'])}. {causes_told(scene)}",
+        f"{int(uncertainty.attrs['seed'])}. {causes_sentence(scene)}",
         *(
             f"{name}, {where} preload: {one.failures_sentence}"
             for (name, where, _), one in zip(points, found, strict=True)
@@ -98,7 +98,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
     ]
     used = []
     for method, of_method in methods(uncertainty):
-        one = of_method.sel(preload_choice=preload_drawn(of_method))
+        one = of_method.sel(preload_choice=available_preload_choice(of_method))
         words = method_words(scene_of(uncertainty), method)
         for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
             indices = one.sel(uncertain_inputs=inputs)

@@ -21,12 +21,12 @@ from bearingwear.results.quantiles import (
     QUOTED_SHARE,
     SEE,
     Spread,
-    causes_told,
+    causes_sentence,
     load_quantiles,
     spread_of,
 )
 from bearingwear.results.units import Estimated, Rough, in_print, span
-from bearingwear.results.words import in_words, methods, mu_is, percent_in_text, scene_of
+from bearingwear.results.words import friction_text, in_words, methods, percent_in_text, scene_of
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import loaded
 
@@ -204,7 +204,7 @@ def _grouped(pairs: Iterable[tuple[str, float]]) -> list[tuple[str, str]]:
     ends: dict[str, list[str]] = {}
     for text, mus in runs:
         last = f" to {mus[-1]:g}" if len(mus) > 1 else ""
-        ends.setdefault(text, []).append(f"{mu_is(mus[0])}{last}")
+        ends.setdefault(text, []).append(f"{friction_text(mus[0])}{last}")
     return [(text, ", ".join(where)) for text, where in ends.items()]
 
 
@@ -266,7 +266,7 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
         return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
     return (
         f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
-        f"all uncertain values in the scene. {causes_told(scene)}"
+        f"all uncertain values in the scene. {causes_sentence(scene)}"
         + ("" if all(life.spread for life in lives) else f" If an interval is missing, {SEE}.")
     )
 

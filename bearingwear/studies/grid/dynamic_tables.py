@@ -7,7 +7,7 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
-from bearingwear.document.table import table_of
+from bearingwear.document.table import dataset_table
 from bearingwear.measures import plain
 from bearingwear.results.variables import RACES
 from bearingwear.results.words import scene_of
@@ -71,7 +71,7 @@ def _text(solved: xr.Dataset) -> str:
         line for way in WAYS for line in unsolved_cases(solved, f"status.{way}", f", {way}")
     )
     blocks = (
-        table_of(
+        dataset_table(
             solved,
             [*AXES],
             [
@@ -82,8 +82,10 @@ def _text(solved: xr.Dataset) -> str:
             "QV and preload",
             ("QV values are for the whole bearing.",),
         ),
-        table_of(solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)),
-        table_of(
+        dataset_table(
+            solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)
+        ),
+        dataset_table(
             solved,
             [*AXES],
             [(name, "") for name in drift if name in solved],

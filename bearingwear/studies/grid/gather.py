@@ -16,7 +16,7 @@ from bearingwear.results.kinds import ONLY_IN_CASES, SWEEP_KIND, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.variables import STUDY_COORDINATES
-from bearingwear.results.warnings import gathered_warnings
+from bearingwear.results.warnings import merged_warnings
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
@@ -85,7 +85,7 @@ class _Read:
                 if _compared(value) != _compared(self.first[key]):
                     other = next(iter(self.files.values()))
                     raise CaseFileError(f"{path}: {key} differs from {other}")
-            self.warnings = gathered_warnings([{"warnings": self.warnings}, dataset.attrs])
+            self.warnings = merged_warnings([{"warnings": self.warnings}, dataset.attrs])
             yield _along_case(dataset, len(cases)) if is_sweep else dataset
 
 

@@ -13,8 +13,8 @@ import xarray as xr
 
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import dataset, load
-from bearingwear.results.warnings import gathered_warnings
-from bearingwear.results.words import each_bearing
+from bearingwear.results.warnings import merged_warnings
+from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import load_scene, variant
@@ -55,7 +55,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
                     holding = bearings_holding(scene.operation.preload_method)
                     line[system] = holding * line[own]
             unknown |= criteria.keys() - known_of(criteria, line).keys()
-            which, one = next(iter(each_bearing(line).items()))
+            which, one = next(iter(datasets_by_bearing(line).items()))
             if which is not None:  # of two that differ, each wears at a rate of its own
                 one = one.isel(ball_diameter_loss=slice(1))
             interpolated.append(interpolated_life(one, criteria, scene.operation.preload_N))
@@ -83,7 +83,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
             "title": f"Wear life of {shared['name']}",
             "history": "computed, and interpolated from the study, by bearingwear study",
             NOT_INTERPOLATED: json.dumps(sorted(unknown)),
-            "warnings": gathered_warnings(each.attrs for each in solved),
+            "warnings": merged_warnings(each.attrs for each in solved),
             "comment": "life and history_* were computed with the solver in the loop; "
             "interpolated_* were interpolated between the cases in the study.",
         }

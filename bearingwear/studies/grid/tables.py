@@ -9,7 +9,7 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
-from bearingwear.document.table import dataset_csv, table_of
+from bearingwear.document.table import dataset_csv, dataset_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.results.pair_variables import method_words
@@ -18,7 +18,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import each_bearing, in_words, methods, scene_of
+from bearingwear.results.words import datasets_by_bearing, in_words, methods, scene_of
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.grid.answer import lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
@@ -83,7 +83,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
 
 def _wear(study: xr.Dataset) -> Block:
     """QV and residual preload at the first and the last loss."""
-    ends = each_bearing(study.isel(ball_diameter_loss=[0, -1]))
+    ends = datasets_by_bearing(study.isel(ball_diameter_loss=[0, -1]))
     columns = [
         (one[name].isel(ball_diameter_loss=k), f"{words}at {float(loss):g} µm")
         for words, one in [(f"{which} bearing, " if which else "", ends[which]) for which in ends]
@@ -97,7 +97,9 @@ def _wear(study: xr.Dataset) -> Block:
         for k in range(one.sizes["ball_diameter_loss"])
     ]
     said = ("QV values are for the whole bearing.",)
-    return table_of(study, ("preload_method", "friction"), columns, "Effect of wear", said, errors)
+    return dataset_table(
+        study, ("preload_method", "friction"), columns, "Effect of wear", said, errors
+    )
 
 
 def _not_compared(lives: xr.Dataset) -> str:

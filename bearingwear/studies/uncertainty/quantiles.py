@@ -16,11 +16,11 @@ from scipy.stats import qmc
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
+    ASSUMED_SPREAD,
     BATCH_ONLY,
     CONFIDENCE,
     KIND,
     SCATTER_ONLY,
-    TAKEN,
 )
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.distributions import value_at, values_at
@@ -96,7 +96,7 @@ def uncertain_lives(
     own = scenes[0].operation
     preloads = {(m, OWN): own.preload_N for m in dict.fromkeys(methods or [own.preload_method])}
     found = life_quantiles(scenes, preloads, plan, workers, tell, frictions)
-    return found.assign_attrs({TAKEN: taken[0]} if taken else {})
+    return found.assign_attrs({ASSUMED_SPREAD: taken[0]} if taken else {})
 
 
 def recommended_life_quantiles(

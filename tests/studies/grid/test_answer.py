@@ -71,9 +71,9 @@ def test_the_answer_in_words(lives, headline, sentence):
     assert found.title == f"a: with the given preload of 7 N for both methods, {headline}"
     said = [plain(text) for _, texts in points(found) for text in texts]
     assert any(sentence in text for text in said), said
-    cells = [cell for line in table_of(found).table[1] for cell in line]
+    cells = [cell for line in dataset_table(found).table[1] for cell in line]
     assert not any("nan" in text.split() for text in (*said, *cells))
-    assert len(table_of(found).table[1]) == len([one for one in lives if one.scene == "a"])
+    assert len(dataset_table(found).table[1]) == len([one for one in lives if one.scene == "a"])
 
 
 @pytest.fixture
@@ -116,7 +116,7 @@ def sure(small_project, tmp_path):
 
 def row_of(found, method, friction):
     """Cells of a life by the names of their columns."""
-    heads, lines = table_of(found).table
+    heads, lines = dataset_table(found).table
     (row,) = [one for one in lines if one[:2] == [friction, method]]
     return dict(zip(heads, row, strict=True))
 
@@ -125,7 +125,7 @@ def points(found):
     return [(block.title, block.lines) for block in found.blocks if not block.rows]
 
 
-def table_of(found):
+def dataset_table(found):
     (table,) = (block for block in found.blocks if block.rows)
     return table
 
@@ -146,7 +146,7 @@ def test_the_answer_is_that_of_the_file(small_project):
     better = "Constant force gives a longer life than fixed position"
     assert f"{better}: {ratio:.2g} times as long at µ = 0.02" in said
     assert "gyroscopic slip share reaches 50 % at µ = 0.02" in said
-    assert "spread in life was not computed" in plain(table_of(found).lines[0])
+    assert "spread in life was not computed" in plain(dataset_table(found).lines[0])
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
         text = to_error(one.hours, one.error * one.hours)
@@ -191,7 +191,7 @@ def test_no_spread_is_invented(small_project, sure, capsys):
     found = answered(lives, [path])
     assert "90 % of bearings (h)" not in row_of(found, "constant force", "0.08")
     unknown = "not computed; use the command bearingwear uncertainty."
-    assert table_of(found).lines[0].endswith(unknown)
+    assert dataset_table(found).lines[0].endswith(unknown)
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
     for place in (lives, folder / "wear_life.nc"):

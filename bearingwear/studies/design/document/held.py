@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.bearing_line import cases_words, scenes_by_case, settled_by_a_case
+from bearingwear.document.bearing_line import (
+    is_answered_by_a_case,
+    scenes_by_case,
+    worst_case_phrase,
+)
 from bearingwear.measures import LIMITED
 from bearingwear.results.units import in_print
 from bearingwear.results.warnings import warnings_in
@@ -53,7 +57,9 @@ def _speed_range_words(dataset: xr.Dataset) -> str:
 def conditions_words(dataset: xr.Dataset) -> str:
     """Cases and speeds of a map or recommendation: `worst of 2: nominal, fast; from rest to 9`."""
     cases = scenes_by_case(scene_of(dataset))
-    return "; ".join([*([cases_words(cases)] if len(cases) > 1 else []), range_words(dataset)])
+    return "; ".join(
+        [*([worst_case_phrase(cases)] if len(cases) > 1 else []), range_words(dataset)]
+    )
 
 
 def worst_words(dataset: xr.Dataset) -> str:
@@ -173,7 +179,7 @@ def stated_warnings(found: xr.Dataset) -> list[dict[str, Any]]:
     cases = scenes_by_case(scene_of(found))
     stated = []
     for one in warnings_in(found.attrs):
-        if settled_by_a_case(one, scene_of(found)):
+        if is_answered_by_a_case(one, scene_of(found)):
             continue
         names = one.get("in_cases", [])
         if 0 < len(names) < len(cases):

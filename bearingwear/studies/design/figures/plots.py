@@ -24,12 +24,12 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_INPUTS,
     at_each_friction,
-    preload_drawn,
+    available_preload_choice,
     spread_at,
     spread_text,
 )
 from bearingwear.results.units import Rough, digits, display, span
-from bearingwear.results.words import methods, mu_is, scene_of
+from bearingwear.results.words import friction_text, methods, scene_of
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.held import decides_words, lives_words, worst_words
 from bearingwear.studies.design.document.sentences import method_names
@@ -84,8 +84,8 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         scene = scene_of(at)
         words = method_words(scene, name)
         if len(each) > 1:
-            words += f", {mu_is(scene['friction']['ball_race'])}"
-        drawn = of_method.sel(preload_choice=preload_drawn(of_method))
+            words += f", {friction_text(scene['friction']['ball_race'])}"
+        drawn = of_method.sel(preload_choice=available_preload_choice(of_method))
         draw_cumulated(panel, drawn.sel(uncertain_inputs=ALL_INPUTS), COLOURS[name])
         panel.set_title(f"{words}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")

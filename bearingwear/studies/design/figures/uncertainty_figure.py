@@ -20,7 +20,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
-    preload_drawn,
+    available_preload_choice,
     quantities_of,
     spread_at,
     spread_text,
@@ -51,7 +51,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     failed = 0
     for (cumulated, tornado, bars), (name, one) in zip(panels, rows, strict=True):
         colour = COLOURS[name]
-        drawn = one.sel(preload_choice=preload_drawn(one))
+        drawn = one.sel(preload_choice=available_preload_choice(one))
         draw_cumulated(cumulated, drawn.sel(uncertain_inputs=ALL_INPUTS), colour)
         cumulated.set_title(f"{method_words(scene, name)}, {float(drawn['preload']):.3g} N")
         cumulated.set_xlabel("wear life (h)")
@@ -150,7 +150,7 @@ def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
 
 def _message(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
     method = uncertainty.isel(preload_method=0)
-    one = method.sel(preload_choice=preload_drawn(method))
+    one = method.sel(preload_choice=available_preload_choice(method))
     scene = scene_of(uncertainty)["name"]
     if not np.isfinite(one["total_index"]).any():
         return f"{scene}: too few lives could be computed to determine their spread"

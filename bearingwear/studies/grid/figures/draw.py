@@ -8,7 +8,7 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure, drawn_from
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
-from bearingwear.results.words import chosen_bearing
+from bearingwear.results.words import dataset_of_bearing
 from bearingwear.studies.dataset import both_ways, loaded
 from bearingwear.studies.grid.figures import dynamic as dynamic_figures
 from bearingwear.studies.grid.figures import quasistatic
@@ -102,4 +102,4 @@ def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
 
 
 def _loaded(path: Path, bearing: str | None, **axes: Sequence[float]) -> xr.Dataset:
-    return chosen_bearing(loaded(path, **axes), path, bearing)
+    return dataset_of_bearing(loaded(path, **axes), path, bearing)

@@ -25,7 +25,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import display
-from bearingwear.results.words import methods, mu_is, scene_of
+from bearingwear.results.words import friction_text, methods, scene_of
 from bearingwear.studies.grid.figures.quasistatic import WEAR_RATE
 
 IN_TIME = {
@@ -80,7 +80,7 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
             look, label = IN_TIME | {"marker": marker}, "wear rate of the cage\n"
             rate = here[name]
             lines(column[2], rate, "ball_diameter_loss", label, WEAR_RATE, here["status"], **look)
-        column[0].set_title(mu_is(mu))
+        column[0].set_title(friction_text(mu))
     label_edges(panels)
     for panel in panels[:, 0]:
         from_zero(panel)

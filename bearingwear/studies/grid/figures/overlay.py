@@ -22,7 +22,7 @@ from bearingwear.plotting.drawing import (
     series_look,
 )
 from bearingwear.results.units import Display, display, in_print, key_in_words
-from bearingwear.results.words import in_words, methods, mu_is, percent, scene_of
+from bearingwear.results.words import friction_text, in_words, methods, percent, scene_of
 from bearingwear.scene.checking.errors import leaves
 
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
@@ -61,7 +61,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     left = most if least == most else f"{least.removesuffix(' %')} to {most}"
     frame(
         figure,
-        f"{', '.join(scene_of(study)['name'] for study in studies)} at {mu_is(friction)}: "
+        f"{', '.join(scene_of(study)['name'] for study in studies)} at {friction_text(friction)}: "
         f"QV with {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its initial "
         "value",
         [
@@ -110,7 +110,7 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     labels = scene_labels([scene_of(one) for one in lives])
     frame(
         figure,
-        f"QV at end of life relative to new, {mu_is(friction)}, {words}: {'; '.join(said)}",
+        f"QV at end of life relative to new, {friction_text(friction)}, {words}: {'; '.join(said)}",
         [key(label, **look) for label, look in zip(labels, looks, strict=True)],
         columns=1,
     )

@@ -34,7 +34,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
 from bearingwear.results.units import Display, Interval, Rough, display
-from bearingwear.results.words import methods, mu_is, percent, scene_of
+from bearingwear.results.words import friction_text, methods, percent, scene_of
 
 WEAR_RATE = display("m3 s-1")
 
@@ -85,7 +85,7 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
         f"({method_words(scene_of(state), name)})"
         for name, state in states
     )
-    last_mu, first_mu = (mu_is(float(mu[k])) for k in (last, first))
+    last_mu, first_mu = (friction_text(float(mu[k])) for k in (last, first))
     return f"QV at {last_mu} is {ratios} of QV at {first_mu}"
 
 
@@ -104,7 +104,7 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
     for case, scene in zip(cases, scenes, strict=True):
         name, mu = scene["operation"]["preload_method"], scene["friction"]["ball_race"]
         if int(case["status"]) != OK:
-            failed.append(f"{method_words(scene, name)}, {mu_is(mu)}")
+            failed.append(f"{method_words(scene, name)}, {friction_text(mu)}")
             continue
         shares[mu] = max(shares.get(mu, 0.0), float(case["gyroscopic_slip_share"].max()))
         for row, variable in zip(panels, ("rolling_slip", "gyroscopic_slip"), strict=True):
@@ -124,7 +124,9 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
         panel.axhline(0.0, color="0.5", linewidth=0.7)
         panel.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
     list_failed(panels[0, 0], failed)
-    reached = " and ".join(f"{percent(share)} at {mu_is(mu)}" for mu, share in shares.items())
+    reached = " and ".join(
+        f"{percent(share)} at {friction_text(mu)}" for mu, share in shares.items()
+    )
     loss_um = scenes[0]["wear"]["ball_diameter_loss_um"]
     frame(
         figure,
@@ -155,8 +157,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         scene = scene_of(of_mu)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
-        column[0].set_title(f"{bearing}: {mu_is(mu)}" if columns > 1 else mu_is(mu))
-        shares.append(f"{share} ({bearing}, {mu_is(mu)})" if columns > 1 else share)
+        column[0].set_title(f"{bearing}: {friction_text(mu)}" if columns > 1 else friction_text(mu))
+        shares.append(f"{share} ({bearing}, {friction_text(mu)})" if columns > 1 else share)
     label_edges(panels)
     for panel in panels[[0, 1, 3]].flat:
         from_zero(panel)
@@ -217,7 +219,7 @@ def life_figure(
             one = of_method.sel(friction=mu)
             end = ends[int(one["end_criterion"])]
             if int(one["status"]) not in (OK, CRITERION_NOT_REACHED):
-                failed.append(f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
+                failed.append(f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
             elif end not in met:
                 met.append(end)
             line = {"color": COLOURS[name], "linestyle": styles[mu]}
@@ -282,7 +284,7 @@ def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str)
 
 def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     found = [
-        (float(one["life"]), f"{method_words(scene_of(lives), name)}, {mu_is(mu)}")
+        (float(one["life"]), f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
         for name, of_method in methods(lives)
         for mu in frictions
         if int((one := of_method.sel(friction=mu))["status"]) == OK
