@@ -194,8 +194,8 @@ def starting_torque(preload: float, balls: CatalogueBearing | None = None) -> fl
     """
     own = balls or entry_of("NSK", "7008C")[0]
     scene = bearingwear.new(
-        own.bore,
-        own.outside,
+        bore=own.bore,
+        outside=own.outside,
         balls=own.balls,
         ball_diameter=own.ball,
         contact_angle=15.0,

@@ -66,7 +66,7 @@ def drawn_scene(draw: dict[str, Any], share: float = 1.0) -> Scene:
     """The scene of a draw at a share of its preload."""
     known: dict[str, Any] = {"designation": draw["designation"], "speed": 100.0}
     if draw["film"]:
-        known["film"] = "mos2"
+        known["lubrication"] = "mos2"
     elif draw["ball_material"] != "steel":
         known["ball_material"] = draw["ball_material"]
     with warnings.catch_warnings():

@@ -247,8 +247,8 @@ def plain_rigidity(scene: Scene) -> float:
 def slow_torque(row: Mapping[str, str], preload: float, mu: float = 0.1) -> float:
     """Torque of one ball-screw bearing that hardly turns [N m]."""
     scene = bearingwear.new(
-        float(row["bore_mm"]),
-        float(row["outside_mm"]),
+        bore=float(row["bore_mm"]),
+        outside=float(row["outside_mm"]),
         balls=int(row["balls_Z"]),
         ball_diameter=float(row["ball_mm"]),
         contact_angle=BALL_SCREW_ANGLE,

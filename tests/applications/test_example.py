@@ -30,7 +30,8 @@ def test_the_example_of_the_docs(tmp_path):
     files = dict(re.findall(r"^```py\n# (\w+\.py)\n(.*?)^```$", page, re.M | re.S))
     assert set(files) == {"__init__.py", "command.py"}
     ignored = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=ignored)
+    for package in ("bearingwear", "kerneljit"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
     folder = tmp_path / "bearingwear" / "applications" / "frequencies"
     folder.mkdir()
     for name, text in files.items():

@@ -32,7 +32,8 @@ print(json.dumps([bearingwear.__file__, statuses, public, [*STUDY_SHEETS, *STUDY
 def test_the_program_without_an_application(one, tmp_path):
     """Imports, `--help`, `check`, `solve` and `show`, with a copy that lacks the folder."""
     ignored = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=ignored)
+    for package in ("bearingwear", "kerneljit"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
     folder = one.handler.split(".")[2]
     shutil.rmtree(tmp_path / "bearingwear" / "applications" / folder)
     environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
