@@ -12,7 +12,7 @@ case = bearingwear.solve(bearingwear.example())
 bearingwear.save(case, "read.nc")
 
 def work(number):
-    for _ in range(15):
+    for _ in range(5):
         bearingwear.save(case, f"{number}.nc")
         bearingwear.load("read.nc")
         bearingwear.show(case)

@@ -6,9 +6,12 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from support import ROOT, scene_file
+
+from bearingwear.kernels.project import PROJECT
 
 PROGRAM = """
 import json, sys
@@ -37,6 +40,7 @@ def test_the_example_of_the_docs(tmp_path):
     for name, text in files.items():
         (folder / name).write_text(text)
     environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment["NUMBA_CACHE_DIR"] = str(Path(PROJECT.code_folder).parent)  # of the same kernels
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, scene_file("gyro_s1"), "frequencies.nc"],
         cwd=tmp_path,

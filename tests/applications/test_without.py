@@ -5,12 +5,14 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from support import ROOT, scene_file
 
 import bearingwear
 from bearingwear.application import applications
+from bearingwear.kernels.project import PROJECT
 
 PROGRAM = """
 import json, sys
@@ -37,6 +39,7 @@ def test_the_program_without_an_application(one, tmp_path):
     folder = one.handler.split(".")[2]
     shutil.rmtree(tmp_path / "bearingwear" / "applications" / folder)
     environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment["NUMBA_CACHE_DIR"] = str(Path(PROJECT.code_folder).parent)  # of the same kernels
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, scene_file("gyro_s1"), "case.nc"],
         cwd=tmp_path,
