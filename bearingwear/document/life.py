@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -19,6 +18,7 @@ from bearingwear.document.rows import (
     mean,
     mean_rows,
     meaning,
+    stored_scene,
     values,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -59,13 +59,9 @@ def life_blocks(file: Any) -> list[Block]:
     return in_one_unit([*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)])
 
 
-def _scene_content(file: Any) -> dict[str, Any]:
-    return json.loads(getattr(file, "scene", "{}"))
-
-
 def _life_and_phases(file: Any) -> list[Block]:
     """Returns the blocks that are shown once for two bearings: the life, and phases of a duty."""
-    scene = _scene_content(file)
+    scene = stored_scene(file)
     life_h = float(values(file, "life"))
     rows = [row_of("life", [life_h])._replace(label=f"life, wear of {counted_words(scene)}")]
     band, band_sentence = band_by_wear(scene, life_h)
@@ -103,7 +99,7 @@ def _wear_blocks(file: Any) -> list[Block]:
     """Returns the blocks of one bearing: its histories, criteria, films and worn parts."""
     blocks = []
     if "step" in file.dimensions and file.dimensions["step"].size:
-        criteria = _criterion_rows(file, _scene_content(file))
+        criteria = _criterion_rows(file, stored_scene(file))
         blocks.append(Block("during the life", ("start", "end"), _history_rows(file)))
         blocks.append(Block("end-of-life criteria", ("start", "end"), criteria))
     return [*blocks, *_film_blocks(file), *_steady_life_blocks(file), *_worn_part_blocks(file)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,6 +19,16 @@ from bearingwear.scene.scene import COUNTS
 
 COUNTED_WORDS = dict(zip(COUNTS, ("the balls alone", "balls and races"), strict=True))
 """Words for each value of `wear.counts`."""
+
+
+def stored_scene(file: Any) -> Mapping[str, Any]:
+    """Returns the scene of an open file as plain data; it is shared, so do not write to it."""
+    return _parsed_scene(str(getattr(file, "scene", "{}")))
+
+
+@functools.lru_cache(maxsize=4)  # each block of a sheet reads the scene
+def _parsed_scene(text: str) -> Mapping[str, Any]:
+    return json.loads(text)
 
 
 def counted_words(scene: Mapping[str, Any]) -> str:
@@ -174,7 +185,7 @@ class _Criterion(NamedTuple):
 
 def _criteria(file: Any) -> dict[str, _Criterion]:
     """Returns the criteria of the scene in a file, by variable."""
-    scene = json.loads(getattr(file, "scene", "{}"))
+    scene = stored_scene(file)
     limits = scene.get("wear", {}).get("end_of_life") or {}
     preload_N = scene.get("operation", {}).get("preload_N", 0.0)
     return {
