@@ -184,7 +184,7 @@ class Measure:
         """Converts a limit [as in its key] to its unit."""
         return 100.0 * limit if self.unit == "%" else limit
 
-    def in_files(self, limit: float, preload_N: float) -> float:
+    def file_limit(self, limit: float, preload_N: float) -> float:
         """Converts a limit [as in its key] to the unit of its variable [SI]."""
         return limit * _UNITS[self.unit][1] * (preload_N if self.over_preload else 1.0)
 
@@ -199,12 +199,12 @@ class Measure:
         """Whether a value [SI] is beyond a limit, by more than rounding."""
         return bool(self.margin(value, limit) < -_ROUNDING)
 
-    def passed(self, value: float, limit: float, name: str) -> str:
+    def violation_phrase(self, value: float, limit: float, name: str) -> str:
         """States a value [SI] of one of its variables, at its limit or beyond."""
         side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
         return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
-    def reached(self, value: float, limit: float, name: str) -> str:
+    def criterion_phrase(self, value: float, limit: float, name: str) -> str:
         """States a value [SI] of one of its variables and the criterion that it reached."""
         return f"{self.words_of(name)} {self.text(value)}, criterion {self.limit_text(limit)}"
 
@@ -217,6 +217,7 @@ class Measure:
         return self._with_unit(self.shown_limit(limit))
 
     def _with_unit(self, number: float) -> str:
+        """Returns a number with its unit as text."""
         return plain(number) if self.unit == "1" else f"{plain(number)} {self.unit}"
 
 

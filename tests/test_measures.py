@@ -48,7 +48,7 @@ of_limits = pytest.mark.parametrize("name", LIMITED)
 
 def at(measure: Measure, ratio: float) -> float:
     """A value [SI] of the measure's variables, `ratio` times as near as the limit is."""
-    return measure.in_files(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
+    return measure.file_limit(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
 
 
 OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
@@ -118,7 +118,7 @@ def test_a_percentage_of_all_has_no_power_of_ten(measure):
 def test_margin_and_its_sign():
     for measure in MEASURES:
         assert measure.falls == (measure.key in WORSE_WHEN_LESS)
-        limit = measure.in_files(LIMIT, 1.0)
+        limit = measure.file_limit(LIMIT, 1.0)
         assert measure.margin(limit, LIMIT) == 0.0
         near, beyond = (measure.margin(limit * part, LIMIT) for part in (0.9, 1.1))
         assert (near < 0.0 < beyond) if measure.falls else (beyond < 0.0 < near)
@@ -218,7 +218,7 @@ def test_an_end_has_a_row_of_a_life(name):
 @of_ends
 def test_what_ended_a_life_is_said(name):
     measure = ENDS[name]
-    end = measure.in_files(LIMIT, PRELOAD)
+    end = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
     values |= {f"history_{one}": np.array([end]) for one in measure.variables}
     said = measure.limit_text(LIMIT)
@@ -240,7 +240,7 @@ def test_a_case_beyond_an_end_is_marked(name):
             file = File({variable: [at(measure, ratio)]}, "none", plain)
             row = row_of(variable, [at(measure, ratio)], variable_limits(file)[variable])
             assert [one.note for one in rows_with_violations([row], file)] == [note]
-    end = measure.in_files(LIMIT, PRELOAD)
+    end = measure.file_limit(LIMIT, PRELOAD)
     held = criteria_of_case(ended_by(name), dict.fromkeys(measure.variables, end))
     assert measure.margin(held[name][0], LIMIT) == pytest.approx(0.0)
 

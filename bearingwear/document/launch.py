@@ -87,10 +87,12 @@ def _states_with_load_blocks(states: Mapping[str, Launched]) -> list[str]:
 
 
 def _state_of_largest_gap(states: Mapping[str, Launched]) -> str:
+    """Returns the state with the largest gap of a bearing."""
     return max(states, key=lambda state: states[state].gap)
 
 
 def _state_of_largest_pressure(states: Mapping[str, Launched]) -> str:
+    """Returns the state closest to denting."""
     return max(states, key=lambda state: states[state].pressure_share)
 
 

@@ -12,9 +12,9 @@ from bearingwear.document.document import VARIABLES, Block, Row, row_of
 from bearingwear.document.pair import bearing_views, blocks_by_bearing
 from bearingwear.document.phases import phase_blocks
 from bearingwear.document.rows import (
+    blocks_in_one_unit,
     counted_words,
     film_lines,
-    in_one_unit,
     mean,
     mean_rows,
     meaning,
@@ -56,7 +56,9 @@ _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as noth
 def life_blocks(file: Any) -> list[Block]:
     """Returns the blocks of a life: those of both bearings, then those of each."""
     ((_, first_bearing), *_) = bearing_views(file)
-    return in_one_unit([*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)])
+    return blocks_in_one_unit(
+        [*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)]
+    )
 
 
 def _life_and_phases(file: Any) -> list[Block]:

@@ -32,7 +32,7 @@ from bearingwear.results.contents_view import ContentsView
 from bearingwear.results.entries import contents_of
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
-from bearingwear.results.netcdf import opened
+from bearingwear.results.netcdf import open_result
 from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.units import digits
 from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
@@ -130,7 +130,7 @@ def sheet(
     from bearingwear.document.study import spread_blocks
     from bearingwear.results.quantiles import KIND
 
-    with opened(path) as file:
+    with open_result(path) as file:
         main, spread = _main_sheet(file, more), spread_blocks(file, Path(path))
         if kind_of(file) == KIND:  # the spread comes first, and the other blocks only on request
             blocks = [*spread, *(main.blocks if every else ())]

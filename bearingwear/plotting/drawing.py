@@ -87,7 +87,7 @@ def new_figure(
     return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
 
 
-def drawn_from(figure: Figure, *paths: str | Path) -> Figure:
+def with_data_files(figure: Figure, *paths: str | Path) -> Figure:
     """Stores in a figure the files that it was drawn from, and returns the figure."""
     figure.data_files = tuple(map(str, paths))  # type: ignore[attr-defined]
     return figure
@@ -289,7 +289,7 @@ def lines_of_a_title(title: str, width: int) -> list[str]:
     return wrapped(narrowest)
 
 
-def from_zero(axes: Any) -> None:
+def start_at_zero(axes: Any) -> None:
     """Sets the lower end of the ordinate to zero, and leaves space above the marks."""
     top = axes.get_ylim()[1]
     axes.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)

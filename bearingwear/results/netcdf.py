@@ -157,9 +157,9 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
             NETCDF_LOCK,
             xr.open_dataset(
                 path, engine="netcdf4", decode_times=False, decode_timedelta=False
-            ) as opened,
+            ) as file,
         ):
-            dataset = opened.load()
+            dataset = file.load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
         raise damaged_file_error(path, error) from None
     if not str(dataset.attrs.get("source", "")).startswith(SOURCE):
@@ -178,12 +178,12 @@ def load_kind(path: str | os.PathLike[str], *kinds: str) -> xr.Dataset:
 
 def header(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Reads the global attributes of a result file, without its values."""
-    with opened(path) as file:
+    with open_result(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
 
 
 @contextlib.contextmanager
-def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
+def open_result(path: str | os.PathLike[str]) -> Iterator[Any]:
     """Opens a result file for reading; any fault in it becomes a CaseFileError of one line."""
     import netCDF4
 

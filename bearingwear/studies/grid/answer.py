@@ -26,8 +26,14 @@ from bearingwear.results.quantiles import (
     load_quantiles,
     spread_of,
 )
-from bearingwear.results.units import Estimated, Rough, in_print, span
-from bearingwear.results.words import friction_text, in_words, methods, percent_in_text, scene_of
+from bearingwear.results.units import Estimated, Rough, printed_unit, span
+from bearingwear.results.words import (
+    friction_text,
+    methods,
+    name_in_words,
+    percent_in_text,
+    scene_of,
+)
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import loaded
 
@@ -94,14 +100,14 @@ def _end_phrase(life: xr.Dataset, scene: Mapping[str, Any]) -> str:
     """States the criterion that ended a life, or why it has no end."""
     status = int(life["status"])
     if status not in (OK, CRITERION_NOT_REACHED):
-        return f"not solved: {in_words(STATUS_NAMES[status])}"
+        return f"not solved: {name_in_words(STATUS_NAMES[status])}"
     names = life["end_criterion"].attrs["flag_meanings"].split()
     criterion = names[int(life["end_criterion"])]
     if criterion not in ENDS:
         return NO_END
     measure = ENDS[criterion]
     limit = measure.limit_text(scene["wear"]["end_of_life"][criterion])
-    return f"{measure.words} {'falls to' if measure.falls else 'reaches'} {in_print(limit)}"
+    return f"{measure.words} {'falls to' if measure.falls else 'reaches'} {printed_unit(limit)}"
 
 
 def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
@@ -197,7 +203,7 @@ def _headline(lives: Sequence[MethodLife], comparisons: Sequence[_Comparison]) -
         return "no end of life was found"
     winners = {comparison.longest for comparison in comparisons}
     if not winners:
-        names = dict.fromkeys(in_words(life.method) for life in lives)
+        names = dict.fromkeys(name_in_words(life.method) for life in lives)
         return f"life with {' and '.join(names)}"
     if winners == {""}:
         return "neither preload method can be used"
@@ -261,7 +267,7 @@ def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
 
 def _method_words(method: str) -> str:
     """Returns the words for a preload method, or for a pair with its article."""
-    return f"{'a ' * (method in PAIRS.values())}{in_words(method)}"
+    return f"{'a ' * (method in PAIRS.values())}{name_in_words(method)}"
 
 
 def _ratio_phrase(ratio: float) -> str:
@@ -276,7 +282,7 @@ def _ratio_phrase(ratio: float) -> str:
 def _zero_lives_sentence(lives: Sequence[MethodLife]) -> str:
     """States for which lives at least one bearing in twenty has none; empty if there are none."""
     frictions_of = _frictions_by_text(
-        (in_words(life.method), life.friction)
+        (name_in_words(life.method), life.friction)
         for life in lives
         if life.spread and life.spread.bearings.low == 0.0
     )
@@ -309,7 +315,7 @@ def _end_sentences(lives: Sequence[MethodLife]) -> list[str]:
         )
         phrases = [f"{end} at {frictions}" for end, frictions in ends.items()]
         text = "; ".join(phrases if len(ends) > 1 else ends)
-        methods_of.setdefault(text, []).append(in_words(method))
+        methods_of.setdefault(text, []).append(name_in_words(method))
     return [_sentence(f"{' and '.join(names)}: {text}") for text, names in methods_of.items()]
 
 
@@ -320,7 +326,7 @@ def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
     phrases = [f"{hours}, based on the wear that each scene specifies"]
     for winner in dict.fromkeys(comparison.longest for comparison in comparisons):
         count = sum(comparison.longest == winner for comparison in comparisons)
-        name = f"{in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
+        name = f"{name_in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
         phrases.append(f"{name} in {count} of {len(comparisons)} comparisons")
     return [_sentence(phrase) for phrase in phrases]
 
@@ -335,7 +341,7 @@ def lives_block(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any
     lives = sorted(lives, key=lambda life: life.friction)
     rows = (
         Row("friction", "", tuple(life.friction for life in lives), "friction", given=True),
-        Row("preload method", "", tuple(in_words(life.method) for life in lives)),
+        Row("preload method", "", tuple(name_in_words(life.method) for life in lives)),
         Row(
             "life",
             "h",

@@ -52,10 +52,12 @@ class Case:
 
     @property
     def _friction(self) -> str:
+        """The friction coefficient as in names of files."""
         return in_name(self.friction, 3)
 
     @property
     def _loss(self) -> str:
+        """The loss as in names of files."""
         return in_name(self.ball_diameter_loss_um, 2)
 
 

@@ -18,7 +18,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import datasets_by_bearing, in_words, methods, scene_of
+from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, scene_of
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
@@ -139,4 +139,4 @@ def unsolved_cases(study: xr.Dataset, status: str = "status", model: str = "") -
     for case, index in cases_in_words(study):
         code = int(study[status][index])
         if code != OK:
-            yield f"{case}{model}: {in_words(STATUS_NAMES[code])}"
+            yield f"{case}{model}: {name_in_words(STATUS_NAMES[code])}"
