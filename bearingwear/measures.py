@@ -1,4 +1,4 @@
-"""The one table of measures: what may end a life, limit a design, or stand on a sheet.
+"""The one table of measures: quantities that may end a life or limit a design.
 
 A row is all that a new one needs. Keys of scenes and limits, options, messages, margins, the worse
 bearing of a pair, extremes of a map, rows of sheets and marks of figures are loops over the rows.
@@ -26,14 +26,17 @@ _UNITS = {
     "g": ("m s-2", 9.80665),
     "h": ("s", 3600.0),
 }
-"""Of a unit for people: the SI unit in files, and its size in that."""
+"""The SI unit in files for each unit for people, and the size of the latter in the former."""
 
 
 _ROUNDING = 1e-9
 
 
 def plain(value: float, digits: int = 3, sign: str = "") -> str:
-    """A number with so many significant digits, and no power of ten up to ten million: `100`."""
+    """Returns a number with so many significant digits, without an exponent up to ten million.
+
+    sign: `+` for a sign also on positive numbers.
+    """
     return f"{float(f'{value:.{digits}g}'):{sign}.7g}"
 
 
@@ -41,75 +44,72 @@ def plain(value: float, digits: int = 3, sign: str = "") -> str:
 class Measure:
     """A quantity that may end a life or limit a design."""
 
-    key: str  # of its limit in a design and, where `end_key` is empty, of its criterion in a scene
-    # in a sentence, and in a row of a sheet (`words` where it is empty)
-    words: str
-    unit: str = "%"  # as shown; limits have the same one, but shares, which are plain numbers
-    # result variables; the worst of those that a state has (others are NaN) counts
+    key: str  # of its limit in a design and, unless `end_key` is given, of its criterion in a scene
+    words: str  # its name in a sentence
+    unit: str = "%"  # as shown, and of limits; but limits of shares are plain numbers
+    # result variables, of which the worst counts; those that a state does not have are NaN
     variables: tuple[str, ...]
-    # what each variable is, an adjective to `words`, where there are several
-    kinds: tuple[str, ...] = ("",)
-    falls: bool = False  # whether less is worse. Of others the magnitude counts.
-    signed: bool = False  # whether its sign, which limits leave out, says something: sheets keep it
+    kinds: tuple[str, ...] = ("",)  # an adjective to `words` for each of several variables
+    falls: bool = False  # whether smaller values are worse; otherwise larger magnitudes are
+    signed: bool = False  # whether sheets show its sign, which limits ignore
     over_preload: bool = False  # whether its variable counts as a share of the initial preload
-    advice: str  # what keeps a bearing from its limit
-    label: str = ""
+    advice: str  # how to satisfy its limit
+    label: str = ""  # its name in a row of a sheet, if not `words`
     end_key: str = ""
     # as a criterion and as a limit of a design: meaning of the key and its range
     end: tuple[str, ...] = ()
     limit: tuple[str, ...] = ()
     note: str = ""  # on the meaning of a limit
-    means: str = ""  # in half a sentence, what its name does not say to a reader of a report
-    # added to values and limits [as in its key] where their ratio counts, so that a limit may
-    # be nothing
+    means: str = ""  # an explanation for readers of a report, half a sentence
+    # added to values and limits [as in its key] before their ratio, so that a limit may be 0
     base: float = 0.0
-    needs: tuple[str, ...] = ()  # keys of `arrangement` that a scene has to give for a limit
-    block: str = ""  # a block of the scene that it has to give
+    needs: tuple[str, ...] = ()  # keys of `arrangement` that a limit requires in the scene
+    block: str = ""  # a block that a limit requires in the scene
     option: str = ""  # of the limit on the command line
-    # of lives that it ends, and of preloads that it limits, in figures
+    # in figures: marker of lives that it ends, and letter of preloads that it limits
     mark: str = ""
     letter: str = ""
-    brief: bool = False  # whether it stands in short tables too
-    resting: bool = False  # whether it is found at rest by itself, whatever the speed
-    of_life: bool = False  # whether a whole life has it, not a state
+    brief: bool = False  # whether short tables contain it too
+    resting: bool = False  # whether it is computed at rest, independent of the speed
+    of_life: bool = False  # whether it belongs to a whole life, not to a state
 
     @property
     def of_speed(self) -> bool:
-        """Whether each state at each speed has it."""
+        """Whether it has a value in each state at each speed."""
         return not (self.resting or self.of_life)
 
     @property
     def short(self) -> str:
-        """Its name in a row."""
+        """The name in a row of a sheet."""
         return self.label or self.words
 
     @property
     def key_unit(self) -> str:
-        """The unit of its keys."""
+        """The unit of its keys in scenes and limits."""
         return "1" if self.unit == "%" else self.unit
 
     @property
     def si_unit(self) -> str:
-        """Its unit in files."""
+        """The unit of its variables in files."""
         return _UNITS[self.unit][0]
 
     @property
     def shown_as(self) -> str:
-        """Display of values in SI units if the unit does not determine it."""
+        """The display of values in SI units (`Variable.shown`), if the unit does not state it."""
         return "%" if self.unit == "%" else ""
 
     @property
     def worst_word(self) -> str:
-        """Which extreme is the worse one."""
+        """The word for the worse extreme."""
         return "minimum" if self.falls else "maximum"
 
     @property
     def extremes(self) -> tuple[str, ...]:
-        """Variables of a map: the worst of each of `variables` from new to the end of life."""
+        """The variables of a map with the worst values from new to the end of life."""
         return (self.key,) if self.over_preload else self.variables
 
     def extreme(self, values: Any) -> float:
-        """The worst of some values."""
+        """Returns the worst of some values."""
         if isinstance(values, float):  # NumPy takes ten times as long
             return float(values) if self.falls else abs(float(values))
         import numpy as np  # not to name options
@@ -117,74 +117,79 @@ class Measure:
         return float(np.min(values) if self.falls else np.abs(values).max())
 
     def value(self, values: Any, preload_N: Any = 1.0) -> float:
-        """The worst of the values of one variable [SI]; `preload_N` as in `critical`."""
+        """Returns the worst of the values of one variable [SI]; `preload_N` as in `critical`."""
         return self.extreme(values / preload_N if self.over_preload else values)
 
     def critical(self, value_of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
-        """The worst value [SI], and the variable that has it.
+        """Returns the worst value [SI], and the variable with it.
 
-        value_of: values of a variable by its name: of a state, at a step of a life.
-        preload_N: initial, of each value of the residual preload.
+        value_of: returns the values of a variable by its name, in a state or at a step of a life.
+        preload_N: initial, for each value of the residual preload.
         """
         return self._critical(
             [(self.value(value_of(name), preload_N), name) for name in self.variables]
         )
 
     def critical_extreme(self, value_of: Callable[[str], Any]) -> tuple[float, str]:
-        """The worst of the extremes of a map or at a point of it [SI], and its name."""
+        """Returns the worst of the extremes in a map or at a point of it [SI], and its variable."""
         return self._critical([(self.extreme(value_of(name)), name) for name in self.extremes])
 
-    def _critical(self, found: list[tuple[float, str]]) -> tuple[float, str]:
-        if len(found) == 1:
-            return found[0]
-        known = [one for one in found if one[0] == one[0]] or found
-        return min(known) if self.falls else max(known)
+    def _critical(self, candidates: list[tuple[float, str]]) -> tuple[float, str]:
+        """Returns the worst of some values with their variables; NaN only if all are NaN."""
+        if len(candidates) == 1:
+            return candidates[0]
+        finite = [pair for pair in candidates if pair[0] == pair[0]] or candidates
+        return min(finite) if self.falls else max(finite)
 
     def ratio(self, value: Any, limit: float) -> Any:
-        """A value [SI] over a limit [as in its key]."""
+        """Returns a value [SI] over a limit [as in its key]."""
         return (value / _UNITS[self.unit][1] + self.base) / (limit + self.base)
 
     def margin(self, value: Any, limit: float) -> Any:
-        """How far a value [SI] is from a limit [as in its key], over the limit.
+        """Returns the distance of a value [SI] from a limit [as in its key], over the limit.
 
-        Positive within, zero at the limit, negative beyond.
+        It is positive within, zero at the limit, and negative beyond.
         """
         ratio = self.ratio(value, limit)
         return ratio - 1.0 if self.falls else 1.0 - ratio
 
     def margins(self, values: Any, limit: float) -> Any:
-        """The least `margin` of all extremes in a map, or at a point of it."""
+        """Returns the least `margin` of all extremes in a map, or at a point of it."""
         import numpy as np
 
-        known = [_in_si(values[name]) for name in self.extremes if name in values]
-        return functools.reduce(np.fmin, [self.margin(value, limit) for value in known])
+        return functools.reduce(
+            np.fmin, [self.margin(extreme, limit) for extreme in self._extremes_in(values)]
+        )
 
     def worst(self, values: Any) -> Any:
-        """The worst of all extremes in a map, or at a point of it [SI]."""
+        """Returns the worst of all extremes in a map, or at a point of it [SI]."""
         import numpy as np
 
-        known = [_in_si(values[name]) for name in self.extremes if name in values]
-        return functools.reduce(np.fmin if self.falls else np.fmax, known)
+        return functools.reduce(np.fmin if self.falls else np.fmax, self._extremes_in(values))
+
+    def _extremes_in(self, values: Any) -> list[Any]:
+        """Returns the extremes that a map, or a point of it, contains [SI]."""
+        return [_in_si(values[name]) for name in self.extremes if name in values]
 
     def words_of(self, name: str, short: bool = False) -> str:
-        """Words for one of its variables or extremes."""
+        """Returns the words for one of its variables or extremes; the label if `short`."""
         kinds = dict(zip(self.variables, self.kinds, strict=True))
         return f"{kinds.get(name, '')} {self.short if short else self.words}".strip()
 
     def shown(self, value: Any) -> Any:
-        """A value [SI] in its unit."""
+        """Converts a value [SI] to its unit."""
         return self.shown_limit(value / _UNITS[self.unit][1])
 
     def shown_limit(self, limit: Any) -> Any:
-        """A limit [as in its key] in its unit."""
+        """Converts a limit [as in its key] to its unit."""
         return 100.0 * limit if self.unit == "%" else limit
 
-    def in_files(self, limit: float, preload_N: float) -> float:
-        """A limit [as in its key] in the unit of its variable [SI]."""
+    def file_limit(self, limit: float, preload_N: float) -> float:
+        """Converts a limit [as in its key] to the unit of its variable [SI]."""
         return limit * _UNITS[self.unit][1] * (preload_N if self.over_preload else 1.0)
 
     def excess(self, value: float, limit: float) -> float:
-        """A value [SI] over its limit, or the limit over the value where less is worse."""
+        """Returns a value [SI] over its limit, or the limit over the value if it `falls`."""
         ratio = self.ratio(value, limit)
         if not self.falls:
             return float(ratio)
@@ -194,29 +199,30 @@ class Measure:
         """Whether a value [SI] is beyond a limit, by more than rounding."""
         return bool(self.margin(value, limit) < -_ROUNDING)
 
-    def passed(self, value: float, limit: float, name: str) -> str:
-        """A value [SI] of one of its variables at its limit or beyond, in words."""
+    def violation_phrase(self, value: float, limit: float, name: str) -> str:
+        """States a value [SI] of one of its variables, at its limit or beyond."""
         side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
         return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
-    def reached(self, value: float, limit: float, name: str) -> str:
-        """A value [SI] of one of its variables and its limit, in words."""
+    def criterion_phrase(self, value: float, limit: float, name: str) -> str:
+        """States a value [SI] of one of its variables and the criterion that it reached."""
         return f"{self.words_of(name)} {self.text(value)}, criterion {self.limit_text(limit)}"
 
     def text(self, value: float) -> str:
-        """A value [SI] with its unit."""
+        """Returns a value [SI] as text with its unit."""
         return self._with_unit(self.shown(value))
 
     def limit_text(self, limit: float) -> str:
-        """A limit [as in its key] with its unit."""
+        """Returns a limit [as in its key] as text with its unit."""
         return self._with_unit(self.shown_limit(limit))
 
     def _with_unit(self, number: float) -> str:
+        """Returns a number with its unit as text."""
         return plain(number) if self.unit == "1" else f"{plain(number)} {self.unit}"
 
 
 def _in_si(values: Any) -> Any:
-    """Values of a point, or of a file, where lives stand in hours."""
+    """Returns values of a point or file in SI units; only lives are in hours there."""
     in_hours = getattr(values, "attrs", {}).get("units") == "h"
     return values * _UNITS["h"][1] if in_hours else values
 
@@ -367,13 +373,11 @@ MEASURES = (
 )
 # fmt: on
 
-ENDS = {one.end_key or one.key: one for one in MEASURES if one.end}
-"""What may end a life, by the keys of a scene; in the order of the flags of files."""
+ENDS = {measure.end_key or measure.key: measure for measure in MEASURES if measure.end}
+"""Measures that may end a life, by the keys of a scene; in the order of the flags of files."""
 
-LIMITED = {one.key: one for one in MEASURES if one.limit}
-"""What may limit a design, by the keys of its limits."""
+LIMITED = {measure.key: measure for measure in MEASURES if measure.limit}
+"""Measures that may limit a design, by the keys of the limits."""
 
-WORST = {
-    name: one for one in MEASURES if not (one.resting or one.of_life) for name in one.variables
-}
-"""Variables of a state whose worst value in every phase of a duty is told, and their measures."""
+WORST = {name: measure for measure in MEASURES if measure.of_speed for name in measure.variables}
+"""Measures by those of their variables whose worst values in each phase of a duty are reported."""

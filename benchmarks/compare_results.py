@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.results.netcdf import CaseFileError, opened
+from bearingwear.results.netcdf import CaseFileError, open_result
 
 VERSIONS = {
     "source", "history", "package_version", "source_hash", "numpy_version", "numba_version",
@@ -42,7 +42,7 @@ def _files(folder: Path) -> set[str]:
 def netcdf_differences(a: Path, b: Path) -> Iterator[str]:
     """What differs between two result files, or why one cannot be read."""
     try:
-        with opened(a) as one, opened(b) as other:
+        with open_result(a) as one, open_result(b) as other:
             yield from _differences(one, other)
     except CaseFileError as error:
         yield str(error)

@@ -22,7 +22,7 @@ from comparison import Group, Row, histogram, row_table, scatter, totals
 from identify import GMN_OUTER_GROOVE, PRINTED
 
 import bearingwear
-from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure, start_at_zero
 from bearingwear.results.words import friction_text
 from bearingwear.scene.new.catalogue import MAKERS, bearings, entry_of
 from bearingwear.scene.scene import Scene
@@ -365,7 +365,7 @@ def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: 
         radial.plot(classes, theirs, color="C3", marker="_", markersize=12, linestyle="none",
                     clip_on=False)  # fmt: skip
         radial.text(3.25, np.mean(values[-1]), f"{angle:g}°", va="center")
-    from_zero(radial)
+    start_at_zero(radial)
     radial.set_xlabel("preload class")
     radial.set_title("radial / axial rigidity", loc="left")
     scatter(slow, torques, True)

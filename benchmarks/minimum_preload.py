@@ -18,7 +18,7 @@ from comparison import FIGURES, PAGE, table, with_block
 from identify import rows_of
 
 import bearingwear
-from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure, save
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save, start_at_zero
 from bearingwear.scene.new.catalogue import CatalogueBearing, bearings, entry_of
 from bearingwear.scene.new.minimum_preload import skf_factors
 from bearingwear.scene.scene import Scene
@@ -297,7 +297,7 @@ def drawn() -> Figure:
         friction.fill_between(1e-6 * factors, own.min(0), own.max(0), color=color, zorder=1)
     for axes in (friction, share):
         axes.set_xlabel("speed × pitch diameter (10⁶ mm/min)")
-        from_zero(axes)
+        start_at_zero(axes)
     friction.set_title("friction that holds the balls", loc="left")
     share.set_title("gyroscopic share of the slip", loc="left")
     handles = [

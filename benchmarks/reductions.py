@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator
 
 from bearingwear.plotting.drawing import SERIES, frame, key, new_figure, save
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.solve import solve
@@ -142,7 +142,7 @@ def main() -> None:
         for k, r in enumerate(REDUCTIONS)
     ]
     scenes = [
-        key(in_words(name), color="0.4", marker=mark, linestyle="none")
+        key(name_in_words(name), color="0.4", marker=mark, linestyle="none")
         for name, mark in MARKS.items()
     ]
     fast, error = (

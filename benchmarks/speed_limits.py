@@ -17,7 +17,7 @@ import numpy as np
 from comparison import FIGURES, PAGE, table, with_block
 
 import bearingwear
-from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure, save
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save, start_at_zero
 from bearingwear.scene.new.catalogue import MAKERS, CatalogueBearing, entry_of
 
 SIZES = [f"70{code:02d}C" for code in range(2, 22)]
@@ -124,7 +124,7 @@ def drawn(own: np.ndarray, made: Mapping[str, np.ndarray]) -> Figure:
     panels[0][0].set_ylabel("speed, rigid pair / sprung bearing")
     last = panels[0][3]
     last.plot([entry_of("NSK", name)[0].bore for name in SIZES], own / 1e6, color="C2", marker="o")
-    from_zero(last)
+    start_at_zero(last)
     last.set_xlabel("bore (mm)")
     last.set_ylabel("p v at the grease limit (MPa m/s)")
     last.set_title("sprung bearings", loc="left")

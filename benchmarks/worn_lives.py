@@ -15,7 +15,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.life import life
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 
@@ -89,7 +89,7 @@ def table() -> None:
             rows.setdefault(name, {})[method] = (hertz, worn, films)
             cells = (hertz, worn, worn / hertz, films, spent)
             print(
-                f"| {name} | {in_words(method)} | "
+                f"| {name} | {name_in_words(method)} | "
                 + " | ".join(told(cell) for cell in cells)
                 + " |"
             )
@@ -101,7 +101,11 @@ def table() -> None:
         hertz, _ = hours(scene_of(name, method, "hertz", *kind))
         worn, spent = hours(scene_of(name, method, "worn", *kind))
         cells = (hertz, worn, worn / hertz, np.nan, spent)  # films: refused
-        print(f"| {name}, pair, 50 N | {in_words(method)} | " + " | ".join(map(told, cells)) + " |")
+        print(
+            f"| {name}, pair, 50 N | {name_in_words(method)} | "
+            + " | ".join(map(told, cells))
+            + " |"
+        )
     print(
         "\nLife with constant force divided by life with fixed position:\n\n"
         "| bearing | Hertzian | worn | with film |"

@@ -11,8 +11,8 @@ from matplotlib.markers import MarkerStyle
 from support import scene_file
 
 from bearingwear.arguments import command_parser
-from bearingwear.document.life import _criteria
-from bearingwear.document.rows import limits_of_rows, marked, row_of
+from bearingwear.document.life import _criterion_rows
+from bearingwear.document.rows import row_of, rows_with_violations, variable_limits
 from bearingwear.kernels.status import OK
 from bearingwear.lives import many
 from bearingwear.lives.ends import Criteria
@@ -37,7 +37,7 @@ from bearingwear.studies.design.figures.choice import LETTERS
 from bearingwear.studies.design.map import POINT, gone_through
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.grid.figures.quasistatic import END_MARKS
-from bearingwear.studies.grid.interpolated import interpolated_life, known_of
+from bearingwear.studies.grid.interpolated import interpolable_criteria, interpolated_life
 
 PRELOAD, LIMIT = 7.0, 0.5
 LOSS = "ball_diameter_loss_um"
@@ -48,7 +48,7 @@ of_limits = pytest.mark.parametrize("name", LIMITED)
 
 def at(measure: Measure, ratio: float) -> float:
     """A value [SI] of the measure's variables, `ratio` times as near as the limit is."""
-    return measure.in_files(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
+    return measure.file_limit(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
 
 
 OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
@@ -118,7 +118,7 @@ def test_a_percentage_of_all_has_no_power_of_ten(measure):
 def test_margin_and_its_sign():
     for measure in MEASURES:
         assert measure.falls == (measure.key in WORSE_WHEN_LESS)
-        limit = measure.in_files(LIMIT, 1.0)
+        limit = measure.file_limit(LIMIT, 1.0)
         assert measure.margin(limit, LIMIT) == 0.0
         near, beyond = (measure.margin(limit * part, LIMIT) for part in (0.9, 1.1))
         assert (near < 0.0 < beyond) if measure.falls else (beyond < 0.0 < near)
@@ -193,7 +193,10 @@ def test_an_interpolated_life_knows_it(name):
     assert float(found["interpolated_loss_at_end"]) == pytest.approx(0.35e-6, rel=1e-6)
     if name not in (LOSS, "preload_fraction"):
         without = line.drop_vars(list(columns))
-        assert known_of(criteria, without) == {} and known_of(criteria, line) == criteria
+        assert (
+            interpolable_criteria(criteria, without) == {}
+            and interpolable_criteria(criteria, line) == criteria
+        )
         assert np.isnan(interpolated_life(without, criteria, PRELOAD)["interpolated_life"]).all()
 
 
@@ -202,20 +205,20 @@ def test_an_end_has_a_row_of_a_life(name):
     measure = ENDS[name]
     arrays = {f"history_{one}": [at(measure, 0.5), at(measure, 1.0)] for one in measure.variables}
     plain = {"wear": {"end_of_life": {name: LIMIT}}, "operation": {"preload_N": PRELOAD}}
-    (row,) = _criteria(File(arrays, name), plain)
+    (row,) = _criterion_rows(File(arrays, name), plain)
     assert (row.label, row.unit, row.note) == (measure.short, measure.unit, "reached first")
     shown = measure.shown_limit(LIMIT)
     assert row.limit == shown and row.values[1] == pytest.approx(shown)
     # of a pair, the bearing that is still within its limit does not end the life
     arrays = {key: [values[0], values[0]] for key, values in arrays.items()}
     pair = plain | {"arrangement": {"kind": "rigid_pair"}}
-    assert _criteria(File(arrays, name), pair)[0].note == ""
+    assert _criterion_rows(File(arrays, name), pair)[0].note == ""
 
 
 @of_ends
 def test_what_ended_a_life_is_said(name):
     measure = ENDS[name]
-    end = measure.in_files(LIMIT, PRELOAD)
+    end = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
     values |= {f"history_{one}": np.array([end]) for one in measure.variables}
     said = measure.limit_text(LIMIT)
@@ -235,9 +238,9 @@ def test_a_case_beyond_an_end_is_marked(name):
             continue
         for ratio, note in ((0.9, ""), (1.1, "violated")):
             file = File({variable: [at(measure, ratio)]}, "none", plain)
-            row = row_of(variable, [at(measure, ratio)], limits_of_rows(file)[variable])
-            assert [one.note for one in marked([row], file)] == [note]
-    end = measure.in_files(LIMIT, PRELOAD)
+            row = row_of(variable, [at(measure, ratio)], variable_limits(file)[variable])
+            assert [one.note for one in rows_with_violations([row], file)] == [note]
+    end = measure.file_limit(LIMIT, PRELOAD)
     held = criteria_of_case(ended_by(name), dict.fromkeys(measure.variables, end))
     assert measure.margin(held[name][0], LIMIT) == pytest.approx(0.0)
 

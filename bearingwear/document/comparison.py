@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import in_one_unit
+from bearingwear.document.rows import blocks_in_one_unit
 from bearingwear.document.show import sheet
 from bearingwear.results.kinds import Registry, kind_of
-from bearingwear.results.netcdf import CaseFileError, opened
+from bearingwear.results.netcdf import CaseFileError, open_result
 from bearingwear.results.units import Percent
 from bearingwear.scene.checking.errors import leaves
 
@@ -59,7 +59,7 @@ def comparison_sheet(
 
 def _kind_and_attributes(path: str) -> tuple[str, dict[str, Any]]:
     """Reads the kind of a result file and its global attributes, as plain Python values."""
-    with opened(path) as file:
+    with open_result(path) as file:
         names = file.ncattrs()
         return kind_of(file), {name: np.asarray(file.getncattr(name)).tolist() for name in names}
 
@@ -89,7 +89,7 @@ def _compared_blocks(sheet_a: Document, sheet_b: Document) -> Iterator[Block]:
     """Yields each block that either sheet contains, with the values of both."""
     blocks_a, blocks_b = _by_subject(sheet_a.blocks), _by_subject(sheet_b.blocks)
     for subject in dict.fromkeys((*blocks_a, *blocks_b)):
-        a, b = in_one_unit([blocks_a.get(subject, Block()), blocks_b.get(subject, Block())])
+        a, b = blocks_in_one_unit([blocks_a.get(subject, Block()), blocks_b.get(subject, Block())])
         rows, lines = tuple(_compared_rows(a, b)), _compared_lines(a.lines, b.lines)
         yield Block(a.title or b.title, A_AND_B if rows else (), rows, lines, given=a.given)
 

@@ -22,7 +22,7 @@ from bearingwear.results.units import (
     Rough,
     digits,
     display,
-    in_print,
+    printed_unit,
 )
 from bearingwear.results.variables import CASE, LIFE
 
@@ -55,7 +55,7 @@ class Row(NamedTuple):
     def head(self) -> str:
         """The label, with the unit in brackets."""
         label = self.label.strip()
-        return f"{label} ({in_print(self.unit)})" if self.unit else label
+        return f"{label} ({printed_unit(self.unit)})" if self.unit else label
 
 
 @dataclass(frozen=True)

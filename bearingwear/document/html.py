@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from html import escape
 
 from bearingwear.document.document import Block, Document
-from bearingwear.results.units import unbroken
+from bearingwear.results.units import without_unit_breaks
 
 
 def as_html(document: Document) -> str:
@@ -56,4 +56,4 @@ def sentences_html(blocks: Iterable[Block]) -> str:
 
 def _escaped(text: str) -> str:
     """Escapes a text for HTML, with no line break between a number and its unit."""
-    return escape(unbroken(text), quote=False)
+    return escape(without_unit_breaks(text), quote=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -13,12 +12,13 @@ from bearingwear.document.document import VARIABLES, Block, Row, row_of
 from bearingwear.document.pair import bearing_views, blocks_by_bearing
 from bearingwear.document.phases import phase_blocks
 from bearingwear.document.rows import (
+    blocks_in_one_unit,
     counted_words,
     film_lines,
-    in_one_unit,
     mean,
     mean_rows,
     meaning,
+    stored_scene,
     values,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -56,16 +56,14 @@ _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as noth
 def life_blocks(file: Any) -> list[Block]:
     """Returns the blocks of a life: those of both bearings, then those of each."""
     ((_, first_bearing), *_) = bearing_views(file)
-    return in_one_unit([*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)])
-
-
-def _scene_content(file: Any) -> dict[str, Any]:
-    return json.loads(getattr(file, "scene", "{}"))
+    return blocks_in_one_unit(
+        [*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)]
+    )
 
 
 def _life_and_phases(file: Any) -> list[Block]:
     """Returns the blocks that are shown once for two bearings: the life, and phases of a duty."""
-    scene = _scene_content(file)
+    scene = stored_scene(file)
     life_h = float(values(file, "life"))
     rows = [row_of("life", [life_h])._replace(label=f"life, wear of {counted_words(scene)}")]
     band, band_sentence = band_by_wear(scene, life_h)
@@ -103,7 +101,7 @@ def _wear_blocks(file: Any) -> list[Block]:
     """Returns the blocks of one bearing: its histories, criteria, films and worn parts."""
     blocks = []
     if "step" in file.dimensions and file.dimensions["step"].size:
-        criteria = _criterion_rows(file, _scene_content(file))
+        criteria = _criterion_rows(file, stored_scene(file))
         blocks.append(Block("during the life", ("start", "end"), _history_rows(file)))
         blocks.append(Block("end-of-life criteria", ("start", "end"), criteria))
     return [*blocks, *_film_blocks(file), *_steady_life_blocks(file), *_worn_part_blocks(file)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,6 +19,17 @@ from bearingwear.scene.scene import COUNTS
 
 COUNTED_WORDS = dict(zip(COUNTS, ("the balls alone", "balls and races"), strict=True))
 """Words for each value of `wear.counts`."""
+
+
+def stored_scene(file: Any) -> Mapping[str, Any]:
+    """Returns the scene of an open file as plain data; it is shared, so do not write to it."""
+    return _parsed_scene(str(getattr(file, "scene", "{}")))
+
+
+@functools.lru_cache(maxsize=4)  # each block of a sheet reads the scene
+def _parsed_scene(text: str) -> Mapping[str, Any]:
+    """Parses the JSON of a scene."""
+    return json.loads(text)
 
 
 def counted_words(scene: Mapping[str, Any]) -> str:
@@ -65,10 +77,11 @@ def without_empty_rows(block: Block) -> Block:
 
 
 def _is_nan(value: Any) -> bool:
+    """Whether a cell is a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
-def in_one_unit(blocks: Iterable[Block]) -> list[Block]:
+def blocks_in_one_unit(blocks: Iterable[Block]) -> list[Block]:
     """Converts every quantity to the largest of the units that it has in any of the blocks."""
     blocks = list(blocks)
     largest: dict[tuple[str, str], tuple[float, str]] = {}
@@ -124,7 +137,7 @@ def _merged_block(blocks: Sequence[Block]) -> Block:
 
 def _merged_row(rows: Sequence[Row]) -> Row:
     """Merges one row of each bearing into one, in one unit, with differing limits and all notes."""
-    rescaled = in_one_unit([Block("", rows=tuple(rows))])[0].rows
+    rescaled = blocks_in_one_unit([Block("", rows=tuple(rows))])[0].rows
     has_one_limit = len({row.limit and f"{row.limit:.9g}" for row in rescaled}) == 1
     limits = tuple(row.limit for row in rescaled for _ in row.values)
     notes = [f"{row.note} by bearing {k}" for k, row in enumerate(rows, 1) if row.note]
@@ -165,7 +178,7 @@ class _Criterion(NamedTuple):
     @property
     def file_limit(self) -> float:
         """The limit in the unit of the variable in files."""
-        return self.measure.in_files(self.limit, self.preload_N)
+        return self.measure.file_limit(self.limit, self.preload_N)
 
     def is_violated(self, numbers: np.ndarray) -> bool:
         """Whether the worst of the values of the variable [SI] is beyond the limit."""
@@ -174,7 +187,7 @@ class _Criterion(NamedTuple):
 
 def _criteria(file: Any) -> dict[str, _Criterion]:
     """Returns the criteria of the scene in a file, by variable."""
-    scene = json.loads(getattr(file, "scene", "{}"))
+    scene = stored_scene(file)
     limits = scene.get("wear", {}).get("end_of_life") or {}
     preload_N = scene.get("operation", {}).get("preload_N", 0.0)
     return {

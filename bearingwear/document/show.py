@@ -22,6 +22,7 @@ from bearingwear.document.rows import (
     mean,
     mean_rows,
     rows_with_violations,
+    stored_scene,
     values,
     variable_limits,
     without_empty_rows,
@@ -31,7 +32,7 @@ from bearingwear.results.contents_view import ContentsView
 from bearingwear.results.entries import contents_of
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
-from bearingwear.results.netcdf import opened
+from bearingwear.results.netcdf import open_result
 from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.units import digits
 from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
@@ -129,7 +130,7 @@ def sheet(
     from bearingwear.document.study import spread_blocks
     from bearingwear.results.quantiles import KIND
 
-    with opened(path) as file:
+    with open_result(path) as file:
         main, spread = _main_sheet(file, more), spread_blocks(file, Path(path))
         if kind_of(file) == KIND:  # the spread comes first, and the other blocks only on request
             blocks = [*spread, *(main.blocks if every else ())]
@@ -173,14 +174,14 @@ def _main_sheet(file: Any, more: Registry) -> Document:
 
 def _names_known_unsolved(file: Any) -> set[str]:
     """Returns the rows of a case that was not solved: those that no solution determines."""
-    if json.loads(getattr(file, "scene", "{}")).get("thermal") is None:  # temperatures are inputs
+    if stored_scene(file).get("thermal") is None:  # temperatures are inputs
         return {*TURN_COUNTS, *RINGS, *TEMPERATURES}
     return {*TURN_COUNTS, GROWTH_AT_SPEED}
 
 
 def _heading_and_facts(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     """Returns the heading lines of a case or life, and the same as facts for programs."""
-    scene = json.loads(getattr(file, "scene", "{}"))
+    scene = stored_scene(file)
     status = STATUS_NAMES[int(values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
     why = (json.loads(getattr(file, "modelled", "[]")) or [""])[0].partition(": ")[2]
@@ -232,7 +233,7 @@ def _bearing_blocks(file: Any) -> list[Block]:
     ]
     if LOSS_PER_TIME in file.variables:
         rate = row_of(LOSS_PER_TIME, [values(file, LOSS_PER_TIME)])
-        counted = counted_words(json.loads(getattr(file, "scene", "{}")))
+        counted = counted_words(stored_scene(file))
         blocks.append(Block(f"wear of {counted}", (), (rate,)))
     blocks += _growth_blocks(file)
     if getattr(file, "fidelity", None) == "dynamic":
@@ -314,7 +315,7 @@ def _growth_block(
         return None
     is_known = np.isfinite(next(iter(by_name.values())))  # shaft and housing need not be
     columns = tuple(
-        part.replace("_", " ") for part, known in zip(parts, is_known, strict=True) if known
+        part.replace("_", " ") for part, has_value in zip(parts, is_known, strict=True) if has_value
     )
     rows = tuple(row_of(name, numbers[is_known]) for name, numbers in by_name.items())
     return Block(title, columns, rows)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Document, Row, quantity_row
-from bearingwear.document.rows import counted_words, film_lines, values
+from bearingwear.document.rows import counted_words, film_lines, stored_scene, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
@@ -93,7 +92,7 @@ def spread_blocks(file: Any, path: Path) -> list[Block]:
     if not lives:
         unknown = f"{NO_QUANTILES}; {SEE}"
         return [Block("", lines=(unknown,))] if "life" in file.variables else []
-    uncertainties, scene = uncertainties_at(path), json.loads(file.scene)
+    uncertainties, scene = uncertainties_at(path), stored_scene(file)
     blocks: list[Block] = []
     for life in lives:
         spread = spread_of(uncertainties, scene, life.method, life.friction, life.preload_choice)
@@ -171,7 +170,7 @@ def _lives_with_spread(file: Any) -> Iterator[_LifeWithSpread]:
     """Yields each life of a file whose spread may have been computed."""
     kind = kind_of(file)
     if kind == LIFE_KIND:
-        scene = json.loads(file.scene)
+        scene = stored_scene(file)
         method, friction = scene["operation"]["preload_method"], scene["friction"].get("ball_race")
         yield _LifeWithSpread(label="", method=method, friction=friction)
     elif kind == "recommendation" or (kind == KIND and PRELOAD_CHOICE in file.variables):
@@ -186,7 +185,7 @@ def _lives_with_spread(file: Any) -> Iterator[_LifeWithSpread]:
 def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]:
     """Yields the lives at the scene's own and at the recommended preload, as far as contained."""
     frictions = values(file, "friction").tolist() if "friction" in file.variables else []
-    scene_friction = json.loads(file.scene)["friction"].get("ball_race")
+    scene_friction = stored_scene(file)["friction"].get("ball_race")
     choices = values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
     for mu, method in itertools.product(frictions or [scene_friction], _preload_methods(file)):
         point = f"{method}, mu {mu:g}" if frictions else method
@@ -241,7 +240,7 @@ def _life_blocks(file: Any) -> list[Block]:
     ends = tuple(criteria[int(flag)] if np.isfinite(flag) else criteria[-1] for flag in flags)
     methods, frictions = _preload_methods(file), values(file, "friction").tolist()
     points = list(itertools.product(methods, frictions))
-    counted = counted_words(json.loads(getattr(file, "scene", "{}")))
+    counted = counted_words(stored_scene(file))
     rows = (
         Row("preload method", "", tuple(method for method, _ in points), "preload_method"),
         Row("friction", "", tuple(mu for _, mu in points), "friction", given=True),

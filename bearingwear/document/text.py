@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 
 from bearingwear.document.document import Block, Document, row_notes
-from bearingwear.results.units import in_ascii
+from bearingwear.results.units import ascii_text
 
 LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
 WIDTH = 110
@@ -23,10 +23,11 @@ def as_text(document: Document) -> str:
         lines += ["", *(_point_lines(block) if block.axes else _quantity_lines(block))]
         indent = "  " if block.rows or not block.title else "    "
         lines += [line for text in block.lines for line in _wrapped_lines(text, indent)]
-    return in_ascii("\n".join(line.rstrip() for line in lines)).strip("\n")
+    return ascii_text("\n".join(line.rstrip() for line in lines)).strip("\n")
 
 
 def _wrapped_lines(text: str, indent: str = "") -> list[str]:
+    """Wraps a sentence into lines of `WIDTH`; all but the first are indented further."""
     return textwrap.wrap(
         text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ",
         break_long_words=False, break_on_hyphens=False,

@@ -27,7 +27,7 @@ from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.sketch import sketch
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
-from bearingwear.results.units import Rough, in_print, key_in_words, unbroken
+from bearingwear.results.units import Rough, key_in_words, printed_unit, without_unit_breaks
 from bearingwear.results.warnings import merged_warnings, warnings_in
 from bearingwear.results.words import scene_of
 from bearingwear.scene.arrangement import METHODS
@@ -122,6 +122,7 @@ class PageAnswer:
 
     @property
     def _blocks_below_charts(self) -> list[Block]:
+        """Tables below the charts, and blocks without a place."""
         blocks = self.document.blocks
         return [b for b in blocks if (b.rows or not b.place) and b.place != "lead"]
 
@@ -282,7 +283,7 @@ def _file_label(path: Path) -> str:
 
 def _unbroken(value: Any) -> Any:
     """Removes line breaks between numbers and units from a text; returns other values unchanged."""
-    return unbroken(value) if type(value) is str else value
+    return without_unit_breaks(value) if type(value) is str else value
 
 
 def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[PageAnswer]:
@@ -503,6 +504,7 @@ def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str
 
 
 def _without_uncertainty(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns a scene without its distributions."""
     return {block: value for block, value in scene.items() if block != "uncertainty"}
 
 
@@ -510,7 +512,7 @@ def key_label(key: str) -> str:
     """Returns a dotted key of a scene in words: `bearing: ball diameter (mm)`."""
     blocks = ", ".join(block.replace("_", " ") for block in key.split(".")[:-1])
     words, unit = key_in_words(key)
-    return f"{blocks}: {words}" + (f" ({in_print(unit)})" if unit else "")
+    return f"{blocks}: {words}" + (f" ({printed_unit(unit)})" if unit else "")
 
 
 def _value_text(value: Any) -> str:

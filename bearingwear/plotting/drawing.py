@@ -1,4 +1,4 @@
-"""What all figures share: style, colours, marks, words, saving."""
+"""The style, colours, marks and legends that all figures share, and the saving of figures."""
 
 import io
 import math
@@ -25,9 +25,9 @@ from bearingwear.results.words import friction_text, methods
 STYLE = Path(__file__).with_name("style.mplstyle")
 
 COLOURS = {"constant_force": "C0", "fixed_position": "C1"}
-"""Of the preload methods, in every figure; nothing else has them."""
+"""Colours of the preload methods in every figure; nothing else has these colours."""
 SERIES = ("C2", "C3", "C4", "C5", "black", "0.55")
-"""Colours of anything else."""
+"""Colours of all other lines."""
 MARKERS = "osd^vP"
 RACE_STYLES = {
     "inner": {"linestyle": "-", "marker": "o"},
@@ -35,15 +35,15 @@ RACE_STYLES = {
 }
 BALL_STYLE: dict[str, Any] = {"linestyle": ":", "marker": "^"}
 FORMATS = (".svg", ".png", ".pdf")
-"""Formats that can be written without a clock time."""
+"""Formats that can be written without a time stamp."""
 DASHES = ("-", "--", ":", "-.")
 CHARACTERS_PER_INCH = 14
 MESSAGE = "message"
-"""Name, in an SVG, of the group with the title."""
+"""The id of the group with the title in an SVG."""
 FOOT, SLOT = 0.03, 0.06
-"""Height of the lowest row of crosses in a panel, and of a row, as shares of the panel's."""
+"""Position of the lowest row of crosses, and height of a row, as shares of a panel's height."""
 HEADROOM = 1.05
-"""Upper end of an axis over what is drawn."""
+"""Upper end of an axis over the largest value."""
 FAILED = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 2.0}
 
 ABSCISSAE = {
@@ -57,9 +57,9 @@ Figure = matplotlib.figure.Figure
 
 
 class HouseFigure(Figure):
-    """A figure that keeps the house style wherever it is saved or shown.
+    """A figure that has the style of the package wherever it is saved or shown.
 
-    data_files: the files it was drawn from, which an SVG names.
+    data_files: the files that it was drawn from, which an SVG contains.
     """
 
     data_files: tuple[str, ...] = ()
@@ -77,86 +77,92 @@ class HouseFigure(Figure):
 def new_figure(
     rows: int, columns: int, width: float, height: float, **kwargs: Any
 ) -> tuple[Figure, np.ndarray]:
-    """Figure and its panels (rows, columns) in the house style, drawn without a display."""
+    """Returns a figure and its panels (rows, columns) in the style of the package.
+
+    width, height: of the figure [in].
+    """
     matplotlib.rcdefaults()
     matplotlib.style.use(STYLE)
     figure = HouseFigure(figsize=(width, height))
     return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
 
 
-def drawn_from(figure: Figure, *paths: str | Path) -> Figure:
-    """The figure, which names the files it was drawn from."""
+def with_data_files(figure: Figure, *paths: str | Path) -> Figure:
+    """Stores in a figure the files that it was drawn from, and returns the figure."""
     figure.data_files = tuple(map(str, paths))  # type: ignore[attr-defined]
     return figure
 
 
 DATA_SEPARATOR = "; "
-"""Between the files that an SVG names as its source."""
+"""Separator of the files that an SVG contains as its source."""
 
 
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
-    """Write a figure in the format that each suffix names; no clock time goes in.
+    """Writes a figure in the format of each suffix, without a time stamp.
 
-    An SVG says in its `title` and `description` what the figure states and shows.
-    Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
-    of a logarithmic axis need it, and get plain numbers here.
-
-    OutputError: also a suffix that names no format is refused before anything is written.
+    An SVG contains the message of the figure as `title`, and its labels as `description`.
+    OutputError: also for a suffix without a format, before anything is written.
     """
-    kinds = {path: path.suffix.lower() for path in map(Path, paths)}
-    for path, kind in kinds.items():
-        if kind not in FORMATS:
+    suffixes = {path: path.suffix.lower() for path in map(Path, paths)}
+    for path, suffix in suffixes.items():
+        if suffix not in FORMATS:
             allowed = ", ".join(FORMATS)
             raise OutputError(f"{path}: got the suffix {path.suffix!r}, expected {allowed}")
-    metadata = {".svg": _in_words(figure), ".png": {}, ".pdf": {"CreationDate": None}}
+    metadata = {".svg": _svg_metadata(figure), ".png": {}, ".pdf": {"CreationDate": None}}
+    _set_plain_log_labels(figure)
+    if layout := figure.get_layout_engine():  # takes longer than drawing: once for all formats
+        layout.execute(figure)
+        figure.set_layout_engine("none")
+    for path, suffix in suffixes.items():
+        with whole_file(path) as part:
+            figure.savefig(part, format=suffix[1:], metadata=metadata[suffix])
+
+
+def _set_plain_log_labels(figure: Figure) -> None:
+    """Labels logarithmic axes with plain numbers.
+
+    Matplotlib's own labels require mathtext, which the style switches off, since figures contain
+    names from scenes.
+    """
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if isinstance(axis.get_major_formatter(), LogFormatter):
                 axis.set_major_formatter(FuncFormatter(lambda value, _: number_on_axis(value)))
                 axis.set_minor_formatter(NullFormatter())
-    if layout := figure.get_layout_engine():  # takes longer than drawing: once for all formats
-        layout.execute(figure)
-        figure.set_layout_engine("none")
-    for path, kind in kinds.items():
-        with whole_file(path) as part:
-            figure.savefig(part, format=kind[1:], metadata=metadata[kind])
 
 
-def _in_words(figure: Figure) -> dict[str, str | None]:
-    """Message and contents of a figure, for readers who cannot see it."""
-    axes = figure.axes
-
-    def distinct(texts: Iterable[str]) -> str:
-        return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
-
-    ordinates, abscissae = (
-        distinct(a.get_ylabel() for a in axes),
-        distinct(a.get_xlabel() for a in axes),
+def _svg_metadata(figure: Figure) -> dict[str, str | None]:
+    """Returns message, labels and data files of a figure, for readers who cannot see it."""
+    ordinates = _distinct_texts(axes.get_ylabel() for axes in figure.axes)
+    abscissae = _distinct_texts(axes.get_xlabel() for axes in figure.axes)
+    panels = _distinct_texts(axes.get_title(loc="left") for axes in figure.axes)
+    keys = _distinct_texts(
+        text.get_text() for legend in figure.legends for text in legend.get_texts()
     )
-    panels = distinct(a.get_title(loc="left") for a in axes)
-    keys = distinct(text.get_text() for legend in figure.legends for text in legend.get_texts())
-    parts = (
-        f"{ordinates} against {abscissae}",
-        f"Panels: {panels}" if panels else "",
-        f"Legend: {keys}" if keys else "",
-    )
+    sentences = [f"{ordinates} against {abscissae}"]
+    sentences += [f"Panels: {panels}"] if panels else []
+    sentences += [f"Legend: {keys}"] if keys else []
     files = getattr(figure, "data_files", ())
     return {
         "Title": figure.get_suptitle().replace("\n", " "),
-        "Description": ". ".join(part for part in parts if part),
+        "Description": ". ".join(sentences),
         "Source": DATA_SEPARATOR.join(files) or None,
         "Date": None,
     }
 
 
+def _distinct_texts(texts: Iterable[str]) -> str:
+    """Lists the texts that are not empty, each once."""
+    return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
+
+
 def mark_failed(
     axes: Any, where: xr.DataArray, status: xr.DataArray, color: str, slot: int
 ) -> bool:
-    """Put a cross at the foot of a panel for each case of a line that was not solved.
+    """Draws a cross at the foot of a panel for each unsolved case; returns whether there is one.
 
-    slot: row of the crosses, so that several lines do not hide each other's.
-
-    Returns: whether there was any.
+    where: abscissa of each case. status: of each case.
+    slot: row of the crosses, so that those of several lines do not hide each other.
     """
     failed = where.values[status.values != OK]
     if failed.size:
@@ -167,35 +173,37 @@ def mark_failed(
 
 
 def list_failed(axes: Any, names: list[str]) -> None:
-    """Name in a corner of a panel the lines that are missing because they were not solved."""
+    """Lists in a corner of a panel the lines that are missing because they were not solved."""
     if names:
         text = "\n".join(["not solved:", *names])
         axes.text(0.02, 0.98, text, transform=axes.transAxes, color="crimson", va="top")
 
 
 def key(label: str, **style: Any) -> Line2D:
-    """Entry of a legend."""
+    """Returns an entry of a legend."""
     return Line2D([], [], label=label, **style)
 
 
 def method_keys(names: Iterable[str], scene: Mapping[str, Any] | None = None) -> list[Line2D]:
-    """Legend of the colours; of the pairs that are made so, where a scene is of one."""
-    return [key(method_words(scene or {}, n), color=COLOURS[n], linewidth=3) for n in names]
+    """Returns the legend of the preload methods, or of the kinds of pairs for a pair."""
+    return [
+        key(method_words(scene or {}, name), color=COLOURS[name], linewidth=3) for name in names
+    ]
 
 
 def race_keys() -> list[Line2D]:
-    """Legend of the races, and of what a ball has in both contacts."""
+    """Returns the legend of the contacts of each race, and of both contacts of a ball."""
     keys = [key(f"{race} contact", color="0.3", **style) for race, style in RACE_STYLES.items()]
     return [*keys, key("ball, both contacts", color="0.3", **BALL_STYLE)]
 
 
 def dashes(frictions: Iterable[float]) -> dict[float, str]:
-    """Line style of each friction coefficient."""
+    """Returns the line style of each friction coefficient."""
     return {mu: DASHES[k % len(DASHES)] for k, mu in enumerate(frictions)}
 
 
 def dash_keys(styles: dict[float, str]) -> list[Line2D]:
-    """Legend of the friction coefficients."""
+    """Returns the legend of the friction coefficients."""
     return [key(friction_text(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
 
 
@@ -208,53 +216,55 @@ def lines(
     status: xr.DataArray | None = None,
     **look: Any,
 ) -> bool:
-    """Lines of a quantity over an axis: a colour for each preload method, a dash for each race.
+    """Draws a quantity over an axis: a colour for each preload method, a line style for each race.
 
-    values: over `axis` and, where it has them, `preload_method` and `race`.
+    values: over `axis` and, optionally, `preload_method` and `race`.
     label: of the ordinate, without unit.
-    unit: in which the values are shown; without one they are drawn as they are.
-    status: of each case over `axis` and `preload_method`: a cross at the foot where it was not
-        solved.
-    **look: of the lines; it comes after that of a race.
+    unit: in which the values are shown; by default that of the values.
+    status: of each case over `axis` and `preload_method`; unsolved cases get a cross at the foot.
+    **look: of the lines; it takes precedence over that of a race.
 
-    Returns: whether there was a cross.
+    Returns: whether there is a cross.
     """
-    failed = False
-    every = methods(values) if "preload_method" in values.dims else [("", values)]
-    for slot, (name, one) in enumerate(every):
-        shown = one if unit is None else unit.of(one)
+    has_failed = False
+    by_method = methods(values) if "preload_method" in values.dims else [("", values)]
+    for slot, (name, of_method) in enumerate(by_method):
+        shown = of_method if unit is None else unit.of(of_method)
         colour = look.get("color") or COLOURS[name]
-        styles = list(RACE_STYLES.values()) if "race" in one.dims else [{}]
+        styles = list(RACE_STYLES.values()) if "race" in of_method.dims else [{}]
         for k, style in enumerate(styles):
-            line = shown.isel(race=k) if "race" in one.dims else shown
-            panel.plot(one[axis], line, **{**style, "color": colour, **look})
+            line = shown.isel(race=k) if "race" in of_method.dims else shown
+            panel.plot(of_method[axis], line, **{**style, "color": colour, **look})
         if status is not None:
-            here = status.isel(preload_method=slot) if name else status
-            failed |= mark_failed(panel, one[axis], here, colour, slot)
+            method_status = status.isel(preload_method=slot) if name else status
+            has_failed |= mark_failed(panel, of_method[axis], method_status, colour, slot)
     panel.set_xlabel(ABSCISSAE[axis])
     if label:
         panel.set_ylabel(unit.label(label) if unit else label)
-    return failed
+    return has_failed
 
 
 def label_edges(panels: np.ndarray) -> None:
-    """Leave labels of panels that share their axes to the outer ones."""
+    """Removes the labels of all but the outer panels, for panels that share their axes."""
     for panel in panels.flat:
         panel.label_outer()
 
 
 def series_look(k: int) -> dict[str, Any]:
-    """Colour and marker of one of several that are no preload methods."""
+    """Returns colour and marker of line k of several that are not preload methods."""
     return {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]}
 
 
 def failed_keys(any_failed: bool) -> list[Line2D]:
-    """Legend of the crosses, if there are any."""
+    """Returns the legend of the crosses, if there are any."""
     return [key("not solved", color="0.3", **FAILED)] if any_failed else []
 
 
 def frame(figure: Figure, title: str, handles: Sequence[Artist], columns: int) -> None:
-    """Title above and legend below the panels, where they hide nothing."""
+    """Sets the title above and the legend below the panels.
+
+    columns: of the legend.
+    """
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
     figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
     if handles:
@@ -265,33 +275,34 @@ _BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:%|µm|mm|N|h|r/min|kg/m³)(?!\w))")
 
 
 def lines_of_a_title(title: str, width: int) -> list[str]:
-    """As few lines as the width allows, and as even as they can be: no single word is left over.
+    """Wraps a title into as few lines as the width [characters] allows, as even as possible.
 
     A number and its unit are on one line.
     """
     title = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title)
 
-    def lines(width: int) -> list[str]:
+    def wrapped(width: int) -> list[str]:
         return textwrap.wrap(title, width, break_long_words=False)
 
-    narrowest = next(w for w in range(1, width + 1) if len(lines(w)) <= len(lines(width)))
-    return lines(narrowest)
+    fewest = len(wrapped(width))
+    narrowest = next(w for w in range(1, width + 1) if len(wrapped(w)) <= fewest)
+    return wrapped(narrowest)
 
 
-def from_zero(axes: Any) -> None:
-    """Let the ordinate start at zero, with room above for the marks."""
+def start_at_zero(axes: Any) -> None:
+    """Sets the lower end of the ordinate to zero, and leaves space above the marks."""
     top = axes.get_ylim()[1]
     axes.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
 
 
 def power_of_ten(values: Sequence[xr.DataArray]) -> int:
-    """Power of ten, a multiple of three, that brings the largest value to 1 to 1000."""
+    """Returns the power of ten, a multiple of three, over which the largest value is 1 to 1000."""
     largest = max((float(abs(v).max()) for v in values if v.size and v.notnull().any()), default=0)
     return 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
 
 
 def number_on_axis(value: float) -> str:
-    """A number for a tick label, with a raised power of ten if it is below 0.001 or from 1e5 on."""
+    """Returns a tick label, with a raised power of ten if it is below 0.001 or at least 1e5."""
     digits, _, exponent = f"{value:.3e}".partition("e")
     if value == 0.0 or -3 <= int(exponent) < 5:
         return f"{value:g}".replace("-", "−")
@@ -300,5 +311,5 @@ def number_on_axis(value: float) -> str:
 
 
 def ten_to_the(exponent: int) -> str:
-    """A power of ten with its exponent raised."""
+    """Returns a power of ten with its exponent raised."""
     return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -14,16 +14,18 @@ from bearingwear.results.words import dataset_of_bearing
 def figure_of(
     dataset: xr.Dataset, name: str | Path, figures: Registry, bearing: str | None = None
 ) -> Figure:
-    """The figure of a dataset as files have it.
+    """Returns the figure of a dataset with the codes of files. May raise CaseFileError.
 
+    name: of the file, for messages.
     figures: for each kind that can be drawn, a function that takes the dataset and returns a
         figure.
+    bearing: `first` or `second`, if two differ.
     """
     kind = kind_of(dataset)
     dataset = dataset_of_bearing(dataset, name, bearing)
     if kind not in figures:
-        known = ", ".join(figures) or "none"
-        raise CaseFileError(f"{name}: got a file of kind {kind}, expected {known}")
+        allowed = ", ".join(figures) or "none"
+        raise CaseFileError(f"{name}: got a file of kind {kind}, expected {allowed}")
     figure: Figure = function(figures[kind])(dataset)
     return figure
 
@@ -34,5 +36,5 @@ def plot(
     figures: Registry,
     bearing: str | None = None,
 ) -> None:
-    """Draw a result file into files whose suffixes name their formats."""
+    """Draws a result file into files whose suffixes determine their formats."""
     save(figure_of(load(path), path, figures, bearing), outputs)

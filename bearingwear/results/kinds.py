@@ -42,6 +42,7 @@ def kind_of(file: Any) -> str:
 
 
 def _is_scalar(file: Any, name: str) -> bool:
+    """Whether a file contains a variable with a single value."""
     return name in file.variables and file[name].ndim == 0
 
 

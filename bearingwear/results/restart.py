@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.provenance import source_hash
-from bearingwear.results.netcdf import CaseFileError, opened
+from bearingwear.results.netcdf import CaseFileError, open_result
 from bearingwear.scene.accuracy import REGULARISATION
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.scene import Scene
@@ -30,7 +30,7 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
     another scene.
     """
     name = os.fspath(path)
-    with opened(path) as file:
+    with open_result(path) as file:
         fidelity = str(getattr(file, "fidelity", "none"))
         if fidelity != "dynamic" or "contact_load" not in file.variables:
             raise CaseFileError(
@@ -85,4 +85,5 @@ def _decisive_values(scene: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _value_text(value: Any) -> str:
+    """Returns a value of a scene as text, `nothing` if it is missing."""
     return "nothing" if value is None else json.dumps(value)

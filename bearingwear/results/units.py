@@ -65,7 +65,7 @@ class Display(NamedTuple):
     @property
     def printed(self) -> str:
         """The unit with the characters of figures, tables and the page: `N/µm`."""
-        return in_print(self.unit)
+        return printed_unit(self.unit)
 
     def of(self, values: Any) -> Any:
         """Converts values from the unit of files to this unit."""
@@ -184,7 +184,7 @@ class Estimated(float):
     @property
     def text(self) -> str:
         """The number to the first digit of its error."""
-        text = to_error(self, self.error)
+        text = text_to_error(self, self.error)
         if self.error <= RESOLVED * abs(self) and math.isclose(
             float(text), self, rel_tol=_EQUAL_TO_INPUT
         ):
@@ -192,7 +192,7 @@ class Estimated(float):
         return text
 
 
-def to_error(value: float, error: float) -> str:
+def text_to_error(value: float, error: float) -> str:
     """Returns a number as text to the first digit of its error: `0.87` with an error of 0.02."""
     if not (math.isfinite(value) and 0.0 < error < math.inf):
         return digits(value)
@@ -208,7 +208,7 @@ def span(values: Iterable[float]) -> str:
     return " to ".join(dict.fromkeys(texts))
 
 
-def in_print(unit: str) -> str:
+def printed_unit(unit: str) -> str:
     """Returns a unit with its proper characters and without breaks: `N/um` as `N/µm`."""
     text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("degree", "°")
     text = text.replace("m3", "m³").replace("s2", "s²")
@@ -258,7 +258,7 @@ def key_in_words(key: str) -> tuple[str, str]:
 _ASCII = str.maketrans({"µ": "u", "³": "3", "\N{NO-BREAK SPACE}": " ", "\N{MINUS SIGN}": "-"})
 
 
-def in_ascii(text: str) -> str:
+def ascii_text(text: str) -> str:
     """Returns a text with units in ASCII, for a terminal: `N/µm` as `N/um`."""
     return text.translate(_ASCII)
 
@@ -270,7 +270,7 @@ _MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}
 """The prefix of a unit in ASCII."""
 
 
-def unbroken(text: str) -> str:
+def without_unit_breaks(text: str) -> str:
     """Returns a text without line breaks between numbers and units, and with µ for u in these."""
     text = _MICRO.sub("µ", _UNIT.sub("\N{NO-BREAK SPACE}", text))
     return text.replace("N/µm", "N/\N{WORD JOINER}µm")

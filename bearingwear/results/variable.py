@@ -55,6 +55,7 @@ class Variable:
 
     @functools.cached_property
     def _attributes(self) -> dict[str, Any]:
+        """The attributes in a file; shared."""
         attributes: dict[str, Any] = {"long_name": self.long_name}
         if self.units:
             attributes["units"] = self.units

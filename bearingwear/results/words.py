@@ -67,7 +67,7 @@ def dataset_of_bearing(
     raise CaseFileError(f"{name}: bearing: got {bearing}, expected {allowed}")
 
 
-def in_words(name: str) -> str:
+def name_in_words(name: str) -> str:
     """Returns a name in files as words."""
     return name.replace("_", " ")
 

@@ -248,7 +248,7 @@ def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid])
 def _check_cases(scene: str, grid: Grid, more: Mapping[str, Any]) -> None:
     """Check a scene, read once, as some cases change it: each value of each axis is in one."""
     data, source = as_data(scene_file(scene))
-    for case in grid.every_value():
+    for case in grid.cases_of_each_value():
         with place_of_errors(f"config: {scene}, {case.id}"):
             changed_scene(data, {**case.changes, **more}, source)
 

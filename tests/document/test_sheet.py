@@ -194,7 +194,7 @@ def test_no_thrust_at_all_is_like_hardly_any(tmp_path, capsys, method):
 def test_a_life_of_a_film_says_how_its_tests_ended(capsys):
     """In the words of the page of tests; a dry bearing and a calibrated film do not say it."""
     page = " ".join((ROOT / "docs" / "film_tests.md").read_text(encoding="utf-8").split())
-    assert "too low by a factor of 40 or more, the second by 5.2 or more" in page
+    assert "too low by a factor of 43 or more, the second by 5.2 or more" in page
     said = "Film lives disagree with published tests: both predictions that can be checked fail"
     film = str(sheet_of_result(life(load_scene(scene_file("mos2_gyro")))))
     assert f"{said}, one by a factor of 40" in " ".join(film.split())

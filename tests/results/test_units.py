@@ -11,9 +11,9 @@ from bearingwear.results.units import (
     Rough,
     digits,
     display,
-    in_print,
+    printed_unit,
     span,
-    to_error,
+    text_to_error,
 )
 
 
@@ -77,12 +77,12 @@ def test_digits_follow_the_error():
         (0.12, 0.0): "0.12",
         (9.97, 0.096): "10.0",
     }
-    assert {pair: to_error(*pair) for pair in known} == known
+    assert {pair: text_to_error(*pair) for pair in known} == known
     texts = [Estimated.of(137.4, error).text for error in (0.053, 1e-9, 0.0, math.nan)]
     assert texts == ["137.40", "137.4", "137", "137"]
     given = [Estimated.of(value, 1e-9).text for value in (140.0, 7.0 + 1e-9, 137.4003)]
     assert given == ["140", "7", "137.40"]
-    assert to_error(math.nan, 0.1) == "–" and to_error(0.1234, math.nan) == "0.123"
+    assert text_to_error(math.nan, 0.1) == "–" and text_to_error(0.1234, math.nan) == "0.123"
     assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2" and span([]) == "–"
 
 
@@ -114,8 +114,12 @@ def test_three_digits(value, text):
 
 
 def test_units_in_print():
-    assert in_print("N/um") == "N/µm" and in_print("um") == "µm" and in_print("degree") == "°"
-    assert in_print("mm3/1000 h") == "mm³/1000\N{NO-BREAK SPACE}h"
-    assert in_print("uN m") == "µN\N{NO-BREAK SPACE}m"
+    assert (
+        printed_unit("N/um") == "N/µm"
+        and printed_unit("um") == "µm"
+        and printed_unit("degree") == "°"
+    )
+    assert printed_unit("mm3/1000 h") == "mm³/1000\N{NO-BREAK SPACE}h"
+    assert printed_unit("uN m") == "µN\N{NO-BREAK SPACE}m"
     assert display("Pa", 2e9).label("pressure") == "pressure (GPa)"
     assert display("1").label("friction") == "friction"

@@ -26,7 +26,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import in_words, scene_of
+from bearingwear.results.words import name_in_words, scene_of
 from bearingwear.studies.dataset import loaded
 
 _HIGH, _WIDE = 0.62, 0.9
@@ -69,7 +69,7 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
     panels[0, 0].set_yticks(range(len(lines)), names)
     found = np.nansum(motions["share"].values.reshape(-1, len(MOTIONS)), axis=0) > 0.0
     handles = [
-        key(in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linewidth=5)
+        key(name_in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linewidth=5)
         for code in np.flatnonzero(found).tolist()
     ]
     handles.append(key(f"quiet; numbers: work per turn ({unit.printed})", color="black"))

@@ -206,7 +206,7 @@ def cage_life(life: Life, other: bool = True) -> xr.Dataset:
         criterion = CRITERIA[life.criterion]
         measure, limit = ENDS[criterion], getattr(wearing.end, criterion)
         worst, name = measure.critical(life.states[-1].__getitem__)
-        attrs = {"cage_ended_by": measure.reached(worst, limit, name)}
+        attrs = {"cage_ended_by": measure.criterion_phrase(worst, limit, name)}
         # Runs along the life draw alike, so errors add.
         half = np.trapezoid(error[:, int(not name.startswith(CAGE_PARTS[0]))], turns) / turns[-1]
         interval = turns[-1] * np.array([1.0 - half, 1.0 + half])

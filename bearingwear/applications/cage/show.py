@@ -16,8 +16,8 @@ from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
-from bearingwear.results.units import Interval, Rough, display, key_in_words, to_error
-from bearingwear.results.words import in_words, scene_of
+from bearingwear.results.units import Interval, Rough, display, key_in_words, text_to_error
+from bearingwear.results.words import name_in_words, scene_of
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
 
@@ -43,7 +43,7 @@ _ROWS = (
 def shares_in_words(shares: Any) -> str:
     """Motions with the share of the runs that end in each, the most frequent first."""
     order = [int(k) for k in np.argsort(-np.asarray(shares), kind="stable") if shares[k] > 0.0]
-    return ", ".join(f"{in_words(MOTIONS[k])} {100.0 * shares[k]:.0f} %" for k in order)
+    return ", ".join(f"{name_in_words(MOTIONS[k])} {100.0 * shares[k]:.0f} %" for k in order)
 
 
 def ensemble_sheet(file: Any) -> Document:
@@ -63,7 +63,7 @@ def ensemble_sheet(file: Any) -> Document:
     unnamed = sum(values(file, "motion")[status != OK] != JAMS)
     if unsolved:
         counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
-        text = ", ".join(f"{in_words(name)} {n}" for name, n in counted.items())
+        text = ", ".join(f"{name_in_words(name)} {n}" for name, n in counted.items())
         lines.append(
             f"runs not solved: {len(unsolved)} ({text}); motion that could not be classified: "
             f"{unnamed}"
@@ -98,7 +98,7 @@ def _motions(file: Any) -> Block:
     unit = display("J", *work)
     rows = [
         Row(
-            in_words(motion),
+            name_in_words(motion),
             "",
             (
                 f"{100.0 * share[k]:.0f} %",
@@ -183,13 +183,13 @@ def ensemble_figure(found: xr.Dataset) -> Figure:
                 x_unit.of(found[x_name].values[some]), y_unit.of(found[y_name].values[some]),
                 "o", color=colour, markersize=4, fillstyle="none",
             )  # fmt: skip
-        panel.set_xlabel(x_unit.label(in_words(x_name)))
-        panel.set_ylabel(y_unit.label(in_words(y_name)))
+        panel.set_xlabel(x_unit.label(name_in_words(x_name)))
+        panel.set_ylabel(y_unit.label(name_in_words(y_name)))
     if lives:
         _draw_life(panels[0, 2], found)
     seen = [code for code in MOTION_COLOURS if (motion == code).any()]
     handles = [
-        key(in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
+        key(name_in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
         for code in seen
     ]
     name = scene_of(found)["name"]
@@ -210,5 +210,5 @@ def _draw_life(panel: Any, found: xr.Dataset) -> None:
 def within(mean: float, ends: Any, unit: Any) -> str:
     """A mean and its interval in a unit."""
     low, high = (float(unit.of(float(end))) for end in ends)
-    number, first, last = (to_error(x, 0.5 * (high - low)) for x in (unit.of(mean), low, high))
+    number, first, last = (text_to_error(x, 0.5 * (high - low)) for x in (unit.of(mean), low, high))
     return f"{number} ({first} to {last})"

@@ -42,7 +42,7 @@ class Reached(NamedTuple):
 
     @property
     def words(self) -> str:
-        return self.measure.passed(self.value, self.limit, self.variable)
+        return self.measure.violation_phrase(self.value, self.limit, self.variable)
 
 
 def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Reached]:
@@ -79,4 +79,4 @@ def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
     met = criterion_met(scene, values, -1)
     if met is None:
         return {}
-    return {"ended_by": met.measure.reached(met.value, met.limit, met.variable)}
+    return {"ended_by": met.measure.criterion_phrase(met.value, met.limit, met.variable)}

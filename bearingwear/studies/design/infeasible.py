@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.results.units import digits
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from bearingwear.studies.design.best import NEW_BEARING, PreloadPoint
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import limit_text
@@ -109,7 +109,7 @@ def _where_words(point: Mapping[str, Any], name: str, cases: bool) -> str:
 def _unsolved_words(order: Sequence[PreloadPoint], cases: bool) -> str:
     """Where most of some points were not solved, and why; nothing where no point says so."""
     words = [
-        f"{condition_words(one, cases)}: {in_words(one.get('status', STATUS_NAMES[OK]))}"
+        f"{condition_words(one, cases)}: {name_in_words(one.get('status', STATUS_NAMES[OK]))}"
         for point in order
         if (one := point.values.get(NOT_SOLVED_AT))
     ]

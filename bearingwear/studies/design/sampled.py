@@ -18,8 +18,8 @@ from bearingwear.results.quantiles import (
     quantities_of,
     spread_at,
 )
-from bearingwear.results.units import Rough, key_in_words, to_error
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.units import Rough, key_in_words, text_to_error
+from bearingwear.results.words import methods, name_in_words, scene_of
 from bearingwear.scene.scene import PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
@@ -105,7 +105,7 @@ def _indices(uncertainty: xr.Dataset) -> Block:
             known = zip(
                 indices["total_index"].values, indices["total_index_error"].values, strict=True
             )
-            texts = tuple(f"{to_error(a, b)} ± {to_error(b, b)}" for a, b in known)
+            texts = tuple(f"{text_to_error(a, b)} ± {text_to_error(b, b)}" for a, b in known)
             rows.append(Row(f"{words}{more}", "", texts, f"total_index.{method}{more}"))
         used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
     said = (
@@ -119,5 +119,5 @@ def _indices(uncertainty: xr.Dataset) -> Block:
 def distribution_text(given: dict[str, float | str]) -> str:
     """A distribution in words: `normal, standard deviation 0.35`."""
     needs, takes = PARAMETERS[str(given["distribution"])]
-    parts = [f"{in_words(part)} {given[part]:g}" for part in (*takes, *needs) if part in given]
+    parts = [f"{name_in_words(part)} {given[part]:g}" for part in (*takes, *needs) if part in given]
     return ", ".join([str(given["distribution"]), *parts])

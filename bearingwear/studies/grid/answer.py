@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,22 +26,31 @@ from bearingwear.results.quantiles import (
     load_quantiles,
     spread_of,
 )
-from bearingwear.results.units import Estimated, Rough, in_print, span
-from bearingwear.results.words import friction_text, in_words, methods, percent_in_text, scene_of
+from bearingwear.results.units import Estimated, Rough, printed_unit, span
+from bearingwear.results.words import (
+    friction_text,
+    methods,
+    name_in_words,
+    percent_in_text,
+    scene_of,
+)
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import loaded
 
 NO_END = "no end-of-life criterion is met"
 RANK = 1
-"""Of the answer: one that recommends a preload comes before it."""
+"""The rank of the answer on a page; one that recommends a preload comes before it."""
 
 
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
-    """Step: the answer of the study, about its first scene, as the page reads it."""
-    known = [one for path in uncertainty for one in load_quantiles(path)]
-    read = [loaded(path, interpolated_step=()) for path in lives]
-    first = scene_of(read[0])
-    return answer([life for one in read for life in lives_of(one, known)], first).stored
+    """Step: returns the answer of the study about its first scene, as JSON for the page.
+
+    lives: wear-life files, one a scene. uncertainty: files of the study of uncertainty.
+    """
+    uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
+    datasets = [loaded(path, interpolated_step=()) for path in lives]
+    method_lives = [life for dataset in datasets for life in lives_of(dataset, uncertainties)]
+    return answer(method_lives, scene_of(datasets[0])).stored
 
 
 class MethodLife(NamedTuple):
@@ -52,139 +62,161 @@ class MethodLife(NamedTuple):
     hours: float  # nan where there is none
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
-    worn: bool = False  # whether it has worn grooves
+    worn: bool = False  # whether it was computed with worn grooves
     spread: Spread | None = None
     loss: float = math.nan  # at the end [um]
     route_difference: float = math.nan  # of the interpolated life from this one, relative
 
 
-def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
-    """Every life in a file of `grid.life.wear_life`.
+def lives_of(dataset: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
+    """Returns every life in a file of `grid.life.wear_life`.
 
-    `known` are files of the study of uncertainty, if there are any.
+    uncertainties: files of the study of uncertainty.
     """
     scene = scene_of(dataset)
-    limits = scene.get("wear", {}).get("end_of_life") or {}
-    names = dataset["end_criterion"].attrs["flag_meanings"].split()
-    found = []
+    lives = []
     for method, of_method in methods(dataset):
         for mu in dataset["friction"].values.tolist():
-            one = of_method.sel(friction=mu)
-            status = int(one["status"])
-            criterion = names[int(one["end_criterion"])]
-            end = NO_END
-            if status not in (OK, CRITERION_NOT_REACHED):
-                end = f"not solved: {in_words(STATUS_NAMES[status])}"
-            elif criterion in ENDS:
-                met = ENDS[criterion]
-                way = "falls to" if met.falls else "reaches"
-                end = f"{met.words} {way} {in_print(met.limit_text(limits[criterion]))}"
-            found.append(
+            life = of_method.sel(friction=mu)
+            is_worn = "groove_depth" in life and bool(np.isfinite(life["groove_depth"]).any())
+            lives.append(
                 MethodLife(
-                    scene["name"],
-                    PAIRS[method] if is_pair(scene) else method,
-                    mu,
-                    float(one["life"]),
-                    float(one.get("life_error_estimate", math.nan)),
-                    end,
-                    "groove_depth" in one and bool(np.isfinite(one["groove_depth"]).any()),
-                    spread_of(known, scene, method, mu),
-                    1e6 * float(one["loss_at_end"].max()),
-                    float(one["life_route_difference"]),
+                    scene=scene["name"],
+                    method=PAIRS[method] if is_pair(scene) else method,
+                    friction=mu,
+                    hours=float(life["life"]),
+                    error=float(life.get("life_error_estimate", math.nan)),
+                    end=_end_phrase(life, scene),
+                    worn=is_worn,
+                    spread=spread_of(uncertainties, scene, method, mu),
+                    loss=1e6 * float(life["loss_at_end"].max()),
+                    route_difference=float(life["life_route_difference"]),
                 )
             )
-    return found
+    return lives
+
+
+def _end_phrase(life: xr.Dataset, scene: Mapping[str, Any]) -> str:
+    """States the criterion that ended a life, or why it has no end."""
+    status = int(life["status"])
+    if status not in (OK, CRITERION_NOT_REACHED):
+        return f"not solved: {name_in_words(STATUS_NAMES[status])}"
+    names = life["end_criterion"].attrs["flag_meanings"].split()
+    criterion = names[int(life["end_criterion"])]
+    if criterion not in ENDS:
+        return NO_END
+    measure = ENDS[criterion]
+    limit = measure.limit_text(scene["wear"]["end_of_life"][criterion])
+    return f"{measure.words} {'falls to' if measure.falls else 'reaches'} {printed_unit(limit)}"
 
 
 def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
-    """The answer of a study with at least one life.
+    """Returns the answer of a study with at least one life, about the scene of the first life.
 
-    Two methods whose lives differ by less than their estimated numerical errors together count as
-    equal.
+    The lives of two methods count as equal if they differ by less than the sum of their estimated
+    numerical errors.
     """
     name = lives[0].scene
-    here = [life for life in lives if life.scene == name]
-    others = [life for life in lives if life.scene != name]
-    points = [("What ends the life", _what_ends(here))]
-    contests = _contests(here)
-    if contests:
-        verdicts = [_compared(here), *_verdicts(contests)]
-        points.insert(0, ("Comparison of preload methods", verdicts))
-    if at_once := _at_once(here):
-        points.append(("Uncertainty", [at_once]))
-    if others:
-        points.append(("Other bearings", _elsewhere(others)))
+    lives_here = [life for life in lives if life.scene == name]
     preload = f"{scene['operation']['preload_N']:g} N"
-    given = f"the given preload of {preload}"
+    given_preload = f"the given preload of {preload}"
     nominal = " in the nominal case" if scene.get("cases") else ""
+    headline = _headline(lives_here, _comparisons(lives_here))
     return Document(
-        (f"{name}: with {given} for both methods{nominal}, {_headline(here, contests)}",),
-        {
+        heading=(f"{name}: with {given_preload} for both methods{nominal}, {headline}",),
+        facts={
             "scene": name,
-            # of the scene as it stands: no case of it was solved
+            # of the scene without its cases, none of which was solved
             "bearing": f"{bearing_line({**scene, 'cases': None})}{nominal and f';{nominal}'}",
             # the heading after a recommendation, which may prefer the other method
             "beside": f"For comparison: both methods with the input preload of {preload}{nominal}",
         },
-        (
-            *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            lives_block(f"{name}: lives at {given}{nominal}", here, scene),
+        blocks=(
+            *_sentence_blocks(lives_here, [life for life in lives if life.scene != name]),
+            lives_block(f"{name}: lives at {given_preload}{nominal}", lives_here, scene),
         ),
-        ("wear_life",),
+        figures=("wear_life",),
         subject=f"Input preload: {preload}",
         rank=RANK,
     )
 
 
+def _sentence_blocks(
+    lives: Sequence[MethodLife], lives_elsewhere: Sequence[MethodLife]
+) -> list[Block]:
+    """Returns the sentences of an answer, below their titles.
+
+    lives: of the scene of the answer. lives_elsewhere: of other scenes.
+    """
+    sections = []
+    if comparisons := _comparisons(lives):
+        sentences = [_grooves_sentence(lives), *_comparison_sentences(comparisons)]
+        sections.append(("Comparison of preload methods", sentences))
+    sections.append(("What ends the life", _end_sentences(lives)))
+    if zero_lives := _zero_lives_sentence(lives):
+        sections.append(("Uncertainty", [zero_lives]))
+    if lives_elsewhere:
+        sections.append(("Other bearings", _other_scenes_sentences(lives_elsewhere)))
+    return [Block(title, lines=tuple(lines), place="lead") for title, lines in sections]
+
+
 _NOT_LONGER = {None: "the methods are equal", "": "neither can be used"}
 
 
-class _Contest(NamedTuple):
-    """Both methods at one friction coefficient of a scene."""
+class _Comparison(NamedTuple):
+    """Both preload methods at one friction coefficient of a scene."""
 
     friction: float
-    longest: str | None  # None: equal; empty: both lives are zero
+    longest: str | None  # the better method; None: equal; empty: both lives are zero
     other: str
     ratio: float  # longer life over the shorter
 
 
-def _contests(lives: Iterable[MethodLife]) -> list[_Contest]:
+def _comparisons(lives: Iterable[MethodLife]) -> list[_Comparison]:
+    """Returns a comparison for each scene and friction coefficient with two lives."""
     by_point: dict[tuple[str, float], list[MethodLife]] = {}
     for life in lives:
         if math.isfinite(life.hours):
             by_point.setdefault((life.scene, life.friction), []).append(life)
-    found = []
-    for (_, mu), pair in by_point.items():
-        if len(pair) > 1:
-            short, long = sorted(pair, key=lambda life: life.hours)
-            ratio = math.inf if long.hours > 0.0 else 1.0  # where the other has no life at all
-            if short.hours > 0.0:
-                ratio = long.hours / short.hours
-            errors = sum(life.error for life in pair if math.isfinite(life.error))
-            longest = long.method if ratio - 1.0 > errors else None
-            found.append(_Contest(mu, longest if long.hours else "", short.method, ratio))
-    return found
+    return [_comparison(pair) for pair in by_point.values() if len(pair) > 1]
 
 
-def _headline(lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
+def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
+    """Compares two lives of a scene at the same friction coefficient."""
+    shorter, longer = sorted(pair, key=lambda life: life.hours)
+    ratio = math.inf if longer.hours > 0.0 else 1.0
+    if shorter.hours > 0.0:
+        ratio = longer.hours / shorter.hours
+    errors = sum(life.error for life in pair if math.isfinite(life.error))
+    longest = longer.method if ratio - 1.0 > errors else None
+    return _Comparison(
+        friction=longer.friction,
+        longest=longest if longer.hours else "",
+        other=shorter.method,
+        ratio=ratio,
+    )
+
+
+def _headline(lives: Sequence[MethodLife], comparisons: Sequence[_Comparison]) -> str:
+    """States which method gives the longer life, for a title."""
     if not any(math.isfinite(life.hours) for life in lives):
         return "no end of life was found"
-    winners = {contest.longest for contest in contests}
+    winners = {comparison.longest for comparison in comparisons}
     if not winners:
-        known = dict.fromkeys(in_words(life.method) for life in lives)
-        return f"life with {' and '.join(known)}"
+        names = dict.fromkeys(name_in_words(life.method) for life in lives)
+        return f"life with {' and '.join(names)}"
     if winners == {""}:
         return "neither preload method can be used"
     winners.discard("")
     if winners == {None}:
         return "both preload methods give the same life"
     if len(winners) == 1:
-        return f"{_one(str(*winners))} gives the longer life"
+        return f"{_method_words(str(*winners))} gives the longer life"
     return "the better preload method depends on friction"
 
 
-def _compared(lives: Sequence[MethodLife]) -> str:
-    """With which grooves the methods are compared."""
+def _grooves_sentence(lives: Sequence[MethodLife]) -> str:
+    """States with which grooves the methods were compared."""
     worn = {life.worn for life in lives}
     grooves = "worn grooves" if True in worn else "Hertzian grooves"
     if len(worn) > 1:
@@ -195,47 +227,51 @@ def _compared(lives: Sequence[MethodLife]) -> str:
     )
 
 
-def _grouped(pairs: Iterable[tuple[str, float]]) -> list[tuple[str, str]]:
-    """Each text once, with the frictions that it belongs to: neighbours as a range."""
-    known = sorted(pairs, key=lambda pair: pair[1])
-    runs = [
-        (text, [mu for _, mu in members]) for text, members in groupby(known, lambda pair: pair[0])
-    ]
-    ends: dict[str, list[str]] = {}
-    for text, mus in runs:
-        last = f" to {mus[-1]:g}" if len(mus) > 1 else ""
-        ends.setdefault(text, []).append(f"{friction_text(mus[0])}{last}")
-    return [(text, ", ".join(where)) for text, where in ends.items()]
+def _frictions_by_text(pairs: Iterable[tuple[str, float]]) -> dict[str, str]:
+    """Returns the friction coefficients of each text, neighbours as a range.
+
+    pairs: a text and its friction coefficient.
+    """
+    by_friction = sorted(pairs, key=lambda pair: pair[1])
+    ranges: dict[str, list[str]] = {}
+    for text, run in groupby(by_friction, lambda pair: pair[0]):
+        frictions = [friction for _, friction in run]
+        end = f" to {frictions[-1]:g}" if len(frictions) > 1 else ""
+        ranges.setdefault(text, []).append(f"{friction_text(frictions[0])}{end}")
+    return {text: ", ".join(parts) for text, parts in ranges.items()}
 
 
-def _verdicts(contests: Sequence[_Contest]) -> list[str]:
-    said = []
-    of_frictions = _grouped((str(contest.longest), contest.friction) for contest in contests)
-    for winner in dict.fromkeys(contest.longest for contest in contests):
-        won = [contest for contest in contests if contest.longest == winner]
-        if not winner:
-            frictions = dict(of_frictions)[str(winner)]
-            equal = f"At {frictions}, the lives differ by no more than their numerical errors."
-            none = (
+def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
+    """States for each better method where and by how much it is better, or that none is."""
+    sentences = []
+    frictions_of = _frictions_by_text((str(c.longest), c.friction) for c in comparisons)
+    for winner in dict.fromkeys(comparison.longest for comparison in comparisons):
+        frictions = frictions_of[str(winner)]
+        if winner is None:
+            sentences.append(
+                f"At {frictions}, the lives differ by no more than their numerical errors."
+            )
+        elif not winner:
+            sentences.append(
                 f"Neither method can be used at {frictions}: with both methods, an end-of-life "
                 "criterion is met when the bearing is new."
             )
-            said.append(equal if winner is None else none)
-            continue
-        by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
-        margins = ", ".join(f"{margin} at {frictions}" for margin, frictions in by_margin)
-        said.append(
-            _sentence(f"{_one(winner)} gives a longer life than {_one(won[0].other)}: {margins}")
-        )
-    return said
+        else:
+            won = [comparison for comparison in comparisons if comparison.longest == winner]
+            ratios = _frictions_by_text((_ratio_phrase(c.ratio), c.friction) for c in won)
+            margins = ", ".join(f"{ratio} at {where}" for ratio, where in ratios.items())
+            better, other = _method_words(winner), _method_words(won[0].other)
+            sentences.append(_sentence(f"{better} gives a longer life than {other}: {margins}"))
+    return sentences
 
 
-def _one(method: str) -> str:
-    """A method or a pair in a sentence."""
-    return f"{'a ' * (method in PAIRS.values())}{in_words(method)}"
+def _method_words(method: str) -> str:
+    """Returns the words for a preload method, or for a pair with its article."""
+    return f"{'a ' * (method in PAIRS.values())}{name_in_words(method)}"
 
 
-def _margin(ratio: float) -> str:
+def _ratio_phrase(ratio: float) -> str:
+    """States how much longer the longer life is."""
     if ratio == math.inf:
         return "the other method gives a life of zero"
     if ratio < 1.1:
@@ -243,20 +279,23 @@ def _margin(ratio: float) -> str:
     return f"{ratio:.2g} times as long"
 
 
-def _at_once(lives: Sequence[MethodLife]) -> str:
-    """Of which lives one in twenty is zero; nothing where there is none."""
-    found = [
-        (in_words(life.method), life.friction)
+def _zero_lives_sentence(lives: Sequence[MethodLife]) -> str:
+    """States for which lives at least one bearing in twenty has none; empty if there are none."""
+    frictions_of = _frictions_by_text(
+        (name_in_words(life.method), life.friction)
         for life in lives
         if life.spread and life.spread.bearings.low == 0.0
-    ]
-    where = ", ".join(f"{method} at {frictions}" for method, frictions in _grouped(found))
-    text = f"at least one bearing in twenty meets an end-of-life criterion when new: {where}"
-    return _sentence(text) if found else ""
+    )
+    if not frictions_of:
+        return ""
+    points = ", ".join(f"{method} at {frictions}" for method, frictions in frictions_of.items())
+    return _sentence(
+        f"at least one bearing in twenty meets an end-of-life criterion when new: {points}"
+    )
 
 
-def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
-    """What the columns of the table are."""
+def _table_note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
+    """States what the columns of the table of lives contain."""
     counts = f"The lives are based on the wear of {counted_words(scene)}."
     if scene.get("duty"):
         counts += (
@@ -271,61 +310,70 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     )
 
 
-def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
-    """What ends the lives of each method; of both at once where it is the same."""
-    texts: dict[str, list[str]] = {}
+def _end_sentences(lives: Sequence[MethodLife]) -> list[str]:
+    """States what ends the lives of each method, in one sentence for methods with the same ends."""
+    methods_of: dict[str, list[str]] = {}
     for method in dict.fromkeys(life.method for life in lives):
-        ends = _grouped((life.end, life.friction) for life in lives if life.method == method)
-        text = "; ".join(
-            end + (f" at {frictions}" if len(ends) > 1 else "") for end, frictions in ends
+        ends = _frictions_by_text(
+            (life.end, life.friction) for life in lives if life.method == method
         )
-        texts.setdefault(text, []).append(in_words(method))
-    return [_sentence(f"{' and '.join(names)}: {text}") for text, names in texts.items()]
+        phrases = [f"{end} at {frictions}" for end, frictions in ends.items()]
+        text = "; ".join(phrases if len(ends) > 1 else ends)
+        methods_of.setdefault(text, []).append(name_in_words(method))
+    return [_sentence(f"{' and '.join(names)}: {text}") for text, names in methods_of.items()]
 
 
-def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
-    contests = _contests(lives)
-    hours = _hours([life.hours for life in lives])
-    said = [f"{hours}, based on the wear that each scene specifies"]
-    for winner in dict.fromkeys(contest.longest for contest in contests):
-        count = sum(contest.longest == winner for contest in contests)
-        name = f"{in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
-        said.append(f"{name} in {count} of {len(contests)} comparisons")
-    return [_sentence(text) for text in said]
+def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
+    """States the range of lives in other scenes, and how often each method is better there."""
+    comparisons = _comparisons(lives)
+    hours = _hours_text([life.hours for life in lives])
+    phrases = [f"{hours}, based on the wear that each scene specifies"]
+    for winner in dict.fromkeys(comparison.longest for comparison in comparisons):
+        count = sum(comparison.longest == winner for comparison in comparisons)
+        name = f"{name_in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
+        phrases.append(f"{name} in {count} of {len(comparisons)} comparisons")
+    return [_sentence(phrase) for phrase in phrases]
 
 
 def _sentence(text: str) -> str:
+    """Returns a text with a capital letter and a full stop."""
     return f"{text[0].upper()}{text[1:]}."
 
 
-def lives_block(
-    title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any], every: bool = False
-) -> Block:
-    """A line for each life, with its spread and its end; `every` adds its loss and other route."""
-    known = sorted(lives, key=lambda life: life.friction)
+def lives_block(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Block:
+    """Returns a table with a line for each life: its hours, spread, end, and numerical error."""
+    lives = sorted(lives, key=lambda life: life.friction)
     rows = (
-        Row("friction", "", tuple(life.friction for life in known), "friction", given=True),
-        Row("preload method", "", tuple(in_words(life.method) for life in known)),
+        Row("friction", "", tuple(life.friction for life in lives), "friction", given=True),
+        Row("preload method", "", tuple(name_in_words(life.method) for life in lives)),
         Row(
             "life",
             "h",
-            tuple(Estimated.of(life.hours, life.error * life.hours) for life in known),
+            tuple(Estimated.of(life.hours, life.error * life.hours) for life in lives),
             "life",
         ),
-        *spread_rows([life.spread for life in known]),
-        Row("ended by", "", tuple(life.end for life in known), "end_criterion"),
-        Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in known)),
+        *spread_rows([life.spread for life in lives]),
+        Row("ended by", "", tuple(life.end for life in lives), "end_criterion"),
+        Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in lives)),
     )
-    if every:
-        routes = tuple(Rough(100.0 * life.route_difference) for life in known)
-        rows += (
-            Row("total wear depth", "um", tuple(life.loss for life in known), "loss_at_end"),
-            Row("difference in the interpolated life", "%", routes, "life_route_difference"),
-        )
-    return Block(title, rows=rows, lines=(_note(lives, scene), *film_lines(scene)), axes=2)
+    return Block(title, rows=rows, lines=(_table_note(lives, scene), *film_lines(scene)), axes=2)
 
 
-def _hours(values: Iterable[float]) -> str:
-    """Least and most of some lives; a dash if there is none."""
+def detailed_lives_block(
+    title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]
+) -> Block:
+    """Returns the table of `lives_block` with the wear depths and the interpolated lives."""
+    block = lives_block(title, lives, scene)
+    lives = sorted(lives, key=lambda life: life.friction)
+    differences = tuple(Rough(100.0 * life.route_difference) for life in lives)
+    rows = (
+        Row("total wear depth", "um", tuple(life.loss for life in lives), "loss_at_end"),
+        Row("difference in the interpolated life", "%", differences, "life_route_difference"),
+    )
+    return replace(block, rows=(*block.rows, *rows))
+
+
+def _hours_text(values: Iterable[float]) -> str:
+    """Returns the range of some lives [h]; a dash if there is none."""
     text = span(map(Rough, values))
     return text if text == "–" else f"{text}\N{NO-BREAK SPACE}h"

@@ -1,4 +1,4 @@
-"""What is drawn and said of cases that were solved dynamically, for the workflow."""
+"""The report on cases that were solved with the dynamic model, for the workflow."""
 
 from pathlib import Path
 
@@ -8,5 +8,5 @@ from bearingwear.studies.grid.figures.draw import draw_dynamic
 
 
 def dynamic_report(study: Path, dynamic: Path) -> tuple[Figure, str, str]:
-    """The figure, every number as CSV, and the few that matter as Markdown."""
+    """Step: returns the figure, all numbers as CSV, and the main ones as Markdown."""
     return (draw_dynamic(study, dynamic), *comparison(study, dynamic))

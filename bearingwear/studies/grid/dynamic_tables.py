@@ -1,6 +1,6 @@
-"""The tables that set cases solved dynamically beside the steady ones."""
+"""Tables that compare cases solved with the dynamic model with the steady ones."""
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from pathlib import Path
 
 import xarray as xr
@@ -20,90 +20,105 @@ from bearingwear.studies.grid.tables import (
     unsolved_cases,
 )
 
-WAYS = ("steady", "dynamic")
+_MODELS = ("steady", "dynamic")
 ALL_SOLVED = "None: every case was solved and verified with both models."
-WEAR_WORDS = (
-    "Means over all balls.",
+WEAR_LINE = "Means over all balls."
+WEAR_LINE_WITH_CAGE = (
     "Means over all balls. Dynamic cases include wear in the cage pockets. If the land does not "
-    "wear, the cage did not touch it during the averaged turns.",
+    "wear, the cage did not touch it during the averaged turns."
 )
-"""Without a cage, and with one."""
-LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
+LARGEST_DRIFT = 0.02
+"""Largest relative drift over the averaged turns at which a mean counts as settled."""
 
 
 def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
-    """The cases of `dynamic` as solved both ways: `NAME.steady` and `NAME.dynamic`.
+    """Returns the cases of `dynamic` solved with both models: `NAME.steady` and `NAME.dynamic`.
 
-    Over balls, the mean or the extreme; what only one of them has keeps its name.
+    Variables over balls become means or extremes. Variables without a steady value keep their
+    names.
     """
-    one = over_all_balls(study.sel({axis: dynamic[axis] for axis in AXES}))
-    other = over_all_balls(dynamic)
-    shared = [name for name in other.data_vars if name in one]
-    solved = {
-        f"{name}.{way}": found[name]
-        for name in shared
-        for way, found in (("steady", one), ("dynamic", other))
+    steady_cases = over_all_balls(study.sel({axis: dynamic[axis] for axis in AXES}))
+    dynamic_cases = over_all_balls(dynamic)
+    variables: dict[Hashable, xr.DataArray] = {}
+    for name, variable in dynamic_cases.data_vars.items():
+        if name in steady_cases:
+            variables[f"{name}.steady"] = steady_cases[name]
+            variables[f"{name}.dynamic"] = variable
+    variables |= {
+        name: variable
+        for name, variable in dynamic_cases.data_vars.items()
+        if name not in steady_cases
     }
-    alone = {name: v for name, v in other.data_vars.items() if name not in shared}
-    return xr.Dataset(solved | alone, attrs=dynamic.attrs)
+    return xr.Dataset(variables, attrs=dynamic.attrs)
 
 
 def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
-    """Step: every number of both as CSV, and the few that matter as Markdown."""
+    """Step: returns all numbers of both models as CSV, and the main ones as Markdown."""
     solved = steady_and_dynamic(*both_ways(study, dynamic))
-    return cases_csv(solved), _text(solved)
+    return cases_csv(solved), _comparison_markdown(solved)
 
 
-def _text(solved: xr.Dataset) -> str:
-    change = (solved["total_qv.dynamic"] / solved["total_qv.steady"] - 1.0).rename("total_qv")
-    change.attrs = {"units": "1", "shown": "%"}
-    wear: list[tuple[xr.DataArray | str, str]]
-    wear = [(f"ball_wear_rate.{way}", way) for way in WAYS]
-    wear += [
-        (solved[f"race_wear_rate.{way}"].isel(race=k), f"{race}, {way}")
-        for k, race in enumerate(RACES)
-        for way in WAYS
-    ]
-    wear += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in solved]
-    drift = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
-    still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the averaged turns."
+def _comparison_markdown(solved: xr.Dataset) -> str:
+    """Returns the main numbers of cases solved with both models, as Markdown."""
     unsolved = tuple(
-        line for way in WAYS for line in unsolved_cases(solved, f"status.{way}", f", {way}")
+        line
+        for model in _MODELS
+        for line in unsolved_cases(solved, f"status.{model}", f", {model}")
     )
     blocks = (
-        dataset_table(
-            solved,
-            [*AXES],
-            [
-                *((f"total_qv.{way}", way) for way in WAYS),
-                (change, "relative difference, dynamic versus steady"),
-                *((f"residual_preload.{way}", way) for way in WAYS),
-            ],
-            "QV and preload",
-            ("QV values are for the whole bearing.",),
-        ),
-        dataset_table(
-            solved, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in solved],)
-        ),
-        dataset_table(
-            solved,
-            [*AXES],
-            [(name, "") for name in drift if name in solved],
-            "Convergence of the means",
-            tuple(_unsettled(solved)) or (still,),
-        ),
+        _preload_table(solved),
+        _wear_table(solved),
+        _drift_table(solved),
         Block("Not solved", lines=unsolved or (ALL_SOLVED,)),
     )
     title = f"{scene_of(solved)['name']}: dynamic solution compared with the steady state"
     return as_markdown(Document((title,), blocks=blocks))
 
 
-def _unsettled(solved: xr.Dataset) -> Iterator[str]:
+def _preload_table(solved: xr.Dataset) -> Block:
+    """Returns a table of QV, its difference between the models, and residual preload."""
+    change = (solved["total_qv.dynamic"] / solved["total_qv.steady"] - 1.0).rename("total_qv")
+    change.attrs = {"units": "1", "shown": "%"}
+    columns: list[tuple[xr.DataArray | str, str]] = [
+        *((f"total_qv.{model}", model) for model in _MODELS),
+        (change, "relative difference, dynamic versus steady"),
+        *((f"residual_preload.{model}", model) for model in _MODELS),
+    ]
+    lines = ("QV values are for the whole bearing.",)
+    return dataset_table(solved, [*AXES], columns, "QV and preload", lines)
+
+
+def _wear_table(solved: xr.Dataset) -> Block:
+    """Returns a table of the wear rates of balls, races and, if there is one, cage."""
+    columns: list[tuple[xr.DataArray | str, str]]
+    columns = [(f"ball_wear_rate.{model}", model) for model in _MODELS]
+    columns += [
+        (solved[f"race_wear_rate.{model}"].isel(race=k), f"{race}, {model}")
+        for k, race in enumerate(RACES)
+        for model in _MODELS
+    ]
+    columns += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in solved]
+    line = WEAR_LINE_WITH_CAGE if "cage_wear_rate" in solved else WEAR_LINE
+    return dataset_table(solved, [*AXES], columns, "Wear rates", (line,))
+
+
+def _drift_table(solved: xr.Dataset) -> Block:
+    """Returns a table of the turns and of the drift of the means, with a line on large drifts."""
+    names = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
+    columns = [(name, "") for name in names if name in solved]
+    settled = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the averaged turns."
+    lines = tuple(_drift_lines(solved)) or (settled,)
+    return dataset_table(solved, [*AXES], columns, "Convergence of the means", lines)
+
+
+def _drift_lines(solved: xr.Dataset) -> Iterator[str]:
+    """Yields a line for each case and mean that drifts by more than `LARGEST_DRIFT`."""
     drifts = {"QV": "qv_drift_per_turn", "the total wear rate": "wear_rate_drift_per_turn"}
-    for what, name in drifts.items():
+    for quantity, name in drifts.items():
         if name in solved:
             drift = solved[name] * solved["evaluated_turns"]
             for case, index in cases_in_words(solved):
-                if abs(change := float(drift[index])) > LARGEST_DRIFT:
-                    change_text = f"{plain(100.0 * change, 2, '+')} %"
-                    yield f"{case}: {what} still drifts by {change_text} over the averaged turns"
+                change = float(drift[index])
+                if abs(change) > LARGEST_DRIFT:
+                    percent = f"{plain(100.0 * change, 2, '+')} %"
+                    yield f"{case}: {quantity} still drifts by {percent} over the averaged turns"

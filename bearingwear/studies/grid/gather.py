@@ -5,7 +5,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,27 +23,28 @@ from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.dataset import reshaped, stacked
 from bearingwear.studies.grid.grid import Case, Grid
 
-# The same in every case of a study, or the cases do not belong together.
 _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
+"""Attributes that must be the same in all cases of a study."""
 
 
 def study(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Gather the cases of one scene.
+    """Gathers the cases of one scene.
 
-    paths: case files, or sweeps over axes of the grid: every point of a grid once. The grid is what
-        the files say it is.
+    paths: case files, or sweeps over axes of the grid, which together contain every point of a
+        grid once. The files determine the grid.
 
     Returns: dimensions `preload_method` (flags, in the order of `scene.PRELOAD_METHODS`),
-        `friction`, `ball_diameter_loss` [um], then those of the case. Of a case whose status is not
-        ok, the status and the other flags stay and every number is NaN.
+        `friction`, `ball_diameter_loss` [um], then those of the case. A case whose status is not
+        ok has its flags, and NaN for every number.
 
-    CaseFileError: the file that is missing, truncated, foreign, of another scene, of
-    another version of the solver, or there twice; or the case that is missing.
+    CaseFileError: names the file that is missing, truncated, foreign, of another scene, of another
+    version of the solver, or contained twice; or the case that is missing.
     """
-    read = _Read()
-    whole = _along_cases(read.each(paths))
-    first = read.first
-    return _on_grid(whole, list(read.files), _grid_of(read.files)).assign_attrs(
+    reader = _CaseReader()
+    along_cases = _stacked_cases(reader.datasets(paths))
+    first = reader.first
+    grid = _complete_grid(reader.files)
+    return _reshaped_to_grid(along_cases, list(reader.files), grid).assign_attrs(
         Conventions=first.get("Conventions", "CF-1.11"),
         title=f"Study of {json.loads(first['scene'])['name']}",
         source=first.get("source", "bearingwear"),
@@ -51,76 +52,87 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         history="gathered from case files by bearingwear gather",
         comment="The scene contains the values common to all cases; the axes give the others. "
         "If the status of a case is not ok, its values are missing.",
-        warnings=read.warnings,
+        warnings=reader.warnings,
         **{key: first[key] for key in ("scene", *_SHARED_ATTRS)},
     )
 
 
 @dataclass
-class _Read:
-    """Contents of the files read so far."""
+class _CaseReader:
+    """Reads case files and sweeps, and stores what it has read of them so far."""
 
-    # the file of each case, in the order read
-    files: dict[Case, Path] = field(default_factory=dict)
-    # attributes of the first file; `scene` is what all cases share
+    files: dict[Case, Path] = field(default_factory=dict)  # the file of each case, as read
+    # attributes of the first file; its `scene` has the values that all cases share
     first: dict[str, Any] = field(default_factory=dict)
-    warnings: str = "[]"  # those of all, each once
+    warnings: str = "[]"  # of all files, each id once
 
-    def each(self, paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
-        """Read file by file; refuse what does not belong to the others."""
+    def datasets(self, paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
+        """Reads file by file; refuses files that do not belong to the others."""
         for path in map(Path, paths):
             dataset = load(path)
             is_sweep = kind_of(dataset) == SWEEP_KIND
-            cases, shared = (
-                _identity_of_sweep(dataset, path) if is_sweep else _identity(dataset, path)
-            )
-            if not is_sweep and path.stem != cases[0].id:
-                raise CaseFileError(f"{path}: contains the case {cases[0].id}")
-            for case in cases:
+            content = _sweep_content(dataset, path) if is_sweep else _case_content(dataset, path)
+            if not is_sweep and path.stem != content.cases[0].id:
+                raise CaseFileError(f"{path}: contains the case {content.cases[0].id}")
+            for case in content.cases:
                 if case in self.files:
                     raise CaseFileError(f"{path}: contains the same case as {self.files[case]}")
                 self.files[case] = path
-            self.first = self.first or dataset.attrs | shared
-            for key, value in shared.items():
-                if _compared(value) != _compared(self.first[key]):
-                    other = next(iter(self.files.values()))
-                    raise CaseFileError(f"{path}: {key} differs from {other}")
+            self.first = self.first or dataset.attrs | content.shared
+            self._check_shared(content.shared, path)
             self.warnings = merged_warnings([{"warnings": self.warnings}, dataset.attrs])
-            yield _along_case(dataset, len(cases)) if is_sweep else dataset
+            yield _sweep_along_cases(dataset, len(content.cases)) if is_sweep else dataset
+
+    def _check_shared(self, shared: Mapping[str, Any], path: Path) -> None:
+        """Refuses a file that differs from the first one in an attribute of all cases."""
+        for key, value in shared.items():
+            if _comparable_attribute(value) != _comparable_attribute(self.first[key]):
+                first_file = next(iter(self.files.values()))
+                raise CaseFileError(f"{path}: {key} differs from {first_file}")
 
 
-def _on_grid(whole: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset:
-    """A dataset along cases as one over the axes of their grid."""
-    numbers = {case: number for number, case in enumerate(cases)}
-    order = np.array([numbers[case] for case in grid.cases().values()])
+def _reshaped_to_grid(along_cases: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset:
+    """Returns a dataset over the axes of a grid.
+
+    along_cases: a dataset along the dimension `case`, in the order of `cases`.
+    """
+    index_of = {case: index for index, case in enumerate(cases)}
+    order = np.array([index_of[case] for case in grid.cases().values()])
     coords = axis_coordinates(grid)
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    return reshaped(whole.isel(case=order), "case", lengths).assign_coords(coords)
+    return reshaped(along_cases.isel(case=order), "case", lengths).assign_coords(coords)
 
 
-_AT_ONCE = 500
-"""Cases held as single datasets; each takes a hundred times the memory of its numbers."""
+_BATCH = 500
+"""Most cases in memory as single datasets; each takes a hundred times the memory of its numbers."""
 
 
-def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Values kept of cases and sweeps, along the dimension `case`."""
+def _stacked_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
+    """Stacks cases and sweeps along the dimension `case`."""
     parts: list[xr.Dataset] = []
-    left = iter(datasets)
-    while some := list(itertools.islice(left, _AT_ONCE)):
-        kept = [one if "case" in one.dims else _numbers_of_solved(one) for one in some]
-        parts.append(_joined(kept))
+    iterator = iter(datasets)
+    while batch := list(itertools.islice(iterator, _BATCH)):
+        parts.append(
+            _stacked_batch(
+                [
+                    dataset if "case" in dataset.dims else _without_unsolved_numbers(dataset)
+                    for dataset in batch
+                ]
+            )
+        )
     if not parts:
         raise CaseFileError("got no case files, expected at least one")
-    return _joined(parts) if len(parts) > 1 else parts[0]
+    return _stacked_batch(parts) if len(parts) > 1 else parts[0]
 
 
-def _joined(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
+def _stacked_batch(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Stacks cases, or datasets along `case`, without the variables that only case files have."""
     count = sum(dataset.sizes.get("case", 1) for dataset in datasets)
     return stacked(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
 
 
-def _grid_of(files: Mapping[Case, Path]) -> Grid:
-    """The grid that cases fill, each once."""
+def _complete_grid(files: Mapping[Case, Path]) -> Grid:
+    """Returns the grid of some cases; refuses cases that do not fill one."""
     some = next(iter(files.values()))
     try:
         grid = Grid.from_lists(
@@ -136,68 +148,84 @@ def _grid_of(files: Mapping[Case, Path]) -> Grid:
     return grid
 
 
-def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, Any]]:
-    """Which cases a file holds, and what it must share with the others."""
+class _FileContent(NamedTuple):
+    """The cases in a file, and the attributes that it must share with the other files."""
+
+    cases: list[Case]
+    shared: dict[str, Any]
+
+
+def _case_content(dataset: xr.Dataset, path: Path) -> _FileContent:
+    """Returns the content of a case file."""
     try:
         scene = json.loads(dataset.attrs["scene"])
-        case = _case_of(scene)
+        case = _take_case(scene)
         int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
     except (KeyError, TypeError, ValueError):
         problem = "got a file of another kind, expected a case of a study"
         raise CaseFileError(f"{path}: {problem}") from None
-    return [case], {"scene": json.dumps(scene)} | shared
+    return _FileContent(cases=[case], shared={"scene": json.dumps(scene)} | shared)
 
 
-def _identity_of_sweep(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, Any]]:
-    """Which cases a sweep over axes of a grid holds, and what it must share with other files."""
-    keys = json.loads(dataset.attrs.get("changed_keys", "{}"))
-    of_grid = set(keys.values()) <= {*GRID_KEYS.values()} and {*keys} == {*dataset["status"].dims}
-    if not of_grid or "end_criterion" in dataset:
+def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
+    """Returns the content of a sweep over axes of a grid."""
+    key_of = json.loads(dataset.attrs.get("changed_keys", "{}"))  # by dimension
+    has_grid_keys = set(key_of.values()) <= set(GRID_KEYS.values())
+    if not has_grid_keys or {*key_of} != {*dataset["status"].dims} or "end_criterion" in dataset:
         problem = f"got another sweep, expected one of solves over {', '.join(GRID_KEYS.values())}"
         raise CaseFileError(f"{path}: {problem}")
     scene = json.loads(dataset.attrs["scene"])
-    own = vars(_case_of(scene))
-    names = dict(zip(GRID_KEYS.values(), own, strict=True))
-    columns = [dataset[dim].values.tolist() for dim in keys]
+    base = vars(_take_case(scene))
+    field_of = dict(zip(GRID_KEYS.values(), base, strict=True))
+    fields = [field_of[key] for key in key_of.values()]
     cases = []
-    for values in itertools.product(*columns):
-        found = own | {names[key]: value for key, value in zip(keys.values(), values, strict=True)}
-        if not isinstance(found["preload_method"], str):
-            found["preload_method"] = PRELOAD_METHODS[int(found["preload_method"])]
-        cases.append(Case(**found))
+    for point in itertools.product(*(dataset[dim].values.tolist() for dim in key_of)):
+        values = base | dict(zip(fields, point, strict=True))
+        if not isinstance(values["preload_method"], str):
+            values["preload_method"] = PRELOAD_METHODS[int(values["preload_method"])]
+        cases.append(Case(**values))
     shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
-    return cases, {"scene": json.dumps(scene)} | shared
+    return _FileContent(cases=cases, shared={"scene": json.dumps(scene)} | shared)
 
 
-def _case_of(scene: dict[str, Any]) -> Case:
-    """The case that a scene stands for, whose values are taken out of it."""
+def _take_case(scene: dict[str, Any]) -> Case:
+    """Removes the values of a case from its scene, and returns the case."""
     return Case(
-        scene["operation"].pop("preload_method"),
-        float(scene["friction"].pop("ball_race")),
-        float(scene["wear"].pop("ball_diameter_loss_um")),
+        preload_method=scene["operation"].pop("preload_method"),
+        friction=float(scene["friction"].pop("ball_race")),
+        ball_diameter_loss_um=float(scene["wear"].pop("ball_diameter_loss_um")),
     )
 
 
-def _along_case(sweep: xr.Dataset, count: int) -> xr.Dataset:
-    """A sweep with its cases along one dimension, without numbers of those not solved."""
+def _sweep_along_cases(sweep: xr.Dataset, count: int) -> xr.Dataset:
+    """Returns a sweep with its cases along `case`, and NaN for the numbers of unsolved cases.
+
+    count: number of cases.
+    """
     axes = len(json.loads(sweep.attrs["changed_keys"]))
-    solved = sweep["status"].values.ravel() == OK
+    is_solved = sweep["status"].values.ravel() == OK
     variables = {}
-    for name, one in sweep.data_vars.items():
-        values = one.values.reshape((count, *one.shape[axes:]))
-        if not solved.all() and "flag_values" not in one.attrs:
-            values = np.where(solved.reshape((count,) + (1,) * (values.ndim - 1)), values, np.nan)
-        variables[name] = (("case", *one.dims[axes:]), values, one.attrs)
-    outer = {*sweep["status"].dims}
-    coords = {name: one for name, one in sweep.coords.items() if not outer & {*one.dims}}
+    for name, variable in sweep.data_vars.items():
+        values = variable.values.reshape((count, *variable.shape[axes:]))
+        if not is_solved.all() and "flag_values" not in variable.attrs:
+            mask = is_solved.reshape((count,) + (1,) * (values.ndim - 1))
+            values = np.where(mask, values, np.nan)
+        variables[name] = (("case", *variable.dims[axes:]), values, variable.attrs)
+    axis_dims = {*sweep["status"].dims}
+    coords = {
+        name: coordinate
+        for name, coordinate in sweep.coords.items()
+        if not axis_dims & {*coordinate.dims}
+    }
     return xr.Dataset(variables, coords, sweep.attrs)
 
 
-def _compared(value: Any) -> Any:
-    """What cases must share: what of their scene decides but, of a pair, its kind.
+def _comparable_attribute(value: Any) -> Any:
+    """Returns an attribute in the form in which all cases must have it.
 
-    The preload method decides the kind.
+    A scene is reduced to its decisive keys, and that of a pair is without its kind, which the
+    preload method determines.
     """
     if not isinstance(value, str) or not value.startswith("{"):
         return value
@@ -207,29 +235,27 @@ def _compared(value: Any) -> Any:
     return scene
 
 
-def _numbers_of_solved(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset, its numbers (not its flags) gone if it was not solved."""
+def _without_unsolved_numbers(dataset: xr.Dataset) -> xr.Dataset:
+    """Returns a case, with NaN for its numbers (not its flags) if it was not solved."""
     if int(dataset["status"]) == OK:
         return dataset
-    return dataset.map(
-        lambda v: v if "flag_values" in v.attrs else xr.full_like(v, np.nan, dtype=float),
-        keep_attrs=True,
-    )
+
+    def missing(variable: xr.DataArray) -> xr.DataArray:
+        if "flag_values" in variable.attrs:
+            return variable
+        return xr.full_like(variable, np.nan, dtype=float)
+
+    return dataset.map(missing, keep_attrs=True)
 
 
 def axis_coordinates(grid: Grid) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
-    """Coordinates of a grid's axes.
+    """Returns dimension, values and attributes of the coordinate of each axis of a grid.
 
-    CF wants numbers along a dimension, so the preload methods are flags.
+    CF requires numbers along a dimension, so the preload methods are flags.
     """
     methods = [PRELOAD_METHODS.index(method) for method in grid.preload_method]
-    axes = _axis_variables(methods, grid.friction, grid.ball_diameter_loss_um)
-    return {name: (name, values, about) for name, (values, about) in axes.items()}
-
-
-def _axis_variables(
-    methods: Sequence[int], friction: Sequence[float], loss_um: Sequence[float]
-) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
-    """Values along the axes of a study, and their attributes."""
-    columns = zip(STUDY_COORDINATES.values(), (methods, friction, loss_um), strict=True)
-    return {one.name: (stored_data(one, values), one.attributes) for one, values in columns}
+    values_of_axes = (methods, grid.friction, grid.ball_diameter_loss_um)
+    return {
+        variable.name: (variable.name, stored_data(variable, values), variable.attributes)
+        for variable, values in zip(STUDY_COORDINATES.values(), values_of_axes, strict=True)
+    }

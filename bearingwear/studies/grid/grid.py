@@ -1,12 +1,11 @@
-"""The study's grid: which cases there are, what each is called and how it differs from its scene.
+"""The grid of a study: its cases, their names, and their differences from the scene.
 
-This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+This file imports nothing heavy, since the Snakefile imports it each time it is parsed.
 """
 
 import functools
-import itertools
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -23,26 +22,26 @@ class Case:
 
     preload_method: str  # one of `scene.PRELOAD_METHODS`
     friction: float  # ball/race friction coefficient [1]
-    ball_diameter_loss_um: float  # state of wear the case is solved at [um]
+    ball_diameter_loss_um: float  # [um]
 
     @property
     def id(self) -> str:
-        """Name of the case and of its file."""
+        """The name of the case and of its file."""
         return f"{self.line_id}-{self.loss_id}"
 
     @property
     def loss_id(self) -> str:
-        """Name of its state of wear."""
+        """The name of the state of wear."""
         return f"loss{self._loss}"
 
     @property
     def line_id(self) -> str:
-        """Name of the line of the grid that the case is on."""
+        """The name of the line of the grid that contains the case."""
         return f"{self.preload_method}-mu{self._friction}"
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Changes of the scene for this case."""
+        """The values of this case by the keys of the scene."""
         return dict(zip(GRID_KEYS.values(), vars(self).values(), strict=True))
 
     @property
@@ -53,10 +52,12 @@ class Case:
 
     @property
     def _friction(self) -> str:
+        """The friction coefficient as in names of files."""
         return in_name(self.friction, 3)
 
     @property
     def _loss(self) -> str:
+        """The loss as in names of files."""
         return in_name(self.ball_diameter_loss_um, 2)
 
 
@@ -92,31 +93,31 @@ class Grid:
         friction: Iterable[float],
         ball_diameter_loss_um: Iterable[float],
     ) -> "Grid":
-        """Make the grid from values in any order, whole numbers allowed."""
+        """Returns the grid of values in any order, whole numbers allowed."""
         return cls(
-            tuple(sorted(preload_method)),
-            tuple(sorted(float(value) for value in friction)),
-            tuple(sorted(float(value) for value in ball_diameter_loss_um)),
+            preload_method=tuple(sorted(preload_method)),
+            friction=tuple(sorted(float(mu) for mu in friction)),
+            ball_diameter_loss_um=tuple(sorted(float(loss) for loss in ball_diameter_loss_um)),
         )
 
     def cases(self) -> Mapping[str, Case]:
-        """Every case of the grid by its id."""
+        """Returns every case of the grid by its id."""
         return _cases(self)
 
     @property
     def friction_names(self) -> list[str]:
-        """Friction coefficients as they stand in the names of files."""
+        """The friction coefficients as in the names of files."""
         return [in_name(mu, 3) for mu in self.friction]
 
     @property
     def loss_names(self) -> list[str]:
-        """Losses of ball diameter as they stand in the names of files."""
+        """The losses of ball diameter as in the names of files."""
         return [in_name(loss, 2) for loss in self.ball_diameter_loss_um]
 
     def chunks(self, points: int | None) -> list[str]:
-        """Names of the files of which each holds about so many points, in whole lines.
+        """Returns the names of files with about so many points each, in whole lines.
 
-        None where a file would hold one line or less: each point then has a file of its own.
+        The list is empty if a file would contain one line or less: each point then has a file.
         """
         lines = (points or 0) // len(self.ball_diameter_loss_um)
         if lines < 2:
@@ -130,21 +131,27 @@ class Grid:
         ]
 
     def friction_names_between(self, first: str, last: str) -> list[str]:
-        """Friction coefficients of a chunk, from the first to the last in its name."""
+        """Returns the friction coefficients of a chunk, from the first to the last in its name."""
         return [mu for mu in self.friction_names if float(first) <= float(mu) <= float(last)]
 
-    def every_value(self) -> list[Case]:
-        """So few cases that each value of each axis is in one of them."""
-        first = [values[0] for values in vars(self).values()]
-        places = [
-            (*first[:k], value, *first[k + 1 :])
-            for k, values in enumerate(vars(self).values())
+    def cases_of_each_value(self) -> list[Case]:
+        """Returns the first case of the grid, and those that differ from it in one value."""
+        first = Case(**{axis: values[0] for axis, values in vars(self).items()})
+        cases = [
+            replace(first, **{axis: value})
+            for axis, values in vars(self).items()
             for value in values
         ]
-        return list(itertools.starmap(Case, dict.fromkeys(places)))
+        return list(dict.fromkeys(cases))
 
 
 @functools.cache  # the rules look up each of their jobs
 def _cases(grid: Grid) -> Mapping[str, Case]:
-    points = itertools.product(grid.preload_method, grid.friction, grid.ball_diameter_loss_um)
-    return MappingProxyType({case.id: case for case in itertools.starmap(Case, points)})
+    """Returns the cases of a grid by id; kept, so read-only."""
+    cases = (
+        Case(preload_method=method, friction=mu, ball_diameter_loss_um=loss)
+        for method in grid.preload_method
+        for mu in grid.friction
+        for loss in grid.ball_diameter_loss_um
+    )
+    return MappingProxyType({case.id: case for case in cases})

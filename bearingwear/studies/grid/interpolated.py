@@ -1,6 +1,7 @@
 """Wear life between the cases of a study, without a solve."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +18,7 @@ POINTS_PER_INTERVAL = 50
 MICROMETRE = 1e-6
 
 NOT_INTERPOLATED = "criteria_not_interpolated"
-"""Attribute: criteria that the cases do not hold, by which no interpolated life ends."""
+"""Attribute with the criteria that the cases do not contain and that end no interpolated life."""
 
 _FROM_THE_STUDY = "interpolated from the study"
 INTERPOLATED = table(
@@ -38,12 +39,12 @@ INTERPOLATED = table(
 def interpolated_life(
     line: xr.Dataset, criteria: Mapping[str, float], preload_N: float
 ) -> xr.Dataset:
-    """Wear life from the cases along one line of the grid.
+    """Returns the wear life from the cases along one line of the grid.
 
     line: one preload method and friction coefficient of a study: cases over `ball_diameter_loss`.
-        What lies behind the first case that was not solved is not used.
-    criteria: limits by the names of `CRITERIA`; those that the cases do not hold (`known_of`) are
-        not looked at.
+        Cases from the first unsolved one on are not used.
+    criteria: limits by the names of `CRITERIA`; those that the cases do not contain
+        (`interpolable_criteria`) are ignored.
 
     Returns: interpolated_life [h], NaN where no criterion is met on the line;
         interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over
@@ -57,17 +58,18 @@ def interpolated_life(
     preload = np.full(steps, np.nan)
     end, criterion = np.nan, "none"
     if usable > 1 and losses[0] == 0.0:
-        known = known_of(criteria, line)
-        needed = {"residual_preload", "ball_diameter_loss_rate"}
-        needed |= {one for name in known for one in ENDS[name].variables if one in line}
+        usable_criteria = interpolable_criteria(criteria, line)
+        names = {"residual_preload", "ball_diameter_loss_rate"}
+        for name in usable_criteria:
+            names |= {variable for variable in ENDS[name].variables if variable in line}
         fine = (
-            line[sorted(needed - set(line.coords))]
+            line[sorted(names - set(line.coords))]
             .isel(ball_diameter_loss=slice(usable))
             .interp(ball_diameter_loss=loss, method="pchip")
             .transpose("ball_diameter_loss", ...)
         )
         in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
-        end, criterion = _first_met(loss, _margins(in_metres, known, preload_N))
+        end, criterion = _first_met(loss, _margins(in_metres, usable_criteria, preload_N))
         preload = fine["residual_preload"].values
         slowness = 1.0 / fine["ball_diameter_loss_rate"].values
         mean = 0.5 * (slowness[1:] + slowness[:-1])
@@ -76,10 +78,10 @@ def interpolated_life(
     life = np.interp(end, loss, time)
     # The history ends where the life does.
     if np.isfinite(end):
-        kept = np.linspace(0.0, end, steps)
-        preload = np.interp(kept, loss, preload)
-        time = np.interp(kept, loss, time)
-        loss = kept
+        loss_to_end = np.linspace(0.0, end, steps)
+        preload = np.interp(loss_to_end, loss, preload)
+        time = np.interp(loss_to_end, loss, time)
+        loss = loss_to_end
     values = {
         "interpolated_life": life,
         "interpolated_loss_at_end": end * MICROMETRE,
@@ -91,8 +93,8 @@ def interpolated_life(
     return filled(INTERPOLATED, {}, [values])
 
 
-def known_of(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:
-    """Those of some criteria whose measure the cases of a study hold."""
+def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:
+    """Returns the criteria of whose measure the cases of a study contain a variable."""
     return {
         name: limit
         for name, limit in criteria.items()
@@ -100,23 +102,33 @@ def known_of(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, floa
     }
 
 
-def _margins(fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float) -> dict:
-    """Distance of each criterion from its limit along the line; met where it is not positive."""
-    found = {}
+def _margins(
+    fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float
+) -> dict[str, np.ndarray]:
+    """Returns the margin of each criterion at each loss; it is met where this is not positive."""
+    margins = {}
     for name, limit in criteria.items():
-        measure = ENDS[name]
+        values = _critical_values(fine, ENDS[name], preload_N)
+        margins[name] = ENDS[name].margin(values, limit)
+    return margins
 
-        def at(k: int, measure: Measure = measure) -> float:
-            values = {one: fine[one].values[k] for one in measure.variables if one in fine}
-            return measure.critical(lambda one: values.get(one, np.nan), preload_N)[0]
 
-        margins = np.array([at(k) for k in range(fine.sizes["ball_diameter_loss"])])
-        found[name] = measure.margin(margins, limit)
-    return found
+def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np.ndarray:
+    """Returns the worst value of a measure at each loss [SI]; missing variables count as NaN."""
+    columns = {name: fine[name].values for name in measure.variables if name in fine}
+    steps = range(fine.sizes["ball_diameter_loss"])
+
+    def critical(k: int) -> float:
+        def value_of(name: str) -> Any:
+            return columns[name][k] if name in columns else np.nan
+
+        return measure.critical(value_of, preload_N)[0]
+
+    return np.array([critical(k) for k in steps])
 
 
 def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float, str]:
-    """Where the first of the criteria is met, and which; (nan, "none") if none is."""
+    """Returns the loss at which the first criterion is met, and its name; (nan, "none") if none."""
     end, first = np.nan, "none"
     for name, margin in margins.items():
         met = np.flatnonzero(margin <= 1e-12)  # the last grid point may be the limit itself

@@ -1,8 +1,9 @@
 """Wear life over a study, by two routes: the solver in the loop, and interpolation of the study.
 
-Both integrate d(loss)/dt = rate(loss) to the first end-of-life criterion. The first solves the
-contact anew at every step and bounds its own error. The second reads rates and criteria off the
-study's grid: it needs no solve, and its error is that of the grid, which the first measures.
+Both integrate d(loss)/dt = rate(loss) to the first end-of-life criterion. The first route solves
+the contact at every step and bounds its own error. The second interpolates rates and criteria
+between the cases of the study: it requires no solve, and its error is that of the grid, which the
+first route measures.
 """
 
 import json
@@ -23,16 +24,20 @@ from bearingwear.sides import OF_ARRANGEMENT
 from bearingwear.studies.dataset import stacked
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Case, Grid
-from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED, interpolated_life, known_of
+from bearingwear.studies.grid.interpolated import (
+    NOT_INTERPOLATED,
+    interpolable_criteria,
+    interpolated_life,
+)
 
 
 def study_life(scene: Path, study: Path) -> xr.Dataset:
-    """Step: the wear life over the study in a file."""
+    """Step: returns the wear life for each preload method and friction of the study in a file."""
     return wear_life(scene, load(study))
 
 
 def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
-    """Wear life for each preload method and friction coefficient of a study.
+    """Returns the wear life for each preload method and friction coefficient of a study.
 
     Returns: the variables of a life file over `preload_method` and `friction`, those of
         `interpolated_life`, and `life_route_difference`, the second route against the first.
@@ -43,61 +48,81 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         study["ball_diameter_loss"].values.tolist(),
     )
     solved, interpolated = [], []
-    unknown: set[str] = set()
+    not_interpolated: set[str] = set()
     for i, method in enumerate(grid.preload_method):
         for j, friction in enumerate(grid.friction):
-            scene = variant(scene_path, Case(method, friction, 0.0).changes)
+            case = Case(preload_method=method, friction=friction, ball_diameter_loss_um=0.0)
+            scene = variant(scene_path, case.changes)
             solved.append(dataset(life(scene)))
             criteria = scene.wear.end_of_life.criteria if scene.wear.end_of_life else {}
             line = study.isel(preload_method=i, friction=j, drop=True)
-            for system, own in OF_ARRANGEMENT.items():
-                if system not in line and own in line:
-                    holding = bearings_holding(scene.operation.preload_method)
-                    line[system] = holding * line[own]
-            unknown |= criteria.keys() - known_of(criteria, line).keys()
-            which, one = next(iter(datasets_by_bearing(line).items()))
-            if which is not None:  # of two that differ, each wears at a rate of its own
-                one = one.isel(ball_diameter_loss=slice(1))
-            interpolated.append(interpolated_life(one, criteria, scene.operation.preload_N))
+            line = _with_arrangement_stiffness(line, scene.operation.preload_method)
+            not_interpolated |= criteria.keys() - interpolable_criteria(criteria, line).keys()
+            interpolated.append(
+                interpolated_life(_interpolable(line), criteria, scene.operation.preload_N)
+            )
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    whole = stacked(solved, lengths).assign_coords(coords)
-    whole = whole.merge(stacked(interpolated, lengths).assign_coords(coords))
-    difference = whole["interpolated_life"] / whole["life"] - 1.0
-    whole["life_route_difference"] = difference.where(_comparable(whole, unknown)).assign_attrs(
+    lives = stacked(solved, lengths).assign_coords(coords)
+    lives = lives.merge(stacked(interpolated, lengths).assign_coords(coords))
+    difference = lives["interpolated_life"] / lives["life"] - 1.0
+    difference = difference.where(_is_comparable(lives, not_interpolated))
+    lives["life_route_difference"] = difference.assign_attrs(
         long_name="relative difference between the life interpolated from the study and the life "
         "computed with the solver in the loop",
         units="1",
         comment="only if both lives were computed with the same grooves and in the same condition, "
         "and the cases contain the end-of-life criterion",
     )
-    # the cases do not read the uncertain values, which are quoted with lives
-    shared, now = json.loads(study.attrs["scene"]), load_scene(scene_path).to_dict()
-    for key in [key for key in shared if key in ("uncertainty", "cage_uncertainty")]:
-        shared[key] = now.get(key)
-    return whole.assign_attrs(
+    # the cases do not depend on the uncertain values, which the file may state as they were
+    study_scene, scene_content = json.loads(study.attrs["scene"]), load_scene(scene_path).to_dict()
+    for key in ("uncertainty", "cage_uncertainty"):
+        if key in study_scene:
+            study_scene[key] = scene_content.get(key)
+    return lives.assign_attrs(
         study.attrs
         | {
-            "scene": json.dumps(shared),
-            "title": f"Wear life of {shared['name']}",
+            "scene": json.dumps(study_scene),
+            "title": f"Wear life of {study_scene['name']}",
             "history": "computed, and interpolated from the study, by bearingwear study",
-            NOT_INTERPOLATED: json.dumps(sorted(unknown)),
-            "warnings": merged_warnings(each.attrs for each in solved),
+            NOT_INTERPOLATED: json.dumps(sorted(not_interpolated)),
+            "warnings": merged_warnings(solved_life.attrs for solved_life in solved),
             "comment": "life and history_* were computed with the solver in the loop; "
             "interpolated_* were interpolated between the cases in the study.",
         }
     )
 
 
-def _comparable(lives: xr.Dataset, unknown: Collection[str]) -> xr.DataArray:
-    """Which lives in the loop end as one between cases could: of Hertzian grooves, by what they
-    hold, and not over a duty, as the cases are those of the nominal condition.
+def _with_arrangement_stiffness(line: xr.Dataset, preload_method: str) -> xr.Dataset:
+    """Adds the stiffness of the arrangement to the cases of a single bearing."""
+    bearings = bearings_holding(preload_method)
+    for of_arrangement, of_bearing in OF_ARRANGEMENT.items():
+        if of_arrangement not in line and of_bearing in line:
+            line[of_arrangement] = bearings * line[of_bearing]
+    return line
+
+
+def _interpolable(line: xr.Dataset) -> xr.Dataset:
+    """Returns the cases between which a life can be interpolated.
+
+    Two bearings that differ wear at different rates, so only their first case is left, which gives
+    no life.
+    """
+    bearing, cases = next(iter(datasets_by_bearing(line).items()))
+    return cases if bearing is None else cases.isel(ball_diameter_loss=slice(1))
+
+
+def _is_comparable(lives: xr.Dataset, not_interpolated: Collection[str]) -> xr.DataArray:
+    """Whether each life with the solver in the loop could be interpolated between the cases.
+
+    The cases have Hertzian grooves, are those of the nominal condition, not of a duty, and do not
+    contain the criteria `not_interpolated`.
     """
     if "phase_time_share" in lives:
         return xr.zeros_like(lives["end_criterion"], dtype=bool)
-    found = ~lives["end_criterion"].isin([CRITERIA.index(name) for name in unknown])
-    if "history_approach_loss" in lives:  # the grooves were followed
-        followed = lives["history_approach_loss"].notnull()
-        found &= ~followed.any([dim for dim in followed.dims if dim not in found.dims])
-    return found
+    comparable = ~lives["end_criterion"].isin([CRITERIA.index(name) for name in not_interpolated])
+    if "history_approach_loss" in lives:  # the life was computed with worn grooves
+        is_worn = lives["history_approach_loss"].notnull()
+        comparable &= ~is_worn.any([dim for dim in is_worn.dims if dim not in comparable.dims])
+    return comparable

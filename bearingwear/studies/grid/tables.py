@@ -1,4 +1,4 @@
-"""The numbers of a study as a CSV table, and the few that matter as Markdown."""
+"""Tables of a study: all numbers as CSV, and the main ones as Markdown."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -18,9 +18,9 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import datasets_by_bearing, in_words, methods, scene_of
+from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, scene_of
 from bearingwear.studies.dataset import loaded
-from bearingwear.studies.grid.answer import lives_block, lives_of
+from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
 
 _LOSS = display("m")
@@ -29,108 +29,114 @@ AXES = {
     "friction": "friction",
     "ball_diameter_loss": "ball_diameter_loss (um)",
 }
-"""Dimensions of cases, and the heads of their columns."""
+"""Head of the column of each dimension of the cases."""
 
 _WEAR = {
     "total_qv": "qv_error_estimate",
     "residual_preload": "residual_preload_error_estimate",
 }
-"""Numbers of the table of wear, and the estimates of their relative errors."""
+"""Variables in the table of wear, and the estimates of their relative errors."""
 
 
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
-    """Step: the numbers of a scene as CSV, and the few that matter as Markdown."""
+    """Step: returns the numbers of a scene as CSV, and the main ones as Markdown."""
     cases = loaded(study, ball_diameter_loss=())
-    known = [one for path in uncertainty for one in load_quantiles(path)]
-    return cases_csv(cases), study_summary(cases, loaded(lives, interpolated_step=()), known)
+    uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
+    life_dataset = loaded(lives, interpolated_step=())
+    return cases_csv(cases), study_summary(cases, life_dataset, uncertainties)
 
 
 def cases_csv(study: xr.Dataset) -> str:
-    """A row for each case and a column for each number, with its unit in the header, as CSV.
+    """Returns CSV with a row for each case and a column for each number.
 
-    A variable over race or axis has a column for each of them; over balls, the mean or the
-    extreme.
+    A variable over races or axes has a column for each of these; one over balls has a column for
+    its mean or extreme.
     """
     return dataset_csv(over_all_balls(study), AXES)
 
 
 def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
-    """A dataset without its balls: of each number the mean or the extreme, of flags the first."""
+    """Returns a dataset without the dimension `ball`: means or extremes, flags of one ball."""
 
-    def of_all(variable: xr.DataArray) -> xr.DataArray:
+    def without_balls(variable: xr.DataArray) -> xr.DataArray:
         if "ball" not in variable.dims:
             return variable
         if "flag_meanings" in variable.attrs:
             return variable.isel(ball=0)
         return of_all_balls(str(variable.name), variable, "ball")
 
-    return dataset.map(of_all, keep_attrs=True).drop_vars("ball", errors="ignore")
+    return dataset.map(without_balls, keep_attrs=True).drop_vars("ball", errors="ignore")
 
 
-def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> str:
-    """Effect of wear on QV and preload, the wear life, and what could not be solved, as Markdown.
+def study_summary(
+    study: xr.Dataset, lives: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()
+) -> str:
+    """Returns the effect of wear, the wear lives, and the unsolved cases, as Markdown.
 
-    `known` are files of the study of uncertainty, if there are any. The description of the scene is
-    left to the page: it makes no result anew.
+    uncertainties: files of the study of uncertainty. The description of the scene is left to the
+    page, since a change of it does not require a new summary.
     """
     scene = scene_of(study)
     unsolved = tuple(unsolved_cases(study)) or ("None: every case was solved and verified.",)
-    table = lives_block("Wear life", lives_of(lives, known), scene, every=True)
-    table = replace(table, lines=(*table.lines, *filter(None, [_not_compared(lives)])))
-    blocks = (_wear(study), table, Block("Not solved", lines=unsolved))
+    table = detailed_lives_block("Wear life", lives_of(lives, uncertainties), scene)
+    table = replace(table, lines=(*table.lines, *_interpolation_lines(lives)))
+    blocks = (_wear_block(study), table, Block("Not solved", lines=unsolved))
     return as_markdown(Document((scene["name"],), blocks=blocks))
 
 
-def _wear(study: xr.Dataset) -> Block:
-    """QV and residual preload at the first and the last loss."""
-    ends = datasets_by_bearing(study.isel(ball_diameter_loss=[0, -1]))
-    columns = [
-        (one[name].isel(ball_diameter_loss=k), f"{words}at {float(loss):g} µm")
-        for words, one in [(f"{which} bearing, " if which else "", ends[which]) for which in ends]
-        for name in _WEAR
-        for k, loss in enumerate(one["ball_diameter_loss"])
-    ]
-    errors = [
-        one[error].isel(ball_diameter_loss=k) if error in one else None
-        for one in ends.values()
-        for error in _WEAR.values()
-        for k in range(one.sizes["ball_diameter_loss"])
-    ]
-    said = ("QV values are for the whole bearing.",)
+def _wear_block(study: xr.Dataset) -> Block:
+    """Returns a table of QV and residual preload at the first and the last loss."""
+    columns: list[tuple[xr.DataArray | str, str]] = []
+    errors = []
+    for bearing, cases in datasets_by_bearing(study.isel(ball_diameter_loss=[0, -1])).items():
+        prefix = f"{bearing} bearing, " if bearing else ""
+        for name, error in _WEAR.items():
+            for k, loss in enumerate(cases["ball_diameter_loss"]):
+                words = f"{prefix}at {float(loss):g} µm"
+                columns.append((cases[name].isel(ball_diameter_loss=k), words))
+                errors.append(cases[error].isel(ball_diameter_loss=k) if error in cases else None)
     return dataset_table(
-        study, ("preload_method", "friction"), columns, "Effect of wear", said, errors
+        study,
+        axes=("preload_method", "friction"),
+        columns=columns,
+        title="Effect of wear",
+        lines=("QV values are for the whole bearing.",),
+        errors=errors,
     )
 
 
-def _not_compared(lives: xr.Dataset) -> str:
-    """Why some lives have no interpolated one beside them."""
+def _interpolation_lines(lives: xr.Dataset) -> list[str]:
+    """Returns a line on why some lives cannot be interpolated; none if all can."""
     unknown = [ENDS[name].words for name in json.loads(lives.attrs.get(NOT_INTERPOLATED, "[]"))]
-    said = []
+    sentences = []
     if bool(lives["life_route_difference"].isnull().any()):
-        said.append(
+        sentences.append(
             "A dash marks a life that cannot be interpolated between the cases. Such a life was "
             "computed with worn grooves, over a duty or for two different bearings, or the cases "
             "do not contain its end-of-life criterion."
         )
     if unknown:
-        said.append(f"Criteria that the cases do not contain: {', '.join(unknown)}.")
-    return " ".join(said)
+        sentences.append(f"Criteria that the cases do not contain: {', '.join(unknown)}.")
+    return [" ".join(sentences)] if sentences else []
 
 
 def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
-    """Each case in words and its place in the grid."""
+    """Yields each case in words, and its index along each dimension of the grid."""
     scene = scene_of(study)
     for i, (name, _) in enumerate(methods(study)):
         words = method_words(scene, name)
         for j, mu in enumerate(study["friction"].values):
             for k, loss in enumerate(study["ball_diameter_loss"].values):
-                place = dict(zip(AXES, (i, j, k), strict=True))
-                yield f"{words}, friction {mu:g}, loss {loss:g} µm", place
+                index = dict(zip(AXES, (i, j, k), strict=True))
+                yield f"{words}, friction {mu:g}, loss {loss:g} µm", index
 
 
 def unsolved_cases(study: xr.Dataset, status: str = "status", model: str = "") -> Iterator[str]:
-    """Cases whose status is not good, and that status."""
-    for case, place in cases_in_words(study):
-        code = int(study[status][place])
+    """Yields each case that was not solved, with its status.
+
+    status: name of the variable. model: words that follow the case.
+    """
+    for case, index in cases_in_words(study):
+        code = int(study[status][index])
         if code != OK:
-            yield f"{case}{model}: {in_words(STATUS_NAMES[code])}"
+            yield f"{case}{model}: {name_in_words(STATUS_NAMES[code])}"

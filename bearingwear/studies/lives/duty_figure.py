@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.patches import Patch
 
-from bearingwear.plotting.drawing import SERIES, Figure, frame, from_zero, new_figure
+from bearingwear.plotting.drawing import SERIES, Figure, frame, new_figure, start_at_zero
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.words import scene_of
 from bearingwear.studies.lives.tables import ended_by
@@ -27,7 +27,7 @@ def duty_figure(life: xr.Dataset) -> Figure:
     for panel in (preload, worn):
         panel.set_xlabel("time of use (h)")
         panel.set_xlim(0.0, max(float(time[-1]), np.finfo(float).tiny))
-        from_zero(panel)
+        start_at_zero(panel)
     keys = [
         Patch(color=colour, label=f"{name}: {100.0 * share:.3g} % of time, {total:.3g} % of wear")
         for colour, name, share, total in zip(

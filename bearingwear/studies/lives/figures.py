@@ -12,15 +12,15 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import (
     SERIES,
     Figure,
-    drawn_from,
     failed_keys,
     frame,
-    from_zero,
     key,
     mark_failed,
     new_figure,
     power_of_ten,
+    start_at_zero,
     ten_to_the,
+    with_data_files,
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import hours_in_words
@@ -39,7 +39,7 @@ def wear_history(life: Path) -> Figure:
     solved = dynamic_life(life)
     if "history_ball_worn_volume" not in solved:
         raise CaseFileError(f"{life}: no step of this life calculation could be solved")
-    return drawn_from(history_figure(solved), life)
+    return with_data_files(history_figure(solved), life)
 
 
 def history_figure(life: xr.Dataset) -> Figure:
@@ -61,7 +61,7 @@ def history_figure(life: xr.Dataset) -> Figure:
             if "steady_life" in life:
                 panel.axvline(float(life["steady_life"]), **_STEADY)
             failed |= mark_failed(panel, time, life["history_status"], "0.3", 0)
-            from_zero(panel)
+            start_at_zero(panel)
             panel.set_xlim(left=0.0)
             panel.tick_params(labelbottom=True)
             panel.set_xlabel("running time (h)")
@@ -142,7 +142,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
             panel.set_xlabel("position across the groove, towards +X (mm)")
             panel.xaxis.set_major_locator(MaxNLocator(6))
         panels[0, race].set_title(title)
-        from_zero(panels[0, race])
+        start_at_zero(panels[0, race])
     panels[0, 0].set_ylabel("pressure on the centre line (GPa)")
     panels[1, 0].set_ylabel("worn groove profile (µm)")
     keys = [

@@ -12,7 +12,7 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import key_in_words
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from bearingwear.studies.dataset import loaded
 
 COLUMN_WORDS = (
@@ -85,7 +85,7 @@ def dynamic_life(path: Path) -> xr.Dataset:
 def ended_by(life: xr.Dataset) -> str:
     """Criterion that ended a life, in words; otherwise the status."""
     status = int(life["status"])
-    return criterion(life, "end_criterion") if status == OK else in_words(STATUS_NAMES[status])
+    return criterion(life, "end_criterion") if status == OK else name_in_words(STATUS_NAMES[status])
 
 
 def criterion(life: xr.Dataset, name: str) -> str:

@@ -8,7 +8,7 @@ from support import only_line, scene_file
 from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
-from bearingwear.results.netcdf import opened
+from bearingwear.results.netcdf import open_result
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
@@ -67,7 +67,7 @@ def test_spring_pair_against_rigid_pair(scene, tmp_path):
         again = life_point(held_by(made, method, float(found["preload"][k])), None)
         assert_allclose(again["life"] / 3600.0, found["life"][k], rtol=1e-9)
     found.to_netcdf(tmp_path / "recommendation.nc")
-    with opened(tmp_path / "recommendation.nc") as file:
+    with open_result(tmp_path / "recommendation.nc") as file:
         sheet = recommendation_sheet(file)
     (table,) = (block for block in sheet.placed("open") if block.rows)
     assert table.columns == ("spring pair", "rigid pair")

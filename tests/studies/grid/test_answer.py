@@ -12,7 +12,7 @@ from support import step
 from bearingwear.cli import main
 from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
-from bearingwear.results.units import to_error
+from bearingwear.results.units import text_to_error
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.answer import MethodLife, answer, lives_of
 
@@ -149,7 +149,7 @@ def test_the_answer_is_that_of_the_file(small_project):
     assert "spread in life was not computed" in plain(dataset_table(found).lines[0])
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
-        text = to_error(one.hours, one.error * one.hours)
+        text = text_to_error(one.hours, one.error * one.hours)
         assert row["life (h)"] == text and "L10 (h)" not in row
     assert "9 balls of 2 mm" in plain(found.facts["bearing"])
 

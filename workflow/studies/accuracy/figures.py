@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure, series_look
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import Rough, span
-from bearingwear.results.words import in_words, percent_in_text
+from bearingwear.results.words import name_in_words, percent_in_text
 from bearingwear.studies.dataset import loaded, pareto
 from workflow.studies.accuracy.gather import names, of_known, points_where
 from workflow.studies.accuracy.groove_figure import grooves_figure
@@ -123,7 +123,7 @@ def multiples(
             doubt(axes, trade, scene, against, quantity)
         row[0].set_ylabel(QUANTITY[quantity])
     for axes, scene in zip(panels[0], scenes, strict=True):
-        axes.set_title(in_words(scene))
+        axes.set_title(name_in_words(scene))
     for axes in panels[-1]:
         axes.set_xlabel("wall time (s)")
         label_times(axes)
@@ -285,7 +285,7 @@ def models_figure(trade: xr.Dataset) -> Figure:
         f"With race control, the error is up to {total} in total QV and up to {contact} in QV at "
         f"one contact; without the cage, total QV changes by up to {cage}"
     )
-    frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)
+    frame(figure, title, [key(name_in_words(s), **marks[s]) for s in scenes], columns=6)
     return figure
 
 

@@ -8,7 +8,7 @@ from matplotlib.ticker import LogLocator
 from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure
 from bearingwear.results.units import span
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from workflow.studies.accuracy.gather import names, points_where
 from workflow.studies.accuracy.groove_tables import against_finest, by_end
 from workflow.studies.accuracy.plan import CELL_COUNTS
@@ -40,7 +40,9 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
         "Relative to Hertzian contact, worn grooves change life by a factor of "
         f"{span(ratios['life'])} and QV at the end of life by a factor of {span(ratios['end_qv'])}"
     )
-    handles = [key(in_words(scene), color=colour, linewidth=3) for scene, colour in colours.items()]
+    handles = [
+        key(name_in_words(scene), color=colour, linewidth=3) for scene, colour in colours.items()
+    ]
     handles.append(key("auto: worn grooves above this loss", **_AUTO))
     cell_keys = [
         key(f"{cells} cells", color="0.3", marker=mark, linestyle="none")

@@ -16,7 +16,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.netcdf import load_kind
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from workflow.studies.robustness.plan import WITHOUT_REASON
 
 END_COLOURS = {
@@ -93,7 +93,7 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
         cells = np.where(status == code, 1.0, np.nan)
         cmap = matplotlib.colors.ListedColormap([colour])
         axes.pcolormesh(x_edges, y_edges, cells, cmap=cmap, rasterized=True)
-        handles.append(Patch(color=colour, label=in_words(name)))
+        handles.append(Patch(color=colour, label=name_in_words(name)))
     handles += draw_boundaries(axes, solved)
     for along in "xy":
         getattr(axes, f"set_{along}label")(AXIS_LABELS[solved.attrs[f"{along}_key"]])

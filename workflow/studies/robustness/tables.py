@@ -7,7 +7,7 @@ import xarray as xr
 from bearingwear.document.markdown import block_markdown
 from bearingwear.document.table import points_block
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.words import in_words
+from bearingwear.results.words import name_in_words
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.robustness.plan import WITHOUT_REASON
@@ -26,12 +26,12 @@ def ends_table(counts: Path) -> str:
 
 def _row(one: xr.Dataset) -> dict[str, int | float | str]:
     reasons = [
-        f"{in_words(name)} {int(number)}"
+        f"{name_in_words(name)} {int(number)}"
         for name, number in zip(one.attrs["ends"].split(), one["count"].values, strict=True)
         if number and name not in NO_REASON
     ]
     return {
-        "scenes": f"{in_words(one['name'].item())}, {_KINDS[one['kind'].item()]}",
+        "scenes": f"{name_in_words(one['name'].item())}, {_KINDS[one['kind'].item()]}",
         "solved": int(one["trials"]),
         "verified": int(one["verified"]),
         "several states": int(one["multiple_states"]),

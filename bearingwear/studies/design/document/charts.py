@@ -14,7 +14,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spread_of
-from bearingwear.results.units import in_print, scale_of
+from bearingwear.results.units import printed_unit, scale_of
 from bearingwear.results.words import methods, scene_of
 from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
 from bearingwear.studies.design.document.held import decides_words, worst_words
@@ -75,7 +75,7 @@ def _reached(found: xr.Dataset) -> str:
         left = f"margin {100.0 * abs(margin):.0f} %"
         where = decides_words(found, point, name)
         where = f" {where}" if where.startswith("at ") else where and f", {where}"
-        texts[k] += f" (achieved: {reached:.3g} {in_print(one.unit)}{where}; {left})"
+        texts[k] += f" (achieved: {reached:.3g} {printed_unit(one.unit)}{where}; {left})"
     return "; ".join(texts)
 
 
@@ -123,7 +123,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             x_label=X_LABEL,
             y_label=row.head,
             lines=lines,
-            limit=None if limit is None or not measure else factor * measure.in_files(limit, 1.0),
+            limit=None if limit is None or not measure else factor * measure.file_limit(limit, 1.0),
             at_least=bool(measure and measure.falls),
             log_x=max(preloads) > _DECADES * min(preloads),
             log_y=bool(known) and max(known) > _DECADES * min(known),

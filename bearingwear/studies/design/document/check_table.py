@@ -18,7 +18,7 @@ from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
 from bearingwear.results.variables import CASE
-from bearingwear.results.words import in_words, scene_of
+from bearingwear.results.words import name_in_words, scene_of
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES
 from bearingwear.studies.design.recommend import RECOMMENDATION
@@ -73,14 +73,14 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     scene = scene_of(chosen)
     first = scene_of(next(iter(of_preload.values()))["steady"])
     limit = limits_of(chosen).gyroscopic_slip_share
-    method = in_words(first["operation"]["preload_method"])
+    method = name_in_words(first["operation"]["preload_method"])
     known = np.isfinite(chosen["preload"].values).any()
     middle = "the recommended preload" if known else "the scene's preload (no recommendation)"
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
     said = (
         f"The values apply to a new bearing ({method}, {operation['shaft_speed_rpm']:g} r/min, "
         f"friction coefficient {friction:g}) at and near {middle}. The wear life is based on the "
-        f"wear of the {in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each "
+        f"wear of the {name_in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each "
         "dynamic run starts from the steady state. Agreement therefore means that the motion "
         "remains in that state, not that every initial state leads to it. The gyroscopic slip "
         "share has no error estimate."
@@ -102,7 +102,7 @@ def _numbers_of(points: Sequence[CheckedPreload], limit: float | None) -> Block:
     lines: list[tuple[Any, ...]] = []
     for point in points:
         if not point.numbers:
-            states = (in_words(point.status[name]) for name in CHECKED_FIDELITIES)
+            states = (name_in_words(point.status[name]) for name in CHECKED_FIDELITIES)
             lines.append((point.preload, "not solved", *states, math.nan, math.nan, "–"))
         for one in point.numbers:
             errors = Rough(100.0 * one.errors)
@@ -203,7 +203,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
 def agreement(points: Sequence[CheckedPreload]) -> str:
     """Whether both models agree, in a sentence or two."""
     unsolved = [
-        f"{fidelity} at {digits(point.preload)} N: {in_words(state)}"
+        f"{fidelity} at {digits(point.preload)} N: {name_in_words(state)}"
         for point in points
         for fidelity, state in point.status.items()
         if state != STATUS_NAMES[OK]

@@ -15,7 +15,7 @@ from bearingwear.document.bearing_line import (
     worst_case_phrase,
 )
 from bearingwear.measures import LIMITED
-from bearingwear.results.units import in_print
+from bearingwear.results.units import printed_unit
 from bearingwear.results.warnings import warnings_in
 from bearingwear.results.words import scene_of
 from bearingwear.studies.design.choice import ACTIVE, limits_of
@@ -165,7 +165,7 @@ def limit_met_words(found: xr.Dataset, one: xr.Dataset) -> str:
     if name not in limits.given:
         return f"below that, a bearing lifts off{where}"
     measure, limit = LIMITED[name], limits.given[name]
-    shown = f"{measure.shown_limit(limit):g} {in_print(measure.unit)}"
+    shown = f"{measure.shown_limit(limit):g} {printed_unit(measure.unit)}"
     if float(measure.margins(one, limit)) < _JUST_MET:
         return f"{shown} is just met{where}"
     return f"limited by {shown}{where}"

@@ -12,7 +12,7 @@ from bearingwear.document.rows import film_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
-from bearingwear.results.units import Rough, digits, in_print
+from bearingwear.results.units import Rough, digits, printed_unit
 from bearingwear.results.words import methods, percent_in_text, scene_of
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new.minimum_preload import minimum_preload_line, minimum_preload_words
@@ -117,7 +117,7 @@ def life_sentence(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> str
     if end := ending_measure(one):
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"
-        text += f"; it ends when the {end.words} {reaches} {in_print(limit)}"
+        text += f"; it ends when the {end.words} {reaches} {printed_unit(limit)}"
     return f"{text}."
 
 

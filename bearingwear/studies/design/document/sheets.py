@@ -24,9 +24,9 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, Spread, load_quantiles, spread_of
-from bearingwear.results.units import Estimated, Rough, digits, in_ascii
+from bearingwear.results.units import Estimated, Rough, ascii_text, digits
 from bearingwear.results.warnings import WARNING, warning_line
-from bearingwear.results.words import in_words, methods, scene_of
+from bearingwear.results.words import methods, name_in_words, scene_of
 from bearingwear.studies.design.changes import (
     FRICTION_KEY,
     GROOVE_KEY,
@@ -132,7 +132,7 @@ def preload_document(
     uncertainty: quantiles of the lives at the recommended preloads.
     """
     scene, given = scene_of(found), limits_of(found).given
-    limits = [in_ascii(limit_text(name, value)) for name, value in given.items()]
+    limits = [ascii_text(limit_text(name, value)) for name, value in given.items()]
     facts = {
         "kind": "recommendation",
         "scene": scene["name"],
@@ -318,12 +318,12 @@ def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
 def violated(one: xr.Dataset) -> str:
     """Which requirements a point violates, or why it has no life."""
     if int(one["status"]) != OK:
-        return f"not solved: {in_words(STATUS_NAMES[int(one['status'])])}"
+        return f"not solved: {name_in_words(STATUS_NAMES[int(one['status'])])}"
     limits = limits_of(one)
     margins = zip(limits.held, limit_margins(one, limits), strict=True)
     beyond = [LIMITED[name].words for name, left in margins if not left >= -SAME]
     if number := int(one["impractical"]):
-        beyond.append(f"impractical design: {in_words(IMPRACTICAL[number - 1])}")
+        beyond.append(f"impractical design: {name_in_words(IMPRACTICAL[number - 1])}")
     return ", ".join(beyond) or NONE_VIOLATED
 
 

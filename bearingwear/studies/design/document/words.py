@@ -6,7 +6,7 @@ from typing import Any
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, LIMITED, Measure
-from bearingwear.results.units import in_print
+from bearingwear.results.units import printed_unit
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "no requirement: longest life",
@@ -39,7 +39,7 @@ def limit_text(name: str, value: float) -> str:
     """A requirement in words."""
     one = LIMITED[name]
     side = "at least" if one.falls else "at most"
-    unit = "" if one.unit == "1" else f" {in_print(one.unit)}"
+    unit = "" if one.unit == "1" else f" {printed_unit(one.unit)}"
     return f"{one.words} {side} {one.shown_limit(value):g}{unit}"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bearingwear.plotting.drawing import Figure, drawn_from
+from bearingwear.plotting.drawing import Figure, with_data_files
 from bearingwear.results.netcdf import load_kind
 from bearingwear.studies.design.choice import design_files
 from bearingwear.studies.design.figures import choice, map_figure, uncertainty_figure
@@ -14,16 +14,16 @@ def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = N
     """Which preload to take."""
     files = [path for path in (design, recommendation, uncertainty) if path]
     figure = choice.design_figure(*design_files(design, recommendation, uncertainty))
-    return drawn_from(figure, *files)
+    return with_data_files(figure, *files)
 
 
 def draw_map(design: Path) -> Figure:
     """Life, stiffness and slip around the preload."""
-    return drawn_from(map_figure.map_overview(load_kind(design, "design map")), design)
+    return with_data_files(map_figure.map_overview(load_kind(design, "design map")), design)
 
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
     """The spread of its life."""
     *_, sampled = design_files(design, recommendation, uncertainty)
     assert sampled is not None
-    return drawn_from(uncertainty_figure.uncertainty_figure(sampled), uncertainty)
+    return with_data_files(uncertainty_figure.uncertainty_figure(sampled), uncertainty)

@@ -15,10 +15,10 @@ from bearingwear.plotting.drawing import (
     Figure,
     failed_keys,
     frame,
-    from_zero,
     lines,
     method_keys,
     new_figure,
+    start_at_zero,
 )
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
@@ -59,7 +59,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
         values = line[name]
         unit, known = display(look.units, values), values.where(np.isfinite(values))
         failed |= lines(panel, known, "preload", look.label, unit, line["status"], marker=".")
-        from_zero(panel)
+        start_at_zero(panel)
     frame(
         figure,
         f"{scene['name']}, friction {float(design['friction'][0]):g}: life {lives_words(design)}, "

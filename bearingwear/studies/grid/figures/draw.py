@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from bearingwear.plotting.drawing import Figure, drawn_from
+from bearingwear.plotting.drawing import Figure, with_data_files
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.results.words import dataset_of_bearing
@@ -40,13 +40,13 @@ def friction_figures(
 def draw_friction(study: Path, loss_um: float, bearing: str | None = None) -> Figure:
     """QV and contact load against friction at one state of wear."""
     found = _loaded(study, bearing, ball_diameter_loss=[loss_um])
-    return drawn_from(quasistatic.friction_figure(found, loss_um), study)
+    return with_data_files(quasistatic.friction_figure(found, loss_um), study)
 
 
 def draw_slip(cases: Sequence[Path], bearing: str | None = None) -> Figure:
     """Slip over the contact ellipse."""
     found = [_loaded(path, bearing, strip=()) for path in cases]
-    return drawn_from(quasistatic.slip_figure(found), *cases)
+    return with_data_files(quasistatic.slip_figure(found), *cases)
 
 
 def draw_wear(
@@ -60,7 +60,7 @@ def draw_wear(
         _loaded(path, bearing, friction=[mu], ball_diameter_loss=())
         for path, mu in zip(paths, friction, strict=True)
     ]
-    return drawn_from(quasistatic.wear_figure(columns, friction), *studies)
+    return with_data_files(quasistatic.wear_figure(columns, friction), *studies)
 
 
 def draw_life(
@@ -72,25 +72,25 @@ def draw_life(
     """Wear and preload over the life."""
     found = _loaded(lives, bearing, interpolated_step=(), friction=friction)
     known = [one for path in uncertainty for one in load_quantiles(path)]
-    return drawn_from(quasistatic.life_figure(found, friction, known), lives, *uncertainty)
+    return with_data_files(quasistatic.life_figure(found, friction, known), lives, *uncertainty)
 
 
 def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
     """Several scenes overlaid."""
     found = [_loaded(path, None, friction=[friction], ball_diameter_loss=()) for path in studies]
-    return drawn_from(spread(found, friction), *studies)
+    return with_data_files(spread(found, friction), *studies)
 
 
 def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
     """Lives of several scenes overlaid."""
     found = [_loaded(path, None, interpolated_step=(), friction=[friction]) for path in lives]
-    return drawn_from(lives_side_by_side(found, friction), *lives)
+    return with_data_files(lives_side_by_side(found, friction), *lives)
 
 
 def draw_dynamic(study: Path, dynamic: Path) -> Figure:
     """Cases solved dynamically beside the steady ones."""
     figure = dynamic_figures.beside_steady_figure(*both_ways(study, dynamic))
-    return drawn_from(figure, study, dynamic)
+    return with_data_files(figure, study, dynamic)
 
 
 def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
@@ -98,7 +98,7 @@ def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     found = loaded(case)
     if found.attrs.get("fidelity") != "dynamic" or "status" not in found or found["status"].dims:
         raise CaseFileError(f"{case}: not a case solved dynamically")
-    return drawn_from(dynamic_figures.running_average_figure(found, reference), case)
+    return with_data_files(dynamic_figures.running_average_figure(found, reference), case)
 
 
 def _loaded(path: Path, bearing: str | None, **axes: Sequence[float]) -> xr.Dataset:

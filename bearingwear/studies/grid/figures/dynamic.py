@@ -13,7 +13,6 @@ from bearingwear.plotting.drawing import (
     Figure,
     failed_keys,
     frame,
-    from_zero,
     key,
     label_edges,
     lines,
@@ -21,6 +20,7 @@ from bearingwear.plotting.drawing import (
     method_keys,
     new_figure,
     power_of_ten,
+    start_at_zero,
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
@@ -83,7 +83,7 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
         column[0].set_title(friction_text(mu))
     label_edges(panels)
     for panel in panels[:, 0]:
-        from_zero(panel)
+        start_at_zero(panel)
     figure.align_ylabels()
     grey = {"color": "0.3", **IN_TIME}
     frame(
@@ -150,7 +150,7 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
         panel.set_xlabel(span.label("time"))
         panel.set_ylabel(f"mean wear rate since the start ({_unit(unit)})")
         panel.set_xlim(left=0.0)
-        from_zero(panel)
+        start_at_zero(panel)
     keys = [key(label, **RUNNING[label][2]) for label in means]
     if any(len(points) for points in known.values()):
         keys.append(key(f"reference: {Path(str(reference)).stem}", **REFERENCE))

@@ -12,7 +12,6 @@ from bearingwear.plotting.drawing import (
     Figure,
     failed_keys,
     frame,
-    from_zero,
     key,
     label_edges,
     lines,
@@ -20,9 +19,10 @@ from bearingwear.plotting.drawing import (
     mark_failed,
     new_figure,
     series_look,
+    start_at_zero,
 )
-from bearingwear.results.units import Display, display, in_print, key_in_words
-from bearingwear.results.words import friction_text, in_words, methods, percent, scene_of
+from bearingwear.results.units import Display, display, key_in_words, printed_unit
+from bearingwear.results.words import friction_text, methods, name_in_words, percent, scene_of
 from bearingwear.scene.checking.errors import leaves
 
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
@@ -51,19 +51,19 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
                 if quantity in state:  # no rate if nothing at all was solved
                     lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
                 failed |= mark_failed(panel, loss, state["status"], look["color"], number)
-            column[0].set_title(in_words(name))
+            column[0].set_title(name_in_words(name))
         ratio = float(state["total_qv"][-1] / state["total_qv"][0])
         ratios += [ratio] if np.isfinite(ratio) else []
     label_edges(panels)
     for panel in panels.flat:
-        from_zero(panel)
+        start_at_zero(panel)
     least, most = (percent(f(ratios, default=np.nan)) for f in (min, max))
     left = most if least == most else f"{least.removesuffix(' %')} to {most}"
     frame(
         figure,
         f"{', '.join(scene_of(study)['name'] for study in studies)} at {friction_text(friction)}: "
-        f"QV with {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its initial "
-        "value",
+        f"QV with {name_in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its "
+        "initial value",
         [
             key(label, **look)
             for label, look in zip(scene_labels([scene_of(s) for s in studies]), looks, strict=True)
@@ -93,10 +93,10 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
         for column, (name, life) in zip(
             panels.T, methods(scene.sel(friction=friction)), strict=False
         ):
-            column[0].set_title(in_words(name))
+            column[0].set_title(name_in_words(name))
             ratios.append(percent(_qv_of_a_life(column, life, power, look)))
             if ratios[-1] == percent(np.nan):
-                failed.append(f"{label}, {in_words(name)}")
+                failed.append(f"{label}, {name_in_words(name)}")
         said.append(f"{label} {' and '.join(ratios)}")
     for row, abscissa in zip(
         panels, (ABSCISSAE["ball_diameter_loss"], "running time (h)"), strict=True
@@ -104,9 +104,9 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
         row[0].set_ylabel(power.label("QV of the bearing"))
         for axes in row:
             axes.set_xlabel(abscissa)
-            from_zero(axes)
+            start_at_zero(axes)
     list_failed(panels[0, 0], failed)
-    words = " and ".join(in_words(name) for name, _ in methods(lives[0]))
+    words = " and ".join(name_in_words(name) for name, _ in methods(lives[0]))
     labels = scene_labels([scene_of(one) for one in lives])
     frame(
         figure,
@@ -166,4 +166,4 @@ def _quantity(key: str, value: Any) -> str:
         return f"no {words}"
     number = f"{value:g}" if isinstance(value, float) else str(value)
     space = "" if unit == "degree" else " "
-    return f"{words} {number}{space}{in_print(unit)}".strip()
+    return f"{words} {number}{space}{printed_unit(unit)}".strip()

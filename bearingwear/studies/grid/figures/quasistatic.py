@@ -22,7 +22,6 @@ from bearingwear.plotting.drawing import (
     dashes,
     failed_keys,
     frame,
-    from_zero,
     key,
     label_edges,
     lines,
@@ -30,6 +29,7 @@ from bearingwear.plotting.drawing import (
     method_keys,
     new_figure,
     race_keys,
+    start_at_zero,
 )
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
@@ -59,7 +59,7 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     lines(qv_panel, mean["qv"].sum("race", skipna=False), "friction", unit=power, **BALL_STYLE)
     failed = lines(qv_panel, mean["qv"], "friction", "QV", power, status)
     lines(load_panel, mean["contact_load"], "friction", "normal contact load", display("N"), status)
-    from_zero(qv_panel)
+    start_at_zero(qv_panel)
     for panel in (qv_panel, load_panel):
         panel.set_xticks(study["friction"])
     frame(
@@ -161,7 +161,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         shares.append(f"{share} ({bearing}, {friction_text(mu)})" if columns > 1 else share)
     label_edges(panels)
     for panel in panels[[0, 1, 3]].flat:
-        from_zero(panel)
+        start_at_zero(panel)
     loss = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
@@ -228,7 +228,7 @@ def life_figure(
     column[1].set_xlabel("running time (h)")
     for panel in column:
         panel.set_xlim(left=0.0)
-        from_zero(panel)
+        start_at_zero(panel)
     list_failed(column[0], failed)
     column[0].set_ylabel("total wear depth (µm)")
     column[1].set_ylabel("residual preload (N)")
