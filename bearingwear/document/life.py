@@ -47,7 +47,7 @@ WORN_WHOLE = (
     "history_pocket_film_worn_share",
     "history_land_film_worn_share",
 )
-REACHED = 1e-3
+LIMIT_MET_SHARE = 1e-3
 """Share of a limit within which the bearing of a pair that ends a life meets it."""
 
 _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
@@ -167,7 +167,7 @@ def _criterion_rows(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
         if limit is None:
             continue
         start, end = (_history_value(file, scene, measure, step) for step in (0, -1))
-        ended_here = not is_pair(scene) or measure.margin(end.critical, limit) < REACHED
+        ended_here = not is_pair(scene) or measure.margin(end.critical, limit) < LIMIT_MET_SHARE
         rows.append(
             Row(
                 label=measure.short,

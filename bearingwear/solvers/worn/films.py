@@ -11,7 +11,7 @@ from bearingwear.solvers.worn.depths import WornDepths
 FILM_EDGE = 0.05
 """Share of its thickness below which a film no longer covers all of its place, assumed."""
 
-REACHED = 1e-3
+FILM_END_SHARE = 1e-3
 """Share of its thickness to which it is known when a film goes."""
 
 LEAST_WANDER = 0.1
@@ -82,7 +82,7 @@ class WornFilms:
         """Whether each film has begun to leave its deepest place bare, and has left it (2, 3)."""
         ends = np.array([[1.0 - FILM_EDGE], [1.0]])
         thickness = self.films.thickness
-        return (thickness > 0.0) & (wear.deepest > (ends - REACHED) * thickness)
+        return (thickness > 0.0) & (wear.deepest > (ends - FILM_END_SHARE) * thickness)
 
     def longest_time(self, wear: WornDepths, rate: WornDepths, share: float, least: float) -> float:
         """Time in which a film wears by a share of its thickness, or to where it begins to go [s].
