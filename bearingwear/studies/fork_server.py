@@ -71,6 +71,7 @@ def tell_of_silence(status: int) -> None:
     try:
         if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
             by = f" (by signal {status - 128})" if status > 128 else ""
+            by = " (No space left on device)" if status == os.EX_IOERR else by
             print(f"ended with status {status}{by} without a message", file=sys.stderr)
     except OSError:
         pass  # a full disk

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -64,10 +65,12 @@ def done(undisturbed, tmp_path):
 
 
 def wait(condition, seconds=120.0):
+    """What a condition gives once it holds."""
     deadline = time.monotonic() + seconds
-    while not condition():
+    while not (given := condition()):
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.02)
+    return given
 
 
 def finished(project):
@@ -79,12 +82,14 @@ def finished(project):
 
 
 def jobs_below(process, step):
-    """Processes below one that run a step."""
-    try:
-        below = psutil.Process(process.pid).children(recursive=True)
-        return [child for child in below if step in child.cmdline()]
-    except psutil.Error:
-        return []
+    """Processes below one that run a step; any of them may end meanwhile."""
+    jobs = []
+    with suppress(psutil.Error):
+        for child in psutil.Process(process.pid).children(recursive=True):
+            with suppress(psutil.Error):
+                if step in child.cmdline():
+                    jobs.append(child)
+    return jobs
 
 
 def solver_processes(process):
@@ -124,8 +129,7 @@ def resumes(project, before, undisturbed, *arguments, ran_on=0):
 @pytest.mark.faults
 def test_a_job_is_killed(project, undisturbed):
     process = project.start()
-    wait(lambda: finished(project) and solver_processes(process))
-    victim = solver_processes(process)[0]
+    victim = wait(lambda: finished(project) and solver_processes(process))[0]
     victim.kill()
     assert process.wait(timeout=120) != 0
     before = finished(project)
@@ -137,8 +141,7 @@ def test_a_job_is_killed(project, undisturbed):
 def test_snakemake_is_killed(project, undisturbed):
     """Its jobs end, too; one may have been at its last lines."""
     process = project.start()
-    wait(lambda: finished(project) and solver_processes(process))
-    left = solver_processes(process)
+    left = wait(lambda: finished(project) and solver_processes(process))
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     psutil.wait_procs(left, timeout=60)
