@@ -313,8 +313,11 @@ def test_a_module_that_ends_its_process_as_it_is_imported(project, death):
 
 @pytest.mark.faults
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="elsewhere jobs have no server")
-def test_a_command_is_killed_alone(tmp_path):
+def test_a_command_is_killed_alone(tmp_path, request):
     """However and whenever that is, all that it started ends, and the next run goes on."""
+    # below `nohup` a command ignores it, and is right to go on
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    request.addfinalizer(lambda: signal.signal(signal.SIGHUP, before))
     shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", tmp_path / "mine.yaml")
     command = [sys.executable, "-m", "bearingwear", "study", "mine.yaml", "--stiffness", "3"]
 
