@@ -119,6 +119,7 @@ def main() -> None:
         for name in names:
             for model in args.models:
                 took = seconds(name, model)
+                print(f"{name}, {model}: {took:.1f} s", file=sys.stderr, flush=True)
                 least[name, model] = min(took, least.get((name, model), took))
     print("| left out | " + " | ".join(f"{model} [s]" for model in args.models) + " |")
     print("| --- |" + " ---: |" * len(args.models))
