@@ -13,6 +13,7 @@ from support import ROOT
 
 SHIPPED = (
     "bearingwear",
+    "kerneljit",
     "workflow",
     "config",
     "profiles",
