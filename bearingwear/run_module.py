@@ -18,5 +18,8 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import bearingwear  # noqa: E402, F401  its modules are found from it from here on
 
 del sys.path[0], sys.argv[0]
+as_before = sys.excepthook
+# nor does one that nobody handles later, as while Snakemake reads its rules
+sys.excepthook = lambda kind, *rest: kind is KeyboardInterrupt or as_before(kind, *rest)
 signal.signal(signal.SIGINT, before)
 runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)

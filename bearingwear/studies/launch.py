@@ -54,7 +54,8 @@ def run_study(
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
-    command = ["-m", "snakemake", "--snakefile", str(snakefile()), f"-j{jobs}", target, *more]
+    script = str(PACKAGE / "run_module.py")
+    command = [script, "snakemake", "--snakefile", str(snakefile()), f"-j{jobs}", target, *more]
     environment = {**os.environ, **({OWN_STUDY: scene_folder} if scene_folder else {})}
     return _guarded([sys.executable, "-P", *command], folder, files, environment)
 
