@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import difflib
-import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -33,8 +32,8 @@ from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 
-AS_IN_DUTY = math.nan
-"""Time of a ramp to full speed that a duty gives, if there is one."""
+AS_IN_DUTY = object()
+"""In place of the time of a ramp to full speed: that of the duty, if there is one."""
 
 STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustness")
 """Studies of the workflow: rules that collect what belongs together."""

@@ -14,6 +14,9 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
 
+COMPILER = "kerneljit"
+"""The package beside it that compiles its kernels."""
+
 IN_CHECKOUT = (PACKAGE.parent / "Snakefile").is_file()
 """Whether the package is imported from a checkout, or a copy of one, and not where pip puts it."""
 
@@ -138,12 +141,17 @@ def result_hash(module: str) -> str:
 
 def other_copy() -> Path | None:
     """The copy of the package that is installed in this environment, if its sources differ."""
-    copy = Path(sysconfig.get_path("purelib")) / PACKAGE.name
+    site = Path(sysconfig.get_path("purelib"))
+    copy = site / PACKAGE.name
     if copy == PACKAGE or not (copy / "__init__.py").is_file():
         return None
     ours, theirs = (
-        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.py")}
-        for folder in (PACKAGE, copy)
+        {
+            path.relative_to(folder): path.read_bytes()
+            for name in (PACKAGE.name, COMPILER)
+            for path in (folder / name).rglob("*.py")
+        }
+        for folder in (PACKAGE.parent, site)
     )
     return None if ours == theirs else copy
 
@@ -156,5 +164,5 @@ def source_hash() -> str:
 def kernels_hash() -> str:
     """Hash of the kernels, and of what compiles them, as they lie on the disk now (16 digits)."""
     _file_hash.cache_clear()  # they may have been edited since
-    compiler = (PACKAGE.parent / "kerneljit").glob("*.py")
+    compiler = (PACKAGE.parent / COMPILER).glob("*.py")
     return contents_hash([*sorted(PACKAGE.glob("kernels/**/*.py")), *sorted(compiler)])

@@ -16,17 +16,27 @@ BEGIN, END = "<!-- rules: begin -->", "<!-- rules: end -->"
 _RULE = re.compile(r"^rule (\w+):\n((?:    .*\n|\n)*)", re.M)
 
 
-def rows() -> Iterator[tuple[str, str, str, str]]:
-    """Of each rule that runs something: its name, file, command and Python module or function."""
+def rules() -> Iterator[tuple[str, str, str]]:
+    """Of each rule: its name, its file, and its text below the name."""
     for file in sorted(RULES.glob("*.smk")):
         for name, body in _RULE.findall(file.read_text(encoding="utf-8")):
-            shell = "".join(re.findall(r'^ +"(.*)"$', body.partition("    shell:\n")[2], re.M))
-            command = re.match(r"bearingwear (\w+)(?: ([\w.]+))?", shell)
-            if command is None:
-                continue
-            sources = re.search(r'sources\(\s*"([\w.]+)"', body)
-            python = command[2] if command[1] == "step" else sources[1] if sources else ""
-            yield name, file.stem, command[1], python
+            yield name, file.stem, body
+
+
+def shell_line(body: str) -> str:
+    """The shell line of a rule, its strings joined; empty where it has none."""
+    return "".join(re.findall(r'^ +"(.*)"$', body.partition("    shell:\n")[2], re.M))
+
+
+def rows() -> Iterator[tuple[str, str, str, str]]:
+    """Of each rule that runs something: its name, file, command and Python module or function."""
+    for name, file, body in rules():
+        command = re.match(r"bearingwear (\w+)(?: ([\w.]+))?", shell_line(body))
+        if command is None:
+            continue
+        sources = re.search(r'sources\(\s*"([\w.]+)"', body)
+        python = command[2] if command[1] == "step" else sources[1] if sources else ""
+        yield name, file, command[1], python
 
 
 def table() -> str:

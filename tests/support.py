@@ -4,6 +4,7 @@ import ast
 import functools
 import importlib.util
 import re
+import shutil
 import sys
 import types
 from collections.abc import Callable
@@ -14,10 +15,21 @@ import numpy as np
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels.steady.balance import BalanceProblem, balance_problem
+from bearingwear.provenance import COMPILER
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 ROOT = Path(__file__).resolve().parents[1]
+
+PACKAGES = bearingwear.__name__, COMPILER
+"""The packages that are imported together."""
+
+
+def copy_tree(folder: Path, *names: str) -> None:
+    """Copy packages, or other folders of the project, without what Python has made of them."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    for name in names:
+        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
 
 
 def scene_file(name: str) -> Path:

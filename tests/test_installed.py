@@ -9,11 +9,10 @@ import venv
 from pathlib import Path
 
 import pytest
-from support import ROOT
+from support import PACKAGES, ROOT, copy_tree
 
 SHIPPED = (
-    "bearingwear",
-    "kerneljit",
+    *PACKAGES,
     "workflow",
     "config",
     "profiles",
@@ -30,10 +29,9 @@ def installed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("installed")
     source, environment = folder / "source", folder / "venv"
     source.mkdir()
-    without = shutil.ignore_patterns("__pycache__")
     for name in SHIPPED:
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, source / name, ignore=without)
+            copy_tree(source, name)
         else:
             shutil.copy(ROOT / name, source / name)
     venv.create(environment, symlinks=True)

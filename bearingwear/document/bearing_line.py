@@ -10,7 +10,7 @@ from bearingwear.measures import plain
 from bearingwear.scene.arrangement import flat_keys, set_over_pair
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
-from bearingwear.scene.new.minimum_preload import minimum_preload_line, minimum_preload_words
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
 
 _CONTACTS = {
     "paper": "contact model from the paper",
@@ -44,7 +44,7 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         *_speed_and_friction_phrases(list(scenes.values())),
         _temperature_phrase_of_cases(scenes),
         *_load_phrases(scenes.values()),
-        minimum_preload_words(scenes.values()) or "",
+        minimum_preload_words(scenes.values()),
         contact_model,
         worst_case_phrase(scenes) if len(scenes) > 1 else "",
     )
@@ -219,15 +219,12 @@ def _pair_phrases(arrangement: Mapping[str, Any], preload_N: float) -> list[str]
 def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """Describes the bearing, its operating point, and the limits of its maker's catalogue."""
     bearing, operation = scene["bearing"], scene["operation"]
-    catalogue_lines = (
-        identity_line(bearing),
-        speed_limit_line(bearing, operation),
-        minimum_preload_line(bearing, operation),
-    )
+    catalogue_lines = identity_line(bearing), speed_limit_line(bearing, operation)
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
         ", ".join(_operation_phrases(scene)),
         *(line for line in catalogue_lines if line),
+        *minimum_preload_lines(scene),
     )
 
 

@@ -9,7 +9,7 @@ from bearingwear.document.bearing_line import duty_lines, is_answered_by_a_case
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.results.warnings import warning_line
 from bearingwear.scene.cases import NOMINAL
-from bearingwear.scene.new.minimum_preload import minimum_preload_line
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.effects.choice import Choice, accuracy_sentence, effort
 from bearingwear.solvers.effects.sizes import effect_sizes
@@ -83,6 +83,4 @@ def _model_lines(scene: Scene, scene_data: Mapping[str, Any], chosen: Choice) ->
         )
     if scene.duty is not None:
         lines += duty_lines(scene_data)
-    if line := minimum_preload_line(scene_data["bearing"], scene_data["operation"]):
-        lines.append(line)
-    return lines
+    return [*lines, *minimum_preload_lines(scene_data)]

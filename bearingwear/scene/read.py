@@ -42,15 +42,21 @@ def as_scene(scene: Source) -> Scene:
     return scene_from_dict(*as_data(scene))
 
 
+def source_name(scene: Source) -> str:
+    """What error messages call a scene: its file, if it is one."""
+    return os.fspath(scene) if isinstance(scene, str | os.PathLike) else "scene"
+
+
 def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
     """The data of a scene, not checked, and what error messages call it."""
+    source = source_name(scene)
     if isinstance(scene, Scene):
         # checked like any other: who builds one in Python skips the ranges
-        return _undecided(scene), "scene"
+        return _undecided(scene), source
     if isinstance(scene, Mapping):
-        return scene, "scene"
+        return scene, source
     if isinstance(scene, str | os.PathLike):
-        return _read(scene)[0], os.fspath(scene)
+        return _read(scene)[0], source
     raise TypeError(f"got {type(scene).__name__}, expected a path, a dict or a Scene")
 
 

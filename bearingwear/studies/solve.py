@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,7 +11,14 @@ from typing import Any
 from bearingwear.scene.cases import in_case
 from bearingwear.scene.changes import changes_of
 from bearingwear.scene.friction import changes_as_it_wears
-from bearingwear.scene.read import Source, as_data, changed_scene, for_life, variant
+from bearingwear.scene.read import (
+    Source,
+    as_data,
+    changed_scene,
+    for_life,
+    source_name,
+    variant,
+)
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
@@ -73,7 +79,7 @@ def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False)
     """A scene with an end of life and a steady state; `films` says whether it may have any."""
     from bearingwear.solvers.effects.choice import choice_for_life
 
-    source = os.fspath(scene) if isinstance(scene, str | os.PathLike) else "scene"
+    source = source_name(scene)
     scene = for_life(variant(scene, changes_of(settings)), source)
     if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
         raise SceneError(

@@ -1,17 +1,10 @@
 """The application that docs/develop.md writes."""
 
 import json
-import os
 import re
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 from support import ROOT, scene_file
-
-from bearingwear.kernels.project import PROJECT
 
 PROGRAM = """
 import json, sys
@@ -27,29 +20,17 @@ assert found.equals(bearingwear.load(output)) and "frequencies" in dir(bearingwe
 """
 
 
-def test_the_example_of_the_docs(tmp_path):
+def test_the_example_of_the_docs(applications_of_a_copy, printed_by):
     """Its command and its function agree, and with the kinematics of rolling."""
     page = (ROOT / "docs" / "develop.md").read_text(encoding="utf-8")
     files = dict(re.findall(r"^```py\n# (\w+\.py)\n(.*?)^```$", page, re.M | re.S))
     assert set(files) == {"__init__.py", "command.py"}
-    ignored = shutil.ignore_patterns("__pycache__")
-    for package in ("bearingwear", "kerneljit"):
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
-    folder = tmp_path / "bearingwear" / "applications" / "frequencies"
+    folder = applications_of_a_copy / "frequencies"
     folder.mkdir()
     for name, text in files.items():
         (folder / name).write_text(text)
-    environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
-    environment["NUMBA_CACHE_DIR"] = str(Path(PROJECT.code_folder).parent)  # of the same kernels
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, scene_file("gyro_s1"), "frequencies.nc"],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    sheet, found = map(json.loads, done.stdout.split("---"))
+    printed = printed_by(PROGRAM, scene_file("gyro_s1"), "frequencies.nc")
+    sheet, found = map(json.loads, printed.split("---"))
     for row in sheet["quantities"]:
         values = row.get("values", [row.get("value")])
         assert values == pytest.approx([one * {"Hz": 1.0, "kHz": 1e-3}[row["unit"]]

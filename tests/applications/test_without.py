@@ -1,18 +1,13 @@
 """The program without one of its applications: the rest stays as it is."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
-from support import ROOT, scene_file
+from support import scene_file
 
 import bearingwear
 from bearingwear.application import applications
-from bearingwear.kernels.project import PROJECT
 
 PROGRAM = """
 import json, sys
@@ -31,25 +26,12 @@ print(json.dumps([bearingwear.__file__, statuses, public, [*STUDY_SHEETS, *STUDY
 
 
 @pytest.mark.parametrize("one", applications(), ids=lambda one: one.command)
-def test_the_program_without_an_application(one, tmp_path):
+def test_the_program_without_an_application(one, tmp_path, applications_of_a_copy, printed_by):
     """Imports, `--help`, `check`, `solve` and `show`, with a copy that lacks the folder."""
-    ignored = shutil.ignore_patterns("__pycache__")
-    for package in ("bearingwear", "kerneljit"):
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
-    folder = one.handler.split(".")[2]
-    shutil.rmtree(tmp_path / "bearingwear" / "applications" / folder)
-    environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
-    environment["NUMBA_CACHE_DIR"] = str(Path(PROJECT.code_folder).parent)  # of the same kernels
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, scene_file("gyro_s1"), "case.nc"],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    file, statuses, public, kinds = json.loads(done.stdout.splitlines()[-1])
+    shutil.rmtree(applications_of_a_copy / one.handler.split(".")[2])
+    printed = printed_by(PROGRAM, scene_file("gyro_s1"), "case.nc")
+    file, statuses, public, kinds = json.loads(printed.splitlines()[-1])
     assert file.startswith(str(tmp_path)) and statuses == [0, 0, 0, 0]
-    assert f"    {one.command} " not in done.stdout  # in the list of commands
+    assert f"    {one.command} " not in printed  # in the list of commands
     assert set(public) == set(bearingwear.__all__) - set(one.functions)
     assert not set(kinds) & {*one.sheets, *one.plots}

@@ -5,16 +5,14 @@ import pickle
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from support import PACKAGES, copy_tree
 
-import bearingwear
 from bearingwear import provenance
 from bearingwear.kernels.project import PROJECT
 from kerneljit.project import private_code_folder
 
-PACKAGE = Path(bearingwear.__file__).parent
 PROGRAM = """
 import math
 from bearingwear.kernels.equilibrium.body_forces import body_forces
@@ -45,9 +43,7 @@ def run(folder, **options):
 def first(tmp_path_factory):
     """A copy of the package with compiled code, and what its program prints."""
     folder = tmp_path_factory.mktemp("cached")
-    for package in (PACKAGE, PACKAGE.parent / "kerneljit"):
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(package, folder / package.name, ignore=ignored)
+    copy_tree(folder, *PACKAGES)
     said = run(folder)
     assert len(said) == 2
     return folder, said

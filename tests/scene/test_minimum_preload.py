@@ -9,7 +9,7 @@ from bearingwear.cli import main
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.scene.new.minimum_preload import (
     minimum_preload,
-    minimum_preload_line,
+    minimum_preload_lines,
     skf_factors,
 )
 
@@ -44,18 +44,16 @@ def test_skf_prints_a_factor():
     """A (n/1000)^2 kN, with A = 0.00584 for a 7210 AC."""
     scene = bearingwear.new(designation="7210AC", preload=100.0, speed=5000.0)
     assert least(scene).load == pytest.approx(1e3 * 0.00584 * 25.0)
-    data = scene.to_dict()
-    assert minimum_preload_line(data["bearing"], data["operation"]) == (
+    assert minimum_preload_lines(scene.plain) == [
         "SKF minimum preload for a 7210AC: 146 N at 5000 r/min (0.00584 (n/1000)^2 kN); "
         "preload here 100 N"
-    )
+    ]
 
 
 @pytest.mark.parametrize("known", [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
                                    {"bore": 40.0, "outside": 68.0}])  # fmt: skip
 def test_nothing_is_said_where_no_number_is_known(known):
-    data = bearingwear.new(**known, preload=50.0).to_dict()
-    assert minimum_preload_line(data["bearing"], data["operation"]) == ""
+    assert minimum_preload_lines(bearingwear.new(**known, preload=50.0).plain) == []
 
 
 LAUNCHED = """

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from support import ROOT
+from support import PACKAGES, ROOT, copy_tree
 
 from bearingwear.kernels.project import PROJECT
 
@@ -194,9 +194,7 @@ def new_project(tmp_path_factory):
 
     def make() -> Project:
         root = tmp_path_factory.mktemp("project")
-        no_caches = shutil.ignore_patterns("__pycache__")
-        for name in ("bearingwear", "kerneljit", "config", "docs", "workflow", "profiles"):
-            shutil.copytree(ROOT / name, root / name, ignore=no_caches)
+        copy_tree(root, *PACKAGES, "config", "docs", "workflow", "profiles")
         shutil.copy2(ROOT / "Snakefile", root)
         project = Project(root)
         project.configure(CONFIG)

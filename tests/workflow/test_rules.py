@@ -13,18 +13,10 @@ from bearingwear.provenance import PACKAGE, sources
 
 FILES = sorted(ROOT.glob("workflow/rules/*.smk"))
 TEXT = "\n".join(file.read_text(encoding="utf-8") for file in FILES)
-RULES = {name: body for name, body in re.findall(r"^rule (\w+):\n((?:    .*\n|\n)*)", TEXT, re.M)}
-
-
-def command(body: str) -> str:
-    """The shell line of a rule, its strings joined."""
-    shell = body.partition("    shell:\n")[2]
-    return "".join(re.findall(r'^ +"(.*)"$', shell, re.M))
-
-
-STEPS = {
-    name: text for name, body in RULES.items() if "bearingwear step " in (text := command(body))
-}
+RULE_TABLE = benchmark("rule_table")
+RULES = {name: body for name, _, body in RULE_TABLE.rules()}
+SHELL_LINES = {name: RULE_TABLE.shell_line(body) for name, body in RULES.items()}
+STEPS = {name: line for name, line in SHELL_LINES.items() if "bearingwear step " in line}
 
 
 def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
@@ -39,11 +31,10 @@ def test_a_rule_says_in_a_sentence_what_it_makes():
 
 
 def test_the_table_of_rules_is_up_to_date():
-    rule_table = benchmark("rule_table")
     text = (ROOT / "docs/studies.md").read_text(encoding="utf-8")
-    assert rule_table.renewed(text) == text, "run: python benchmarks/rule_table.py docs/studies.md"
-    rows = [*rule_table.rows()]
-    assert {row[0] for row in rows} == {name for name, body in RULES.items() if command(body)}
+    assert RULE_TABLE.renewed(text) == text, "run: python benchmarks/rule_table.py docs/studies.md"
+    rows = [*RULE_TABLE.rows()]
+    assert {row[0] for row in rows} == {name for name, line in SHELL_LINES.items() if line}
     for name, _, _, python in rows:
         module, _, function = python.rpartition(".")
         found = importlib.util.find_spec(python) if name not in STEPS and python else None

@@ -58,7 +58,6 @@ def launch(scene: Source, axial: float | None = None, radial: float | None = Non
 
     given = {"launch.axial_g": axial, "launch.radial_g": radial}
     changes = {key: value for key, value in given.items() if value is not None}
-    checked = as_scene(scene)
-    checked = checked.with_(changes) if changes else checked
+    checked = as_scene(scene).with_(changes)
     check_launch(checked, checked.name)
     return launch_dataset(checked, launched_by_wear(checked))

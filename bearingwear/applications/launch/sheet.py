@@ -17,7 +17,7 @@ from bearingwear.document.launch import (
     state_suffix,
 )
 from bearingwear.results.units import span
-from bearingwear.scene.new.minimum_preload import minimum_preload_line
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import Launched, LaunchLoad, RestingBearing
@@ -62,11 +62,10 @@ def launch_document(scene: Scene, states: Mapping[str, Launched]) -> Document:
         blocks += _load_blocks(states[state].loads, state_suffix(state, states))
     verdict = launch_verdict(states) + _soft_pair_lines(scene, states)
     facts = {"kind": "launch", "scene": scene.name, "verdict": verdict}
-    plain = scene.plain
     heading = (
-        operation_lines(plain)[0],
+        operation_lines(scene.plain)[0],
         *_vibration_lines(scene, states),
-        *filter(None, [minimum_preload_line(plain["bearing"], plain["operation"])]),
+        *minimum_preload_lines(scene.plain),
     )
     return Document((*heading, *verdict), facts, tuple(blocks))
 

@@ -72,8 +72,7 @@ def margin(
 
     given = {"drive.torque_Nm": drive, "drive.standard": standard, "drive.data": data}
     changes = {key: value for key, value in given.items() if value is not None}
-    checked = as_scene(scene)
-    checked = checked.with_(changes) if changes else checked
+    checked = as_scene(scene).with_(changes)
     _check_drive(checked, checked.name)
     return labelled(margin_dataset(checked, torque_corners(checked)))
 

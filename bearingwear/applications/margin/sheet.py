@@ -7,18 +7,16 @@ from collections.abc import Sequence
 from bearingwear.document.document import Document
 from bearingwear.document.margin import corner_words, margin_block, margin_sentences, worst_corner
 from bearingwear.lives.margin import Corner
-from bearingwear.scene.new.minimum_preload import minimum_preload_line
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.scene import Scene
 
 
 def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
     """Torque margin of a scene with a drive."""
     worst = worst_corner(corners)
-    data = scene.to_dict()
-    minimum = minimum_preload_line(data["bearing"], data["operation"])
     heading = (
         f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",
-        *filter(None, [minimum]),
+        *minimum_preload_lines(scene.plain),
         *margin_sentences(scene, corners),
     )
     facts = {"kind": "torque margin", "scene": scene.name, "worst": corner_words(worst)}

@@ -85,17 +85,18 @@ def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
     return f"{maker} minimum preload {least.load:.3g} N at {least.speed:g} r/min"
 
 
-def minimum_preload_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
-    """The least preload by the maker beside that of a scene; empty where no number is known.
+def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
+    """The least preload by the maker beside that of a scene: a line, none if no number is known.
 
-    bearing, operation: blocks of a scene as mappings.
+    scene: its plain data.
     """
+    bearing, operation = scene["bearing"], scene["operation"]
     least = minimum_preload(bearing, operation)
     if least is None:
-        return ""
+        return []
     maker, _, name = least.bearing.partition(" ")
     balls = "" if bearing["ball_material"] == "bearing_steel" else " with steel balls"
-    return (
+    return [
         f"{maker} minimum preload for a {name}{balls}: {least.load:.3g} N at {least.speed:g} r/min "
         f"({least.rule}); preload here {operation['preload_N']:g} N"
-    )
+    ]

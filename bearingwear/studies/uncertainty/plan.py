@@ -5,11 +5,10 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 
 from bearingwear.scene.coefficients import with_usual_spread
-from bearingwear.scene.read import Source
+from bearingwear.scene.read import Source, source_name
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.studies.answers import Tell
 from bearingwear.studies.solve import life_scene
@@ -23,7 +22,7 @@ def uncertain_scene(scene: Source, settings: Sequence[str] = (), tell: Tell | No
 
     tell: given what distributions are taken where the scene has none.
     """
-    source = os.fspath(scene) if isinstance(scene, str | os.PathLike) else "scene"
+    source = source_name(scene)
     scene, said = with_usual_spread(life_scene(scene, settings, films=True))
     if tell and said:
         tell(said)

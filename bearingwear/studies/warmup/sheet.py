@@ -14,7 +14,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
-from bearingwear.scene.new.minimum_preload import minimum_preload_line
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
 
 LOW_MARGIN = 1.5
@@ -32,9 +32,8 @@ def warm_up_sheet(file: Any) -> Document:
     times, shares = np.reshape(np.atleast_1d(file.course), (2, -1))
     speed = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
     way = f"at {speed} from the start" if len(times) == 1 else f"{speed} after {plain(times[-1])} s"
-    minimum = minimum_preload_line(scene["bearing"], scene["operation"])
     ended = f"{scene['name']}: {_ending_sentence(file, ending, end)}"
-    heading = [ended, way, *filter(None, [minimum])]
+    heading = [ended, way, *minimum_preload_lines(scene)]
     rows = []
     for name, (units, words) in PEAKS.items():
         peak, time, last = (

@@ -15,7 +15,7 @@ from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
 from bearingwear.results.units import Rough, digits, printed_unit
 from bearingwear.results.words import methods, percent_in_text, scene_of
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.new.minimum_preload import minimum_preload_line, minimum_preload_words
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
@@ -124,11 +124,11 @@ def life_sentence(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> str
 def makers_minimum_sentences(found: xr.Dataset) -> list[str]:
     """The minimum preload by the maker, beside the recommended one if any, where it is known."""
     scene = scene_of(found)
-    line = minimum_preload_words([scene])
     if best := by_life(found):
         operation = scene["operation"] | {"preload_N": float(best[0][1]["preload"])}
-        line = minimum_preload_line(scene["bearing"], operation)
-    return [sentence(line)] if line else []
+        return [sentence(line) for line in minimum_preload_lines(scene | {"operation": operation})]
+    words = minimum_preload_words([scene])
+    return [sentence(words)] if words else []
 
 
 def trust_sentence(found: xr.Dataset) -> str:
