@@ -197,8 +197,9 @@ def _add_page(page: argparse.ArgumentParser) -> None:
         ("scenes", "scene files, for their descriptions and the values that they assume"),
     ):
         page.add_argument(f"--{name}", nargs="*", default=[], metavar="FILE", type=Path, help=words)
-    page.add_argument("-o", "--output", required=True, metavar="FILE.html", type=Path,
-        help="the file to write; its links assume that it lies two folders below the study")
+    page.add_argument("-o", "--output", default="results/report/index.html", metavar="FILE.html",
+        type=Path, help="the file to write (default: %(default)s); its links assume that it lies "
+        "two folders below the study")
 
 
 def _add_compile(compiling: argparse.ArgumentParser) -> None:
