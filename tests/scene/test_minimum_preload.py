@@ -50,6 +50,15 @@ def test_skf_prints_a_factor():
     ]
 
 
+@pytest.mark.parametrize("designation", ["7214ACB", "7205 ACCBM", "7310AC", "7217BECBP"])
+def test_a_factor_that_is_missing_is_named(designation):
+    """Bearings of SKF's tables whose place in the text is unclear: no silence, and no guess."""
+    scene = bearingwear.new(designation=designation, preload=100.0, speed=5000.0)
+    (line,) = minimum_preload_lines(scene.plain)
+    assert line.endswith(": factor not known here; see SKF's product table")
+    assert least(scene) is None
+
+
 @pytest.mark.parametrize("known", [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
                                    {"bore": 40.0, "outside": 68.0}])  # fmt: skip
 def test_nothing_is_said_where_no_number_is_known(known):
