@@ -193,8 +193,9 @@ wear coefficient of the nearest row is used there, with a warning.
    (2018), p. 141
 8. ESTL, same volume, p. 151
 
-Only the abstracts of references 1 to 6 were read. The numbers of 7 and 8 come from an excerpt of \
-the proceedings; the papers themselves were not opened for this page.
+Only the abstracts of references 1 to 6 were read; 7 and 8 were read without their figures, in a \
+[copy of the text](https://github.com/dan-s-mueller/aerospace_chatbot/tree/8d6a2a98/data/AMS) of \
+the proceedings.
 """
     blocks = text.rstrip("\n").split("\n\n")
     return "\n\n".join(_wrapped(block) for block in blocks) + "\n"
