@@ -79,6 +79,7 @@ launch: {axial_g: 5.0}
         "show a.yaml",
         "life a.yaml --set model.contact=hertz",
         "launch a.yaml",
+        "uncertainty a.yaml --samples 8 -j 1 -o u.nc",
     ],
 )
 def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):
