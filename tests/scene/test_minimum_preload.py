@@ -48,6 +48,8 @@ def test_skf_prints_a_factor():
         "SKF minimum preload for a 7210AC: 146 N at 5000 r/min (0.00584 (n/1000)^2 kN); "
         "preload here 100 N"
     ]
+    fast = scene.with_({"operation.shaft_speed_rpm": 14000.0})
+    assert ": 1140 N at 14000 r/min" in minimum_preload_lines(fast.plain)[0]
 
 
 @pytest.mark.parametrize("designation", ["7214ACB", "7205 ACCBM", "7310AC", "7217BECBP"])

@@ -16,6 +16,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 
 SKF_SOURCE = "SKF, rolling bearings, pp. 399-417"
@@ -84,7 +85,7 @@ def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
     if least is None:
         return ""
     maker, _, _ = least.bearing.partition(" ")
-    return f"{maker} minimum preload {least.load:.3g} N at {least.speed:g} r/min"
+    return f"{maker} minimum preload {plain(least.load)} N at {least.speed:g} r/min"
 
 
 def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
@@ -102,6 +103,6 @@ def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
     maker, _, name = least.bearing.partition(" ")
     balls = "" if bearing["ball_material"] == "bearing_steel" else " with steel balls"
     return [
-        f"{maker} minimum preload for a {name}{balls}: {least.load:.3g} N at {least.speed:g} r/min "
-        f"({least.rule}); preload here {operation['preload_N']:g} N"
+        f"{maker} minimum preload for a {name}{balls}: {plain(least.load)} N at "
+        f"{least.speed:g} r/min ({least.rule}); preload here {operation['preload_N']:g} N"
     ]
