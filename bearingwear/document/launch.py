@@ -6,11 +6,17 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from bearingwear.results.units import digits
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import Launched
 
 _UM, _GPA = 1e6, 1e-9
 NEW_AND_WORN = 2
 """States of one case."""
+
+SOFT_PAIR_GAPS = (
+    "a spring-loaded pair that gaps strikes back: its loads may be 2 to 4 times those of three "
+    "sigma, as measured (docs/launch.md)"
+)
 
 
 def state_suffix(state: str, states: Mapping[str, Launched]) -> str:
@@ -28,9 +34,15 @@ def state_of_largest_pressure(states: Mapping[str, Launched]) -> str:
     return max(states, key=lambda state: states[state].pressure_share)
 
 
-def launch_verdict(states: Mapping[str, Launched]) -> list[str]:
+def launch_verdict(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
     """States whether a bearing gaps and whether one dents, in sentences that name the state."""
-    return _gap_sentences(states) + _dent_sentences(states)
+    return _gap_sentences(states) + _dent_sentences(states) + _soft_pair_sentences(scene, states)
+
+
+def _soft_pair_sentences(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
+    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
+    has_spring = scene.operation.preload_method == "constant_force"
+    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
 
 
 class _OpenBearing(NamedTuple):

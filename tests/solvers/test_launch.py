@@ -9,8 +9,9 @@ import pytest
 from support import benchmark
 
 import bearingwear
-from bearingwear.applications.launch.sheet import SOFT_PAIR_GAPS, launch_document
+from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.cli import main
+from bearingwear.document.launch import SOFT_PAIR_GAPS
 from bearingwear.lives.margin import launched_by_wear
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, SceneError
@@ -25,6 +26,7 @@ from bearingwear.solvers.bearing.launch import (
     launched,
     miles,
 )
+from bearingwear.studies.design.machine import machine_answers
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
 
@@ -224,7 +226,7 @@ def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
 
 
 def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
-    """Not a hard pair, nor a soft one that stays loaded."""
+    """Not a hard pair, nor a soft one that stays loaded; in recommendations as on the sheet."""
     soft = SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_density_g2_Hz": 0.1}
     for changes, is_told in (
         (soft, True),
@@ -235,6 +237,7 @@ def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
         found = {"new": launched(scene)}
         heading = launch_document(scene, found).heading
         assert (SOFT_PAIR_GAPS in heading) == is_told
+        assert any(SOFT_PAIR_GAPS in line for line in machine_answers(scene)["said"]) == is_told
     rows = {row.name: row.values[0] for row in launch_document(pair.with_(soft), {
         "new": launched(pair.with_(soft))}).blocks[1].rows}  # fmt: skip
     assert rows["axial_largest_g"] / rows["axial_three_sigma_g"] == pytest.approx(

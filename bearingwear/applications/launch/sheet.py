@@ -26,11 +26,6 @@ _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
-SOFT_PAIR_GAPS = (
-    "a spring-loaded pair that gaps strikes back: its loads may be 2 to 4 times those of three "
-    "sigma, as measured (docs/launch.md)"
-)
-
 _BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
     ("axial load", "N", "axial_load", lambda bearing: bearing.axial),
     ("radial load", "N", "radial_load", lambda bearing: bearing.radial),
@@ -60,7 +55,7 @@ def launch_document(scene: Scene, states: Mapping[str, Launched]) -> Document:
         blocks.append(Block(title, columns, _random_rows(list(states.values()))))
     for state in _states_with_load_blocks(states):
         blocks += _load_blocks(states[state].loads, state_suffix(state, states))
-    verdict = launch_verdict(states) + _soft_pair_lines(scene, states)
+    verdict = launch_verdict(scene, states)
     facts = {"kind": "launch", "scene": scene.name, "verdict": verdict}
     heading = (
         operation_lines(scene.plain)[0],
@@ -89,12 +84,6 @@ def _states_with_load_blocks(states: Mapping[str, Launched]) -> list[str]:
     if len(states) <= NEW_AND_WORN:
         return list(states)
     return list(dict.fromkeys([state_of_largest_gap(states), state_of_largest_pressure(states)]))
-
-
-def _soft_pair_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
-    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
-    has_spring = scene.operation.preload_method == "constant_force"
-    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
 
 
 def _vibration_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:

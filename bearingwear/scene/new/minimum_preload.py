@@ -11,13 +11,16 @@ from __future__ import annotations
 
 import csv
 import functools
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 
 SKF_SOURCE = "SKF, rolling bearings, pp. 399-417"
+_OF_SKF = re.compile(r"7[23]\d\d(AC|B)")
 
 
 @functools.cache
@@ -82,21 +85,24 @@ def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
     if least is None:
         return ""
     maker, _, _ = least.bearing.partition(" ")
-    return f"{maker} minimum preload {least.load:.3g} N at {least.speed:g} r/min"
+    return f"{maker} minimum preload {plain(least.load)} N at {least.speed:g} r/min"
 
 
 def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
-    """The least preload by the maker beside that of a scene: a line, none if no number is known.
+    """The least preload by the maker beside that of a scene: a line, none if none is prescribed.
 
     scene: its plain data.
     """
     bearing, operation = scene["bearing"], scene["operation"]
     least = minimum_preload(bearing, operation)
     if least is None:
-        return []
+        name = str(bearing.get("designation"))
+        if bearing.get("maker") or not _OF_SKF.fullmatch(name):
+            return []
+        return [f"SKF minimum preload for a {name}: factor not known here; see SKF's product table"]
     maker, _, name = least.bearing.partition(" ")
     balls = "" if bearing["ball_material"] == "bearing_steel" else " with steel balls"
     return [
-        f"{maker} minimum preload for a {name}{balls}: {least.load:.3g} N at {least.speed:g} r/min "
-        f"({least.rule}); preload here {operation['preload_N']:g} N"
+        f"{maker} minimum preload for a {name}{balls}: {plain(least.load)} N at "
+        f"{least.speed:g} r/min ({least.rule}); preload here {operation['preload_N']:g} N"
     ]

@@ -33,7 +33,7 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
         states = launched_by_wear(scene)
         one = next(iter(states.values()))
         g = f"{one.axial_g:.3g} g axial, {one.radial_g:.3g} g radial"
-        said += [f"launch, {g}: {text}" for text in launch_verdict(states)]
+        said += [f"launch, {g}: {text}" for text in launch_verdict(scene, states)]
     return {"said": said, "corners": [asdict(one) for one in corners]} if said else {}
 
 
