@@ -61,9 +61,8 @@ def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float |
     others = [solver.at(node.x) for node in nodes]
     if not all(other.is_solved for other in others):
         return None
-    slowing = np.array(
-        [node.states[0].rate / other.rate - 1.0 for node, other in zip(nodes, others, strict=True)]
-    )
+    pairs = zip(nodes, others, strict=True)
+    slowing = np.array([node.states[0].rate / other.rate - 1.0 for node, other in pairs])
     change = relative_change(life, slowing, nodes, others[-1:], ends)
     return None if change is None else float(change)
 
@@ -139,9 +138,9 @@ class _ComparedGrooves(Grooves):
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """Returns a bound on the error of the steps, and an estimate of all errors of a groove life.
 
-    Both come from lives in steps half as long again, of which the bound is at most twice the
-    change. A life with fewer cells shows the error of the cells. Along that life, half of v_r and
-    twice the points change its rates and its end.
+    Steps half as long again show the error of the steps, of which the bound is twice the change.
+    A life with fewer cells shows the error of the cells. Along that life, half of v_r and twice
+    the points change its rates and its end.
 
     length, criterion: of the life [s], and what ended it.
     """

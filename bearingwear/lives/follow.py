@@ -213,17 +213,20 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
         return life
     while True:
         met = np.flatnonzero(margins(life.last)[:NO_CRITERION] <= 0.0)
-        end = int(met[0]) if met.size else None
-        if end is None and wearing.wears(life.last):
-            end = _step_to_zero(life, method, margins, wearing.origin + wearing.range)
-        if end is None or (
-            end >= NO_CRITERION and not wearing.pass_event(end - NO_CRITERION, life.last)
-        ):
+        if met.size:  # at the start, or as an event has changed the state
+            life.criterion, life.status = int(met[0]), code.OK
             return life
-        if not met.size:
-            life.error = life.error + method.error_of_end(life)
-        if end < NO_CRITERION:
-            life.criterion, life.status = end, code.OK
+        if not wearing.wears(life.last):
+            return life
+        index = _step_to_zero(life, method, margins, wearing.origin + wearing.range)
+        if index is None:
+            return life
+        is_event = index >= NO_CRITERION
+        if is_event and not wearing.pass_event(index - NO_CRITERION, life.last):
+            return life
+        life.error = life.error + method.error_of_end(life)
+        if not is_event:
+            life.criterion, life.status = index, code.OK
             return life
         node = method.node_after_event(life.last)
         if node.status != code.OK:
@@ -291,6 +294,7 @@ class _Margin:
     failed: Node | None = None  # the last one that was not
 
     def __call__(self, x: float) -> float:
+        """Returns the margin at a place; -1 where it is not solved."""
         if x not in self.values:
             node = self.method.at(x)
             if node.status != code.OK:

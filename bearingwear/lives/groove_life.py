@@ -127,12 +127,8 @@ def groove_life(scene: Scene) -> tuple[dict, dict]:
 
 def life_groove_values(life: Life) -> dict:
     """Returns the result variables of the grooves along a life, of one bearing or of two."""
-    return joined(
-        [
-            groove_values(side, states)
-            for side, states in zip(life.wearing.sides, life.bearings, strict=True)
-        ]
-    )
+    pairs = zip(life.wearing.sides, life.bearings, strict=True)
+    return joined([groove_values(side, states) for side, states in pairs])
 
 
 def groove_values(side: Worn, states: Sequence[State]) -> dict:

@@ -98,6 +98,7 @@ class Grooves:
         return tuple(State(rotor.status, {}, solved) for solved in rotor.sides)
 
     def _solve(self, worn: Wears, rough: bool) -> RotorState:
+        """Solves the bearings with some wear; roughly in the middle of a step."""
         self.solves += 1
         for side in self.sides:
             side.bearing.on_the_way = rough
@@ -123,10 +124,8 @@ class Grooves:
     def with_stiffness(self) -> States:
         """Returns the last states with both stiffnesses."""
         rotor = self._last_rotor
-        sides = tuple(
-            side.with_stiffness(solved)
-            for side, solved in zip(self.sides, rotor.sides, strict=True)
-        )
+        pairs = zip(self.sides, rotor.sides, strict=True)
+        sides = tuple(side.with_stiffness(solved) for side, solved in pairs)
         of_rotor = self.bearings.arranged(sides, rotor).values
         return tuple(
             replace(state.with_values(solved.stiffnesses | of_rotor), answer=solved)
@@ -139,9 +138,8 @@ class Grooves:
 
     def rates(self, node: Node) -> Wears:
         """Returns the wear per second of each bearing."""
-        return tuple(
-            side.rate(state.answer) for side, state in zip(self.sides, node.states, strict=True)
-        )
+        pairs = zip(self.sides, node.states, strict=True)
+        return tuple(side.rate(state.answer) for side, state in pairs)
 
     def worn_on(self, worn: Wears, spans: Sequence[tuple[float, Wears]]) -> Wears:
         """Returns the wear after spans of time [s], each with its own rates."""
@@ -220,10 +218,8 @@ def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
     life = follow(wearing, ends or Criteria(wearing.scene), method)
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
-        rates = [
-            _loss_rates(side, states, life.times)
-            for side, states in zip(wearing.sides, life.bearings, strict=True)
-        ]
+        pairs = zip(wearing.sides, life.bearings, strict=True)
+        rates = [_loss_rates(side, states, life.times) for side, states in pairs]
         for k, node in enumerate(life.nodes):
             states = (
                 state.with_values({"ball_diameter_loss_rate": of_side[k]})

@@ -77,6 +77,7 @@ def worn_life_with_stiffness(scene: Scene, quick: bool = True) -> Life | None:
 
 
 def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
+    """Returns `worn_life` by one kind of grooves."""
     if scene.duty is not None:
         over_duty = duty_life(scene, "steady", quick, kind)
         return over_duty.life if over_duty.is_worn else None

@@ -91,12 +91,8 @@ def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> t
     solver = solver_of(scene)
     start, side_losses = solver.bearings.start, (losses * 2)[:2]
     bare = (True, True) if is_bare else COVERED
-    states = solver(
-        tuple(
-            condition._replace(loss=loss, bare=bare)
-            for condition, loss in zip(start, side_losses, strict=False)
-        )
-    )
+    pairs = zip(start, side_losses, strict=False)
+    states = solver(tuple(condition._replace(loss=loss, bare=bare) for condition, loss in pairs))
     failed = next((state.status for state in states if state.status != code.OK), None)
     if failed is not None:
         return math.nan, sentence_of(failed)
@@ -142,8 +138,9 @@ def least_film(scene: Scene, states: Sequence[State]) -> float:
     for side, state in zip(scene.sides, states, strict=False):
         films = Films.of(side)
         if films.wear_through:
-            left = np.where(films.thickness > 0.0, state["film_left"], -math.inf)
-            least = min(least, float(np.maximum(left[:2], left[2]).min()))
+            film = np.where(films.thickness > 0.0, state["film_left"], -math.inf)
+            races, ball = film[:2], film[2]
+            least = min(least, float(np.maximum(races, ball).min()))
     return least
 
 

@@ -52,6 +52,7 @@ class Simpson(Method):
         return self.node(x, np.array([x]), math.nan)
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        """Returns a step of four nodes; it is rough where two rules disagree on its time."""
         start = life.last
         if self._last_step and start.x < bound < self._last_step.end:
             return self._part_of_step(start, self._last_step, bound)
@@ -72,12 +73,10 @@ class Simpson(Method):
         allowed = self.tolerance * max(start.time + times[-1], TINY_TIME)
         if error < WELL_WITHIN * allowed:
             self.length = 2.0 * h
+        pairs = zip(nodes, times, strict=True)
         step = LifeStep(
             end=end,
-            nodes=[
-                node._replace(time=start.time + time)
-                for node, time in zip(nodes, times, strict=True)
-            ],
+            nodes=[node._replace(time=start.time + time) for node, time in pairs],
             error=error,
             is_rough=error > allowed and h > ENOUGH * self.shortest,
         )
@@ -119,6 +118,7 @@ class RungeKutta(Method):
         return super().node_after_event(node)
 
     def at(self, x: float) -> Node:
+        """Returns a node of the polynomial through the last step of the solver."""
         y = self.solver.y.copy() if x == self.solver.t else self.solver.dense_output()(x)
         return self.node(x, y[:-1], float(y[-1]))
 
@@ -129,6 +129,7 @@ class RungeKutta(Method):
         return np.append(self.wearing.rates(node), 1.0) / self.wearing.loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        """Returns a step of the solver, with a node in its middle and one at its end."""
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
 
         start = life.last
@@ -189,6 +190,7 @@ class InTime(Method):
         return self.nodes_by_time[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        """Returns a step as long as the way to wear allows; endless where nothing ends the life."""
         now = life.last
         if now is not self.now:
             self.rates_before, self.rates = self.rates, self.wearing.rates(now)
@@ -226,6 +228,7 @@ class Adams(InTime):
         return [self.wearing.completed(node) for node in step.nodes]
 
     def step_to(self, end: float) -> LifeStep:
+        """Returns a step to an end, halved until it is solved."""
         now = self.now
         for k in range(_SHORTENINGS + 1):
             step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
@@ -234,6 +237,7 @@ class Adams(InTime):
         return step
 
     def node_after(self, x: float) -> Node:
+        """Returns a node by a predictor and a corrector, which share the rates of the last node."""
         wearing, now, rates = self.wearing, self.now, self.rates
         h, ratio, rates_before = x - now.x, 0.0, rates  # a ratio of 0 is Heun's method
         if self.before is not None:
@@ -267,6 +271,7 @@ class Trapezoid(InTime):
         return node._replace(states=self.wearing.state(node.worn, node.states))
 
     def node_after(self, x: float) -> Node:
+        """Returns a node by the rates of a run at the wear that a predictor expects."""
         wearing, now, rates = self.wearing, self.now, self.rates
         h, mean_rates = x - now.x, rates
         if self.before is not None:

@@ -79,6 +79,7 @@ class Motion:
         return self.with_worn((State(run.status, {}, run),), worn)
 
     def _run(self, worn: np.ndarray, before: Run | None) -> Run:
+        """Returns a run at some wear; a first run where one from the end of `before` fails."""
         try:
             scene = self.parts.worn_scene(worn)
         except SceneError:
@@ -225,7 +226,7 @@ class Motion:
     def horizon(self, node: Node) -> float:
         """Returns the estimated end of life or of a film [s]; infinite where no wear leads to one.
 
-        The steady life estimates it, and the mean wear rate since the last film was gone.
+        The mean wear rates since the last film was gone estimate it, and the steady life.
         """
         elapsed, wear = node.x - self._event_time, node.worn - self._event_worn
         if elapsed == 0.0:

@@ -160,15 +160,18 @@ class FilmWear(EvenWear):
         }
 
     def state(self, state: State, worn: np.ndarray) -> State:
-        ball, race = (np.broadcast_to(K_H, 2) for K_H in self.wear_factors(state.values, worn))
-        ball_loss_per_K_H, race_depth_per_K_H = state["loss_per_wear"]
-        ball_rate, race_rates = float(ball_loss_per_K_H @ ball), race_depth_per_K_H * race
+        """Returns the state of a condition, with wear rates and films at some depths."""
+        factors = self.wear_factors(state.values, worn)
+        ball_factor, race_factor = (np.broadcast_to(factor, 2) for factor in factors)
+        ball_loss_per_factor, race_depth_per_factor = state["loss_per_wear"]
+        ball_rate = float(ball_loss_per_factor @ ball_factor)
+        race_rates = race_depth_per_factor * race_factor
         return state.with_values(
             {
                 "ball_diameter_loss_rate": self.loss_rate(ball_rate, race_rates),
                 "ball_depth_rate": ball_rate,
-                "ball_wear_rate": float(state["qv"] @ ball),
-                "race_wear_rate": self.scene.bearing.ball_count * race * state["qv"],
+                "ball_wear_rate": float(state["qv"] @ ball_factor),
+                "race_wear_rate": self.scene.bearing.ball_count * race_factor * state["qv"],
                 "groove_depth_rate": race_rates,
             }
             | self.film_values(worn)
@@ -198,29 +201,21 @@ class Surfaces:
 
     def with_wear(self, worn: np.ndarray) -> list[tuple[EvenWear, np.ndarray]]:
         """Returns each bearing with its part of the wear."""
-        ends = accumulate(bearing.start.size for bearing in self.bearings)
-        return [
-            (bearing, worn[end - bearing.start.size : end])
-            for bearing, end in zip(self.bearings, ends, strict=True)
-        ]
+        ends = [*accumulate(bearing.start.size for bearing in self.bearings)]
+        return [*zip(self.bearings, np.split(worn, ends[:-1]), strict=True)]
 
     def state(self, worn: np.ndarray) -> States:
+        """Returns the bearings with some wear, or why they are not solved."""
         with_wear = self.with_wear(worn)
         states = self.solver(tuple(bearing.condition(part) for bearing, part in with_wear))
         if any(state.status != code.OK for state in states):
             return states
-        return tuple(
-            bearing.state(state, part)
-            for state, (bearing, part) in zip(states, with_wear, strict=True)
-        )
+        pairs = zip(states, with_wear, strict=True)
+        return tuple(bearing.state(state, part) for state, (bearing, part) in pairs)
 
     def rates(self, node: Node) -> np.ndarray:
-        return np.concatenate(
-            [
-                bearing.rates(state)
-                for bearing, state in zip(self.bearings, node.states, strict=True)
-            ]
-        )
+        pairs = zip(self.bearings, node.states, strict=True)
+        return np.concatenate([bearing.rates(state) for bearing, state in pairs])
 
     def loss_rate(self, node: Node) -> float:
         """Returns the sum of the rates at which the bearings lose, as counted [m/s]."""

@@ -164,12 +164,8 @@ def mean_loss_rate(cycle: Cycle, losses: Sequence[float], fidelity: str = "stead
     total = 0.0
     for share, scene in zip(cycle.shares.tolist(), cycle.scenes, strict=True):
         solver = solver_of(scene, fidelity, Accuracy.BRIEF)
-        states = solver(
-            tuple(
-                condition._replace(loss=loss)
-                for condition, loss in zip(solver.bearings.start, losses, strict=True)
-            )
-        )
+        pairs = zip(solver.bearings.start, losses, strict=True)
+        states = solver(tuple(condition._replace(loss=loss) for condition, loss in pairs))
         if any(state.status != code.OK for state in states):
             return np.nan
         total += share * sum(state.rate for state in states)

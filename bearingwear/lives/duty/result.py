@@ -23,10 +23,8 @@ from kerneljit.interrupt import Interrupt
 
 def choices_of_phases(scene: Scene, fidelity: str | None = None) -> dict[str, Choice]:
     """Returns the model of each case of a duty; NotAvailable where one has no steady state."""
-    choices = {
-        case: choice_for_life(case_scene, fidelity)
-        for case, case_scene in phase_cases(scene).items()
-    }
+    scenes = phase_cases(scene)
+    choices = {case: choice_for_life(scenes[case], fidelity) for case in scenes}
     for case, choice in choices.items():
         if choice.fidelity == "dynamic":
             raise NotAvailable(

@@ -212,6 +212,7 @@ def duty_warnings(
 
 
 def _warning(id: str, sentence: str, advice: str, excess: float) -> dict[str, Any]:
+    """Returns a warning with its value over the limit, in the form of `warnings_of`."""
     excess = float(f"{min(excess, 1e6):.3g}")
     return {
         "id": id,

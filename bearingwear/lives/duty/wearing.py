@@ -165,6 +165,7 @@ class DutyGrooves(_DutyWear, Grooves):
         return self.states_by(lambda way: way.middle_state(worn))
 
     def completed(self, node: Node) -> Node:
+        """Returns a node whose states are completed by the ways of all conditions."""
         if node.status != code.OK:
             return node
         states: list[Any] = []
@@ -176,12 +177,12 @@ class DutyGrooves(_DutyWear, Grooves):
         return node._replace(states=tuple(states))
 
     def rates(self, node: Node) -> Wears:
+        """Returns the mean wear per second of a cycle, of each bearing."""
         mean = [WornDepths(0.0, 0.0 * wear.grooves) for wear in self.start]
         for weighted in self.weighted(node):
             rates = weighted.way.rates(weighted.node)
-            mean = [
-                total.plus(weighted.share, rate) for total, rate in zip(mean, rates, strict=True)
-            ]
+            pairs = zip(mean, rates, strict=True)
+            mean = [total.plus(weighted.share, rate) for total, rate in pairs]
         return tuple(mean)
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
@@ -189,10 +190,8 @@ class DutyGrooves(_DutyWear, Grooves):
             way.start_ahead(earlier, last, share)
 
     def longest_step(self, now: Node, rates: Wears) -> float:
-        return min(
-            way.longest_step(part, rates)
-            for way, part in zip(self.ways, self.nodes(now), strict=True)
-        )
+        pairs = zip(self.ways, self.nodes(now), strict=True)
+        return min(way.longest_step(part, rates) for way, part in pairs)
 
     def bares(self, before: Node, now: Node) -> bool:
         return bool(self.ways[0].bares(before, now))
