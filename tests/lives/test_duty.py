@@ -192,7 +192,7 @@ def test_any_phase_may_end_the_life(scene):
     found, cycle = even_life(made)
     assert CRITERIA[found.criterion] == "preload_fraction"
     assert cycle.cases[DutyLife(cycle, found).ending_case] == "idle"
-    each = DutyCriteria(cycle).of_cases(found.last.states)
+    each = DutyCriteria(cycle).margins_by_case(found.last.states)
     left = {name: one[found.criterion] for name, one in zip(cycle.cases, each, strict=True)}
     assert left["idle"] == pytest.approx(0.0, abs=1e-6)
     assert min(left["nominal"], left["fast"]) > 0.01
@@ -372,14 +372,14 @@ def test_films_wear_through_in_all_phases_at_once(scene):
     spans = np.array([phase["hours"] for phase in MIXED.values()])
     spans *= found.last.time / CYCLES / spans.sum()
     mixed = DutySurfaces(cycle, [solver_of(one) for one in cycle.scenes])
-    ways = [OneWay(way, lambda worn, span, rate: worn + span * rate) for way in mixed.each]
+    ways = [OneWay(way, lambda worn, span, rate: worn + span * rate) for way in mixed.ways]
     gone = []
 
     def passed(one, worn):
         node = SimpleNamespace(states=one.states(worn), worn=worn)
         for event in np.flatnonzero(one.way.events(node)[1:] <= 0.0):
             gone.append(event)
-            assert one.way.passes(1 + int(event), node)
+            assert one.way.pass_event(1 + int(event), node)
         return worn[0] + worn[1] + worn[2] >= 0.15e-6
 
     time, worn = cycles_run(ways, mixed.start, spans, spans.sum(), passed)
@@ -409,10 +409,10 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
         return tuple(w.plus(span, rate) for w, rate in zip(worn, rates, strict=True))
 
     def passed(one, worn):
-        margins = DutyCriteria(cycle).each[0].margins(one.states(worn))
+        margins = DutyCriteria(cycle).criteria[0].margins(one.states(worn))
         return margins.min() <= 0.0
 
-    ways = [OneWay(way, plus) for way in mixed.each]
+    ways = [OneWay(way, plus) for way in mixed.ways]
     for one in ways:
         one.states(mixed.start)  # equivalent losses count from there
     time, worn = cycles_run(ways, mixed.start, spans, spans.sum(), passed)

@@ -137,7 +137,7 @@ class EnsembleWear(Motion):
         return self.with_worn((State(status, values),), worn)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
-        return (states[0].with_values(self.parts.of_cage(worn)),)
+        return (states[0].with_values(self.parts.cage_values(worn)),)
 
     def rates(self, node: Node) -> np.ndarray:
         pockets, land = self.per_second * node.states[0]["work"]
@@ -164,13 +164,13 @@ class BetweenEnsembles(Trapezoid):
     So an end or a film that is worn through within a step requires no further ensemble.
     """
 
-    def again(self, node: Node) -> Node:
+    def node_after_event(self, node: Node) -> Node:
         return node
 
-    def after(self, x: float) -> Node:
-        end = max(self.known.values(), key=lambda node: node.x, default=None)
+    def node_after(self, x: float) -> Node:
+        end = max(self.nodes_by_time.values(), key=lambda node: node.x, default=None)
         if end is None:
-            return super().after(x)
+            return super().node_after(x)
         wearing, now = self.wearing, self.now
         h, share = x - now.x, (x - now.x) / (end.x - now.x)
         first, last = wearing.rates(now), wearing.rates(end)
@@ -217,7 +217,7 @@ def cage_life(life: Life, other: bool = True) -> xr.Dataset:
             "cage_hours": life.last.x,
         }
     values |= {
-        "film_gone": [_gone(parts.coating.whole[0], depth, turns) for depth in depths.T],
+        "film_gone": [_gone(parts.coating.new_thickness[0], depth, turns) for depth in depths.T],
         "motion_changes": _change(share, turns),
         "node_turns": turns,
         "node_depth": depths,

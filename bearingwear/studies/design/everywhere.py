@@ -15,7 +15,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.grooves import Grooves
-from bearingwear.lives.many import whole_sides, worse_state
+from bearingwear.lives.many import with_tandem_preload, worse_state
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
@@ -90,7 +90,7 @@ def state_extremes(
     """
     worse = worse_state(states, scene)
     worse = worse.with_values({"lowest_frequency": frequency(scene, worse)})
-    sides = whole_sides(states, scene) if len(states) == 2 else states
+    sides = with_tandem_preload(states, scene) if len(states) == 2 else states
     found = {}
     for one in LIMITED.values():
         if not one.of_speed:
@@ -164,7 +164,7 @@ def worn_states(life: Life) -> Solve:
     """
     wearing, last = life.wearing, life.last
     if isinstance(wearing, Grooves):
-        return lambda scene: wearing.elsewhere(scene.one_of_alike, last.worn)
+        return lambda scene: wearing.states_elsewhere(scene.one_of_alike, last.worn)
     conditions = tuple(state.answer.condition._replace(hold=None) for state in last.states)
     return lambda scene: solver_of(scene, tolerance=WELL_BALANCED)(conditions)
 

@@ -21,7 +21,7 @@ from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.lives.duty.lives import duty_life
 from bearingwear.lives.ends import NO_CRITERION, Criteria, with_end
 from bearingwear.lives.follow import Life, Node
-from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.groove_life import groove_choice
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.many import (
     HertzianLives,
@@ -182,7 +182,7 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> tuple[dict[str, An
                 # the same way, ended by the share
                 limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
                 found["time_to_slip_limit"] = lives(limited).last.time
-    found["solves"], found["failed_solves"] = lives.states.solves, lives.states.failed
+    found["solves"], found["failed_solves"] = lives.solver.solves, lives.solver.failed
     return found, one
 
 
@@ -252,7 +252,7 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, An
         if limits.gyroscopic_slip_share is not None:
             end = EndOfLife(gyroscopic_slip_share=limits.gyroscopic_slip_share)
             is_passed = found[SLIP_SHARE] >= limits.gyroscopic_slip_share
-            first = life.first(Criteria(with_end(one, end))) if is_passed else math.inf
+            first = life.time_to(Criteria(with_end(one, end))) if is_passed else math.inf
             found["time_to_slip_limit"] = first
         each[name] = _everywhere(one, found, life, limits, exactly=not quick)
     worst = worst_point(each)
@@ -274,7 +274,7 @@ def _followed_life(
     scene: Scene, slip_limit: float | None, quick: bool
 ) -> tuple[dict[str, Any], Life]:
     """Values of a life at the scene's own speed, and that life."""
-    only_worn = quick and grooves_followed(scene, "steady")[0] is not None
+    only_worn = quick and groove_choice(scene, "steady").follows
     found, even = (dict(NO_LIFE), None) if only_worn else _hertzian_life(scene, slip_limit)
     hertzian = found.get("life", math.nan)
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
@@ -297,7 +297,7 @@ def _followed_life(
         kept["time_to_slip_limit"] = math.inf
         if kept[SLIP_SHARE] >= slip_limit:
             share = EndOfLife(gyroscopic_slip_share=slip_limit)
-            kept["time_to_slip_limit"] = worn.first(Criteria(with_end(scene, share)))
+            kept["time_to_slip_limit"] = worn.time_to(Criteria(with_end(scene, share)))
     return kept, worn
 
 
