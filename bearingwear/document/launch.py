@@ -6,29 +6,29 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from bearingwear.results.units import digits
-from bearingwear.solvers.bearing.launch import Launched
+from bearingwear.solvers.bearing.launch import LaunchResult
 
 _UM, _GPA = 1e6, 1e-9
 NEW_AND_WORN = 2
 """States of one case."""
 
 
-def state_suffix(state: str, states: Mapping[str, Launched]) -> str:
+def state_suffix(state: str, states: Mapping[str, LaunchResult]) -> str:
     """Returns the words that add a state to a text, if there are several states."""
     return f", {state}" if len(states) > 1 else ""
 
 
-def state_of_largest_gap(states: Mapping[str, Launched]) -> str:
+def state_of_largest_gap(states: Mapping[str, LaunchResult]) -> str:
     """Returns the name of the state in which a bearing gaps most."""
     return max(states, key=lambda state: states[state].gap)
 
 
-def state_of_largest_pressure(states: Mapping[str, Launched]) -> str:
+def state_of_largest_pressure(states: Mapping[str, LaunchResult]) -> str:
     """Returns the name of the state whose pressure is the largest share of that which dents."""
     return max(states, key=lambda state: states[state].pressure_share)
 
 
-def launch_verdict(states: Mapping[str, Launched]) -> list[str]:
+def launch_verdict(states: Mapping[str, LaunchResult]) -> list[str]:
     """States whether a bearing gaps and whether one dents, in sentences that name the state."""
     return _gap_sentences(states) + _dent_sentences(states)
 
@@ -42,7 +42,7 @@ class _OpenBearing(NamedTuple):
     leaves_its_groove: bool
 
 
-def _gap_sentences(states: Mapping[str, Launched]) -> list[str]:
+def _gap_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
     """States by how much a bearing gaps in the worst state, or that none does."""
     worst = state_of_largest_gap(states)
     loads, suffix = states[worst].loads, state_suffix(worst, states)
@@ -80,7 +80,7 @@ def _gap_sentences(states: Mapping[str, Launched]) -> list[str]:
     return sentences
 
 
-def _dent_sentences(states: Mapping[str, Launched]) -> list[str]:
+def _dent_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
     """States the largest peak pressure as a share of that which dents; empty without loads."""
     worst = state_of_largest_pressure(states)
     state = states[worst]

@@ -123,7 +123,7 @@ class Grooves:
         """The states found last, with both stiffnesses."""
         each = zip(self.sides, self._found.sides, strict=True)
         sides = tuple(side.with_stiffness(one) for side, one in each)
-        of_rotor = self.bearings.arranged(sides, self._found).values
+        of_rotor = self.bearings.with_sides(sides, self._found).values
         return tuple(
             replace(state.with_values(one.stiffnesses | of_rotor), answer=one)
             for state, one in zip(self.last, sides, strict=True)

@@ -22,7 +22,7 @@ from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Distribution, Scene, once
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
-from bearingwear.solvers.bearing.launch import Launched, launched, wear_at_launch
+from bearingwear.solvers.bearing.launch import LaunchResult, launch_result, wear_at_launch
 from bearingwear.solvers.bearing.mounted import RPM, UM
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
@@ -227,7 +227,7 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
     return min(margins) if all(map(math.isfinite, margins)) else math.nan
 
 
-def launched_by_wear(scene: Scene) -> dict[str, Launched]:
+def launched_by_wear(scene: Scene) -> dict[str, LaunchResult]:
     """Launch loads and gaps by the state of wear, and by the case where there are several.
 
     Only those of new bearings where their wear is not known: without an end of life, or where the
@@ -237,7 +237,7 @@ def launched_by_wear(scene: Scene) -> dict[str, Launched]:
     cases = cases_of_use(scene)
     for case, one in cases.items():
         where = "" if case == NOMINAL and len(cases) == 1 else f" ({case})"
-        found[f"{_NEW}{where}"] = launched(one)
+        found[f"{_NEW}{where}"] = launch_result(one)
         new = tuple(UM * float(np.max(side.wear.ball_diameter_loss_um)) for side in one.sides)
         try:
             life = life_in_case(scene, case)
@@ -249,5 +249,5 @@ def launched_by_wear(scene: Scene) -> dict[str, Launched]:
         if (losses := wear_at_launch(one, new, end)) is not None:
             limit = (one.launch or Launch()).after_wear_um
             worn = _WORN if limit is None else f"after {limit:g} um of wear"
-            found[f"{worn}{where}"] = launched(one, losses)
+            found[f"{worn}{where}"] = launch_result(one, losses)
     return found

@@ -11,7 +11,7 @@ import xarray as xr
 from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.launch import GRAVITY, Launched, LaunchLoad
+from bearingwear.solvers.bearing.launch import GRAVITY, LaunchLoad, LaunchResult
 from bearingwear.studies.dataset import filled
 
 WEAR_STATE = Variable("state", ("state",), "", "state of wear", "O")
@@ -49,7 +49,7 @@ LAUNCH = table(
 """Results of a launch in one state of wear."""
 
 
-def launch_dataset(scene: Scene, states: Mapping[str, Launched]) -> xr.Dataset:
+def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Dataset:
     """Returns loads and gaps by the state of wear, from `lives.margin.launched_by_wear`."""
     loads = [load.name for load in next(iter(states.values())).loads]
     axes: dict[Any, Any] = {WEAR_STATE: list(states), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
@@ -64,7 +64,7 @@ def launch_dataset(scene: Scene, states: Mapping[str, Launched]) -> xr.Dataset:
     )
 
 
-def _row(state: Launched) -> dict[str, Any]:
+def _row(state: LaunchResult) -> dict[str, Any]:
     """Returns the values of one state of wear by the names of `LAUNCH`."""
     row: dict[str, Any] = {
         "axial_acceleration": GRAVITY * state.axial_g,
