@@ -143,6 +143,7 @@ class EnsembleWear(Motion):
         return (states[0].with_values(self.parts.of_cage(worn)),)
 
     def rates(self, node: Node) -> np.ndarray:
+        """Returns wear rates by the mean work in pockets and at the land."""
         pockets, land = self.per_second * node.states[0]["work"]
         per_pocket = pockets / self.scene.bearing.ball_count
         return self.parts.cage_rates({"pocket_wear_rate": per_pocket, "cage_land_wear_rate": land})
@@ -171,6 +172,7 @@ class BetweenEnsembles(Trapezoid):
         return node
 
     def after(self, x: float) -> Node:
+        """Returns the node at a time after the last one, between two ensembles if there are two."""
         end = max(self.known.values(), key=lambda node: node.x, default=None)
         if end is None:
             return super().after(x)
@@ -195,10 +197,10 @@ def ensemble_life(
     return follow(wearing, Criteria(wearing.scene), method)
 
 
-def cage_life_dataset(life: Life, other: bool = True) -> xr.Dataset:
+def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Dataset:
     """Returns the life of a cage from the ensembles along it.
 
-    other: whether to add the steady life of balls and races.
+    with_other_parts: whether to add the steady life of balls and races.
     """
     wearing: EnsembleWear = life.wearing
     scene, parts = wearing.scene, wearing.parts
@@ -234,7 +236,7 @@ def cage_life_dataset(life: Life, other: bool = True) -> xr.Dataset:
         "node_work": [state["work"] for state in life.states],
         "node_share": share,
     }
-    results |= _steady_life_values(scene) if other else {}
+    results |= _steady_life_values(scene) if with_other_parts else {}
     axes = {END: None, PART: None, NODE: range(len(turns)), OF_MOTION: None}
     return filled(CAGE_LIFE, axes, [results], **attrs)
 
@@ -261,8 +263,8 @@ def _wear_quantiles(scene: Scene) -> np.ndarray:
 def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
     """Returns the turns between which another motion than that of the new cage prevails."""
     motions = share.argmax(axis=1)
-    other = np.flatnonzero(motions != motions[0])
-    return (turns[other[0] - 1], turns[other[0]]) if other.size else (math.nan, math.nan)
+    changed = np.flatnonzero(motions != motions[0])
+    return (turns[changed[0] - 1], turns[changed[0]]) if changed.size else (math.nan, math.nan)
 
 
 def _steady_life_values(scene: Scene) -> dict[str, Any]:

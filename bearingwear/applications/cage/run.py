@@ -142,6 +142,7 @@ def _stretch(run: TimeRun, length: int) -> _Stretch:
 
 
 def _path(run: TimeRun, stretch: slice, power: float) -> CagePath:
+    """Returns the motion over a stretch of the recorded instants."""
     y, z = run.cage_offset(stretch).T
     return cage_path(y + 1j * z, 1.0 / POINTS, power, run.system.ball_ratio)
 

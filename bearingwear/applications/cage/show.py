@@ -92,6 +92,7 @@ def ensemble_sheet(file: Any) -> Document:
 
 
 def _interval(file: Any, name: str, group: int, factor: float) -> Interval:
+    """Returns the interval of a mean in another unit."""
     low, high = (factor * values(file, f"mean_{name}_interval")[group]).tolist()
     return Interval(low, high)
 
@@ -101,21 +102,14 @@ def _motion_block(file: Any) -> Block:
     share, ends = values(file, "share"), values(file, "share_interval")
     work = [values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
     unit = display("J", *work)
-    rows = [
-        Row(
-            name_in_words(motion),
-            "",
-            (
-                f"{100.0 * share[k]:.0f} %",
-                Interval(*(100.0 * ends[k]).tolist()),
-                *(float(unit.of(mean[k + 1])) for mean in work),
-                float(values(file, "mean_whirl_ratio")[k + 1]),
-            ),
-            motion,
-        )
-        for k, motion in enumerate(MOTIONS)
-        if share[k] > 0.0
-    ]
+    whirl = values(file, "mean_whirl_ratio")
+    rows = []
+    for k, motion in enumerate(MOTIONS):
+        if share[k] > 0.0:
+            interval = Interval(*(100.0 * ends[k]).tolist())
+            works = (float(unit.of(mean[k + 1])) for mean in work)
+            cells = (f"{100.0 * share[k]:.0f} %", interval, *works, float(whirl[k + 1]))
+            rows.append(Row(name_in_words(motion), "", cells, motion))
     columns = ("of runs", "between, %", f"pockets, {unit.unit}", f"land, {unit.unit}", "whirl")
     return Block("motion", columns, tuple(rows))
 
@@ -208,6 +202,7 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
 
 
 def _draw_life(panel: Any, ensemble: xr.Dataset) -> None:
+    """Draws the wear depths along the life of a cage."""
     turns = ensemble["node_turns"].values
     for k, (part, line) in enumerate(zip(WEARING, ("-", "--"), strict=True)):
         depth = 1e6 * ensemble["node_depth"].values[:, k]

@@ -65,7 +65,8 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
         motions.isel(dict(zip(axes, index, strict=True)))
         for index in itertools.product(*(range(motions.sizes[axis]) for axis in axes))
     ]
-    work = [display("J", motions[f"mean_{name}_work"].values[..., 0]) for name in _WORK]
+    pocket_work = display("J", motions["mean_pocket_work"].values[..., 0])
+    land_work = display("J", motions["mean_land_work"].values[..., 0])
     wear, rates = display("m3 s-1"), mapped_wear(motions)
     noise = display("N m", motions["mean_torque_noise"].values[..., 0])
 
@@ -80,6 +81,9 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
             for cage in cages
         ]
 
+    def wear_rates(name: str) -> list[str]:
+        return [wear.text(value) for value in rates[name].values.ravel()]
+
     return (
         column("gravity", [f"{float(cage['gravity']):g}" for cage in cages], "m/s2"),
         column("guided by", [GUIDES[int(cage["guide"])] for cage in cages]),
@@ -89,21 +93,14 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
         column("friction", [digits(float(cage["cage_friction"])) for cage in cages]),
         column("motions", [shares_in_words(cage["share"].values) or "none" for cage in cages]),
         column("runs", [f"{int(cage['runs'])}" for cage in cages]),
-        *(
-            column(f"work, {name}s" if name == "pocket" else "work, land",
-                means(f"{name}_work", unit), unit.unit)
-            for name, unit in zip(_WORK, work, strict=True)
-        ),
-        *(
-            column(f"wear, {'pockets' if name == 'pocket' else 'land'}",
-                [wear.text(value) for value in rates[name].values.ravel()], wear.unit)
-            for name in _WORK
-        ),
+        column("work, pockets", means("pocket_work", pocket_work), pocket_work.unit),
+        column("work, land", means("land_work", land_work), land_work.unit),
+        column("wear, pockets", wear_rates("pocket"), wear.unit),
+        column("wear, land", wear_rates("land"), wear.unit),
         column("torque noise", means("torque_noise", noise), noise.unit),
-    )  # fmt: skip
+    )
 
 
-_WORK = ("pocket", "land")
 _RANK = 9  # on the page, behind preloads and lives
 
 
@@ -254,6 +251,7 @@ def recommended_cage(motions: xr.Dataset) -> str:
 
 
 def _design_value(axis: str, value: float) -> str:
+    """Writes a value of a design with its unit."""
     if axis == "guide":
         return GUIDES[int(value)]
     factor, unit = {"imbalance": (1e6, " µm"), "cage_friction": (1.0, "")}.get(axis, (1e3, " mm"))

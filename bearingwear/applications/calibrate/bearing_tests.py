@@ -48,12 +48,11 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     header = text.partition("\n")[0]
     separator = next((mark for mark in ";\t" if mark in header and "," not in header), ",")
     table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=separator)
-    numbered_lines = ((table.line_num, cells) for cells in table)
-    rows = [
-        (number, [cell.strip() for cell in cells])
-        for number, cells in numbered_lines
-        if any(cell.strip() for cell in cells)
-    ]
+    rows = []
+    for cells in table:
+        stripped = [cell.strip() for cell in cells]
+        if any(stripped):
+            rows.append((table.line_num, stripped))
     if separator != ",":
         rows = [(number, [_with_point(cell) for cell in cells]) for number, cells in rows]
     if len(rows) < 2:

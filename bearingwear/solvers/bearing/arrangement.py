@@ -62,11 +62,9 @@ def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray
     K: that stiffness (2, 2) [N/m, N, N m].
     """
     assert a.rotor_mass_kg is not None and a.span_mm is not None
-    m, offset, given_inertia = (
-        a.rotor_mass_kg,
-        a.rotor_offset_mm * MM,
-        a.rotor_transverse_inertia_kg_mm2,
-    )
+    m = a.rotor_mass_kg
+    offset = a.rotor_offset_mm * MM
+    given_inertia = a.rotor_transverse_inertia_kg_mm2
     inertia = (
         SLENDER * m * (a.span_mm * MM) ** 2 if given_inertia is None else given_inertia * KG_MM2
     )
@@ -92,11 +90,9 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
     sides = []
     for n, side, state in zip(a.tandem, (scene.sides * 2)[:2], states, strict=True):
         g = mounted_geometry(side)
-        D, load, angle = (
-            np.array([g.D0 - state.loss]),
-            state["contact_load"],
-            state["contact_angle"],
-        )
+        D = np.array([g.D0 - state.loss])
+        load = state["contact_load"]
+        angle = state["contact_angle"]
         K = stiffness_of_loads(g, D, load, angle)
         sides.append(n * state["axial_stiffness"] / K[0, 0] * K)
     frequencies = natural_frequencies(a, np.array(sides), states[0]["system_axial_stiffness"])

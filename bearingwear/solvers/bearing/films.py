@@ -146,8 +146,8 @@ class Films:
     @classmethod
     @functools.lru_cache(maxsize=64)  # used several times in each solve
     def _between(cls, ball: Material, race: Material, film: FilmFriction | None) -> "Films":
-        # a film that never wears through is on the races alone where no material has one
         """Returns surfaces of two materials, with the film that the scene's friction names."""
+        # a film that never wears through is on the races alone where no material has one
         endless = film is not None and film.thickness_um is None
         on_races = None if endless and ball.film is not None else film
         surfaces = _surface(ball, None, film), _surface(race, on_races, film)
@@ -161,8 +161,8 @@ class Films:
 
     @functools.cached_property
     def unworn(self) -> Factors:
-        """Returns `wearing` of new surfaces without a table, of each contact (2,)."""
-        ball, race = self.wearing(self.thickness > 0.0)
+        """Returns `contact_factors` of new surfaces without a table, of each contact (2,)."""
+        ball, race = self.contact_factors(self.thickness > 0.0)
         return np.broadcast_to(ball, 2), np.broadcast_to(race, 2)
 
     @property
@@ -197,7 +197,7 @@ class Films:
             surface_factor(self.race, self.ball, race_depths, on_race, on_ball, table_factor),
         )
 
-    def wearing(
+    def contact_factors(
         self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, table_factor=1.0
     ) -> Factors:
         """Returns K_s/H of balls and of races in both contacts (..., 2) at worn depths [m] [1/Pa].

@@ -173,7 +173,7 @@ def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
     table_factor = films.table_factor(
         PEAK_OVER_MEAN * mean_pressure(scene, a), contact_temperatures(scene)
     )
-    return films.wearing(films.thickness > 0.0, table_factor=table_factor)
+    return films.contact_factors(films.thickness > 0.0, table_factor=table_factor)
 
 
 def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):

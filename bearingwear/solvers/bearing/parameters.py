@@ -204,5 +204,5 @@ def search_rule(scene: Scene) -> Rule:
 def wear_factors(scene: Scene) -> tuple[float, float]:
     """Returns K_s/H of ball and race when new [1/Pa]."""
     films = Films.of(scene)
-    ball, race = (float(np.max(part)) for part in films.wearing(films.thickness > 0.0))
+    ball, race = (float(np.max(part)) for part in films.contact_factors(films.thickness > 0.0))
     return ball, race

@@ -96,10 +96,8 @@ class _Secants:
         if self.before is not None and x != self.before[0]:
             last_x, last_unbalanced = self.before
             secant = (unbalanced - last_unbalanced) / (x - last_x)
-            nearer, turned = (
-                abs(unbalanced) < abs(last_unbalanced),
-                unbalanced * last_unbalanced < 0.0,
-            )
+            nearer = abs(unbalanced) < abs(last_unbalanced)
+            turned = unbalanced * last_unbalanced < 0.0
             self.runs_away = secant < 0.0 and not nearer
             if nearer or turned:
                 near = trial.slope / _STEEPER < secant < _STEEPER * trial.slope

@@ -106,10 +106,8 @@ def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
     ball_in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
     weights = np.zeros((3, layout.size - layout.qv))
-    contacts, pockets = (
-        slice(0, layout.pockets - layout.qv),
-        slice(layout.pockets - layout.qv, layout.land - layout.qv),
-    )
+    contacts = slice(0, layout.pockets - layout.qv)
+    pockets = slice(layout.pockets - layout.qv, layout.land - layout.qv)
     weights[0, contacts] = 1.0
     counted = ball + race if scene.wear.counts_races else ball
     weights[1:, contacts] = np.array([[ball + race], [counted]])

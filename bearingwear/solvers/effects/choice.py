@@ -127,11 +127,11 @@ def _check_fidelity(scene: Scene, wanted: str) -> None:
 
 
 def _choice_of(scene: Scene, fidelity: str, why: str) -> Choice:
-    # a dynamic model requested by name includes the cage
     """Returns the choice of a fidelity.
 
     Raises NotAvailable if a requested dynamic solution does not exist.
     """
+    # a dynamic model requested by name includes the cage
     cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
     chosen = Choice(scene, fidelity, why, cage and scene.cage is not None)
     if fidelity == "dynamic":

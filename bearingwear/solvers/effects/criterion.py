@@ -20,10 +20,11 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[f
         if system_name not in known and bearing_name in known:
             holding = bearings_holding(scene.operation.preload_method)
             known[system_name] = holding * np.asarray(known[bearing_name])
+    measures = {name: ENDS[name] for name in (end.criteria if end else ())}
     return {
-        name: ENDS[name].critical(lambda variable: known.get(variable, np.nan), preload)
-        for name in (end.criteria if end else ())
-        if known.keys() & {*ENDS[name].variables} and (preload or not ENDS[name].over_preload)
+        name: measure.critical(lambda variable: known.get(variable, np.nan), preload)
+        for name, measure in measures.items()
+        if known.keys() & {*measure.variables} and (preload or not measure.over_preload)
     }
 
 

@@ -145,10 +145,8 @@ def speed_beyond_makers(e: Evidence) -> Finding | None:
         return None
     operation = e.scene.operation
     factor, class_name = entry.speed_factor(operation.preload_method, operation.preload_N)
-    limit, value = (
-        factor * entry.speed_grease,
-        abs(operation.shaft_speed_rpm - operation.outer_speed_rpm),
-    )
+    limit = factor * entry.speed_grease
+    value = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm)
     kind = (
         f"in a rigid pair of preload class {class_name}"
         if class_name

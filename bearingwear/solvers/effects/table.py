@@ -73,10 +73,8 @@ def _slip_rounded(e: Evidence) -> Finding | None:
     slip = e.contacts("qv").sum() / load if load else math.nan
     if not slip > 0.0:
         return None
-    v_r, lost_share = (
-        e.scene.friction.slip_regularisation_m_s,
-        e.state["torque_lost_to_regularisation"],
-    )
+    v_r = e.scene.friction.slip_regularisation_m_s
+    lost_share = e.state["torque_lost_to_regularisation"]
     torque_words = (
         f", the torque by {plain(100.0 * lost_share)} %" if math.isfinite(lost_share) else ""
     )

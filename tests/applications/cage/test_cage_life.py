@@ -36,7 +36,7 @@ def life_of(changes, found=None):
     """By one ensemble, or those of a function of number and depths."""
     scene, one = variant(S1, changes), made_up(WORK) if found is None else found
     by = one if callable(one) else lambda number, depth: one
-    return cage_life_dataset(ensemble_life(scene, by), other=False), scene
+    return cage_life_dataset(ensemble_life(scene, by), with_other_parts=False), scene
 
 
 def revolutions(volume, wear_over_hardness, work):
