@@ -32,6 +32,8 @@ LIFE_BALANCED = 1e-9  # the same in a state of a life
 
 
 class _SolutionAt(NamedTuple):
+    """A solution at a loss of ball diameter."""
+
     loss: float  # [m]
     solution: SolvedBearing
 

@@ -41,23 +41,23 @@ def estimated_quantities(values: Mapping[str, Any], balls: int) -> np.ndarray:
     return np.array([*(values[name] for name in names), power])
 
 
-def relative_change(now: np.ndarray, other: np.ndarray) -> np.ndarray:
+def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Returns relative differences, without sign; 0 where both vanish."""
-    scale, change = np.abs(now), np.abs(other - now)
+    scale, change = np.abs(reference), np.abs(other - reference)
     if (scale > 0.0).all():
         return change / scale
     with np.errstate(invalid="ignore", divide="ignore"):
         share = change / scale
-    return np.where(scale > 0.0, share, np.where(other == now, 0.0, np.inf))
+    return np.where(scale > 0.0, share, np.where(other == reference, 0.0, np.inf))
 
 
-def regularisation_error(now: np.ndarray, other: np.ndarray) -> np.ndarray:
+def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.ndarray:
     """Returns the error by the regularisation, from the answer (5,) with half of it.
 
     It is infinite where slip is far below the regularisation: the torque is then in proportion to
     its inverse, and half of it does not show the limit.
     """
-    change = relative_change(now, other)
+    change = relative_change(reference, with_half)
     friction = change[3:]
     friction[~(friction < VISCOUS)] = np.inf
     return HALVED * change

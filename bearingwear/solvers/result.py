@@ -46,6 +46,7 @@ class Result:
 
     @property
     def reason(self) -> str:
+        """Returns the meaning of the status for this scene."""
         sentence = status_sentence(self.status, self.scene)
         phase = self.attrs.get("unsolved_phase")
         return f"in phase {phase}: {sentence}" if phase else sentence

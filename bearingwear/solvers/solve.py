@@ -1,4 +1,4 @@
-"""Solve one scene: from a `Scene` to a `Result`."""
+"""Solves a scene: makes a `Result` from a `Scene`."""
 
 import json
 import time

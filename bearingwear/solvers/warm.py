@@ -31,17 +31,17 @@ CONDUCTED = (0.3, 1.8)
 
 
 class Warm(Wrapper):
-    """A bearing with a thermal network, or at temperatures `kept` in place of those of the heat."""
+    """A bearing with a thermal network, at the temperatures of its heat or of a given `balance`."""
 
-    def __init__(self, solver: Solver, kept: Warmed | None = None):
+    def __init__(self, solver: Solver, balance: Warmed | None = None):
         super().__init__(solver)
-        self._kept = kept
-        if kept is not None:
-            self.solver = solver.at(kept.scene)
+        self._balance = balance
+        if balance is not None:
+            self.solver = solver.at(balance.scene)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        if self._kept is not None:
-            return self.solver(condition, near)._replace(warmed=self._kept)
+        if self._balance is not None:
+            return self.solver(condition, near)._replace(warmed=self._balance)
         last = near
 
         def heats(scene: Scene) -> tuple[int, HeatFlow]:

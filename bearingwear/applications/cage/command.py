@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def cage_command(args: argparse.Namespace) -> int:
-    """Run an ensemble, write its file and print its sheet."""
+    """Runs an ensemble, writes its file and prints its sheet."""
     args.output = output_of(args, "-cage.nc")
     scene = given_scene(args)
     from bearingwear.applications.cage.life import cage_results

@@ -1,4 +1,4 @@
-"""What the runs of an ensemble draw: values of the scene, gravity, and where the cage starts.
+"""Random input of the runs of an ensemble: values of the scene, gravity, start of the cage.
 
 A run depends on the seed and its number alone, so that any share of the work gives the same runs.
 """

@@ -1,4 +1,4 @@
-"""An ensemble of runs of one cage: which motions, how often, and what they wear.
+"""An ensemble of runs of one cage: its motions, their shares, and the wear that they cause.
 
 Theory: docs/theory/10-cage.md.
 """
@@ -147,6 +147,8 @@ def _mean_interval(values: np.ndarray, mean: float) -> tuple[float, float]:
 
 
 class _Job(NamedTuple):
+    """A run to make."""
+
     scene: Scene
     spread: Mapping[str, Any]
     plan: Ensemble

@@ -1,4 +1,4 @@
-"""The figure of a map of cages: shares of their motions, and what they wear."""
+"""The figure of a map of cages: shares of their motions, and their work per turn."""
 
 from __future__ import annotations
 

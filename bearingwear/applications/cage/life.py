@@ -1,4 +1,4 @@
-"""How long a cage lasts: ensembles along its wear, until a film is gone or a clearance too large.
+"""The life of a cage: ensembles along its wear, until a film is gone or a clearance too large.
 
 Work per shaft turn in pockets and at the land, from ensembles, times K_s/H is what they lose; the
 loss opens the clearances, and the next ensemble is made there (docs/theory/10-cage.md). What balls

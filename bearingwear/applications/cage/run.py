@@ -124,6 +124,8 @@ def _failed_run(status: int) -> dict[str, Any]:
 
 
 class _Stretch(NamedTuple):
+    """Motion, work and torque over `STRETCH` turns."""
+
     path: CagePath
     work: float  # in pockets and at the land in a turn [J]
     torques: np.ndarray  # sums over its turns of 1, torque and its square

@@ -1,4 +1,4 @@
-"""The table of a map of cages, and what it says."""
+"""The table of a map of cages, and the recommended cage."""
 
 from __future__ import annotations
 

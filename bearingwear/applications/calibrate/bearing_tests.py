@@ -82,6 +82,8 @@ def _with_point(cell: str) -> str:
 
 @dataclass(frozen=True)
 class _Row:
+    """A row of the file, and how its cells are read."""
+
     path: str
     number: int
     cells: Mapping[str, str]

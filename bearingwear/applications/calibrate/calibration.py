@@ -1,4 +1,4 @@
-"""A scene calibrated by tests of bearings: friction and K_s/H as they have them, and the life.
+"""A scene calibrated by tests of bearings: its friction, K_s/H and life.
 
 Theory: docs/theory.md, section 24.
 """

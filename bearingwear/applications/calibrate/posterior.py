@@ -234,6 +234,6 @@ def _narrowed(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:
     """Returns new points over the part of a grid with some density."""
     if len(grid) == 1:
         return grid
-    some = np.flatnonzero(density > _NEGLIGIBLE * density.max())
-    first, last = max(some[0] - 1, 0), min(some[-1] + 1, len(grid) - 1)
+    dense = np.flatnonzero(density > _NEGLIGIBLE * density.max())
+    first, last = max(dense[0] - 1, 0), min(dense[-1] + 1, len(grid) - 1)
     return np.linspace(grid[first], grid[last], points)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def export_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear export`."""
+    """Adds the arguments of `bearingwear export`."""
     from bearingwear.options import add_scene, file_name, positive
 
     add_scene(sub)

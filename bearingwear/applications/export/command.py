@@ -12,7 +12,7 @@ from bearingwear.printing import tell_of_new_folder
 
 
 def export_command(args: argparse.Namespace) -> int:
-    """Write the stiffness over speed as CSV, or as ROSS's TOML."""
+    """Writes the stiffness over speed as CSV, or as ROSS's TOML."""
     from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
     from bearingwear.atomic import write_text
 

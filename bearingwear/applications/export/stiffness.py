@@ -109,7 +109,7 @@ class StiffnessOverSpeed:
         return stiffness | {f"c{name}": [damping] * len(K) for name in ("xx", "yy", "zz")}
 
     def effective_arm(self, bearing: int = 1) -> float:
-        """Axial distance from the bearing at which a radial force causes no tilt [m].
+        """Returns the axial distance from the bearing at which a radial force causes no tilt [m].
 
         Mean over the speeds, towards where its contact lines meet the axis. A node of a rotor
         there has no coupling of displacement and tilt.

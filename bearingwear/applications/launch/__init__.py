@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def launch_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear launch`."""
+    """Adds the arguments of `bearingwear launch`."""
     from bearingwear.options import add_case, add_formats, add_scene, not_negative
 
     add_scene(sub)

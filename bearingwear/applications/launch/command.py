@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def launch_command(args: argparse.Namespace) -> int:
-    """Print the sheet of a launch."""
+    """Prints the sheet of a launch."""
     from bearingwear.applications.launch.sheet import launch_document
     from bearingwear.lives.margin import launched_by_wear
     from bearingwear.solvers.bearing.launch import check_launch

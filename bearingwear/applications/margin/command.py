@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def margin_command(args: argparse.Namespace) -> int:
-    """Print the sheet of a torque margin."""
+    """Prints the sheet of a torque margin."""
     from bearingwear.applications.margin.sheet import margin_document
     from bearingwear.document.margin import worst_corner
     from bearingwear.lives.margin import torque_corners
@@ -78,7 +78,7 @@ def margin(
 
 
 def _check_drive(scene: Scene, source: str) -> None:
-    """Refuse a scene without a drive."""
+    """Refuses a scene without a drive."""
     if scene.drive is None:
         problem = "got nothing, expected a drive block, or the torque of the drive (--drive N_M)"
         raise SceneError("drive", problem, source=source)

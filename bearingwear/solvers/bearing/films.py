@@ -37,7 +37,7 @@ class Archard(NamedTuple):
 
     @property
     def factor(self) -> float:
-        """K_s/H: worn volume over QV (theory.md section 6) [1/Pa]."""
+        """Returns K_s/H: worn volume over QV (theory.md section 6) [1/Pa]."""
         return self.K_s / self.H
 
 
@@ -171,7 +171,7 @@ class Films:
 
     @property
     def changes(self) -> bool:
-        """Whether friction or wear depend on the worn depth."""
+        """Returns whether friction or wear depend on the worn depth."""
         return self.wear_through or bool(self.ball.running_in or self.race.running_in)
 
     @property

@@ -58,6 +58,8 @@ class Expansion(NamedTuple):
 
 
 class RingGrowth(NamedTuple):
+    """Growth of a ring by rotation and by its fit."""
+
     speed: float = 0.0  # outward displacement of its track by rotation [m]
     fit: float = 0.0  # outward displacement of its track by the fit [m]
     pressure: float = 0.0  # on its seat [Pa]
@@ -65,12 +67,15 @@ class RingGrowth(NamedTuple):
 
 
 class Growth(NamedTuple):
+    """Growth of the parts of a bearing."""
+
     heat: Expansion
     inner: RingGrowth
     outer: RingGrowth
 
     @property
     def is_none(self) -> bool:
+        """Returns whether nothing changes the bearing as mounted."""
         displacements = (self.inner.speed, self.inner.fit, self.outer.speed, self.outer.fit)
         return not any((*self.heat, *displacements))
 

@@ -1,4 +1,4 @@
-"""A thrust-loaded bearing as the steady kernels see it."""
+"""A thrust-loaded bearing in the form that the steady kernels take."""
 
 import math
 from dataclasses import dataclass, replace
@@ -164,9 +164,9 @@ class ThrustProblem:
         for u in settled_elsewhere(self.bearing(D), *rules, v_r, *options):
             # Newton's method may lead from a motion that had not settled to a known state.
             if is_new(u, states):
-                other = self.solve(D, start=u)
-                if other.status == code.OK and is_new(other.u, states):
-                    states.append(other)
+                solved = self.solve(D, start=u)
+                if solved.status == code.OK and is_new(solved.u, states):
+                    states.append(solved)
         others = states[1:]
         if len(others) > 1:
             rolling = self.kinematic_start(OUTER_CONTROL)[3]

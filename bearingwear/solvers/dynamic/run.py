@@ -1,4 +1,4 @@
-"""Solve a scene by the dynamic model: start, run until settled, averages, histories, checks."""
+"""Solves a scene by the dynamic model: start, run until settled, averages, histories, checks."""
 
 import math
 from collections.abc import Callable, Mapping

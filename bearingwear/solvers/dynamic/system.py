@@ -115,10 +115,10 @@ class DynamicSystem:
 
     def variant(self, **changes) -> "DynamicSystem":
         """Returns a system with some fields of its model replaced; `unpack` gives it a state."""
-        other = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
-        other.buffers.rest[:] = self.buffers.rest
-        other.buffers.balls.delta[:] = other.buffers.rest
-        return other
+        system = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
+        system.buffers.rest[:] = self.buffers.rest
+        system.buffers.balls.delta[:] = system.buffers.rest
+        return system
 
     def place_cage(self) -> None:
         """Places the cage at the start: every ball in the middle of its pocket, the cage slower.

@@ -62,8 +62,10 @@ def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientat
     """Returns `preload_change` of a geometry as mounted; a solve uses it several times."""
     axial = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
     running = grown(g, growth, 0.0)
-    now = fitted_preload(running, axial + axial_change(growth.heat, axial, span, orientation))
-    return now / fitted_preload(g, axial) - 1.0
+    running_preload = fitted_preload(
+        running, axial + axial_change(growth.heat, axial, span, orientation)
+    )
+    return running_preload / fitted_preload(g, axial) - 1.0
 
 
 def assumed_bore(scene: Scene) -> float:

@@ -25,10 +25,10 @@ def cover(surface: Surface, depth: np.ndarray | float) -> np.ndarray:
     """Returns the share of each place that its film still covers at a worn depth [m]."""
     if surface.film is None:
         return np.zeros_like(depth, dtype=float)
-    left = np.maximum(surface.thickness - np.asarray(depth, dtype=float), 0.0)
+    remaining = np.maximum(surface.thickness - np.asarray(depth, dtype=float), 0.0)
     if np.isinf(surface.thickness):
-        return np.ones_like(left)
-    return np.minimum(left / (FILM_EDGE * surface.thickness), 1.0)
+        return np.ones_like(remaining)
+    return np.minimum(remaining / (FILM_EDGE * surface.thickness), 1.0)
 
 
 @dataclass(frozen=True)

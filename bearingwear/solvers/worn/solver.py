@@ -1,4 +1,4 @@
-"""One bearing whose grooves are followed as they wear (section 21)."""
+"""A bearing whose grooves wear, as a solver (section 21)."""
 
 import copy
 import functools
@@ -61,11 +61,11 @@ class Worn(Steady):
 
     def elsewhere(self, scene: Scene) -> "Worn":
         """Returns the bearing with its grooves at another speed or temperature, without wear."""
-        other = copy.copy(self)
-        other.scene, other.problem = scene, self.problem.of(scene).without_finer
-        other.mounted = other.problem.preload.delta_a
-        other.bearing.leave_wear()
-        return other
+        moved = copy.copy(self)
+        moved.scene, moved.problem = scene, self.problem.of(scene).without_finer
+        moved.mounted = moved.problem.preload.delta_a
+        moved.bearing.leave_wear()
+        return moved
 
     @property
     def heat_error(self) -> float:  # type: ignore[override]
