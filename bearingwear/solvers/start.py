@@ -41,7 +41,13 @@ def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
         case = problem.solve(D)
         if case.status in USABLE:
             scales = time_scale_values(problem.time_scales(D, case))
-            return Start(case.u, "the steady state under pure thrust", scales, case, bare)
+            return Start(
+                u=case.u,
+                kind="the steady state under pure thrust",
+                scales=scales,
+                case=case,
+                bare=bare,
+            )
     u = race_control_motion(scene, bare)
     if u is not None:
         return Start(u, "race control", {}, bare=bare)

@@ -164,7 +164,9 @@ def _search(
         if status != code.OK:
             if last_excess is None or runs_away or halved == MOST_HALVED:
                 failure = code.WARM_SEIZURE if runs_away else status
-                return Warmed(failure, last_scene, HeatFlow(*h), solves, slope)
+                return Warmed(
+                    status=failure, scene=last_scene, heat=HeatFlow(*h), solves=solves, slope=slope
+                )
             halved += 1
             step = 0.5 * step
             h = last_h + step
@@ -175,7 +177,7 @@ def _search(
             residual = heat_flow_residual(scene.thermal, last_scene.temperature, heat)
             allowed = max(LARGEST_HEAT_RESIDUAL, heat_error)
             status = code.OK if residual <= allowed else code.UNVERIFIED
-            return Warmed(status, last_scene, heat, solves, slope)
+            return Warmed(status=status, scene=last_scene, heat=heat, solves=solves, slope=slope)
         if last_excess is not None:
             slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
             runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
@@ -183,7 +185,9 @@ def _search(
         h = np.maximum(h + (excess if runs_away else -np.linalg.solve(slope, excess)), 0.0)
         step = h - last_h
     failure = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
-    return Warmed(failure, last_scene, HeatFlow(*h), MOST_SOLVES, slope)
+    return Warmed(
+        status=failure, scene=last_scene, heat=HeatFlow(*h), solves=MOST_SOLVES, slope=slope
+    )
 
 
 PARTS_OF_BEARING = 3

@@ -54,7 +54,7 @@ def cage_path(place: np.ndarray, turns: float, power: float, ball_ratio: float) 
         motion = WITH_BALLS
     else:
         motion = WHIRLS
-    return CagePath(centre, offset, scatter, whirl, motion)
+    return CagePath(centre=centre, offset=offset, scatter=scatter, whirl=whirl, motion=motion)
 
 
 def is_drifting(values: Sequence[float], allowed: float) -> bool:

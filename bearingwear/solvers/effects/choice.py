@@ -133,7 +133,7 @@ def _choice_of(scene: Scene, fidelity: str, why: str) -> Choice:
     """
     # a dynamic model requested by name includes the cage
     cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
-    chosen = Choice(scene, fidelity, why, cage and scene.cage is not None)
+    chosen = Choice(scene=scene, fidelity=fidelity, why=why, cage=cage and scene.cage is not None)
     if fidelity == "dynamic":
         check_solution(chosen.reduced(scene))
     return chosen
