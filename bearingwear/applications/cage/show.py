@@ -145,30 +145,37 @@ def _life_blocks(file: Any) -> Iterator[Block]:
             in_hours = Interval(low * hours / life, high * hours / life)
             cells = f"{low:.2g} to {high:.2g}", in_hours
             rows.append(Row(f"  90 %, {label}", "", cells, name))
-    for k, part in enumerate(WEARING):
-        gone_turns = float(values(file, "film_gone")[k])
-        if not math.isnan(gone_turns):
-            text = "not worn through by the end of the calculation"
-            if math.isfinite(gone_turns):
-                text = f"worn through after {gone_turns:.3g} turns"
-            lines.append(f"film on the {part}: {text}")
+    lines += _film_lines(file)
     low, high = values(file, "motion_changes").tolist()
     lines.append(
         "no other motion becomes dominant before the end of the calculation"
         if math.isnan(low)
         else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
-    if "other_hours" in file.variables and math.isfinite(
-        other_hours := values(file, "other_hours")
-    ):
-        criterion = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
-        longer = "the balls and races last" if hours <= other_hours else "the cage lasts"
-        interval = Interval(*values(file, "other_hours_interval").tolist())
-        lines.append(
-            f"balls and races: {Rough(float(other_hours)).text} h (90 % interval due to "
-            f"uncertainty in K_s/H: {interval.text} h), ended by {criterion}; {longer} longer"
-        )
+    if "other_hours" in file.variables and math.isfinite(values(file, "other_hours")):
+        lines.append(_other_life_line(file, hours))
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
+
+
+def _film_lines(file: Any) -> Iterator[str]:
+    """States when each film of the cage is worn through."""
+    for part, turns in zip(WEARING, values(file, "film_gone").tolist(), strict=True):
+        if math.isfinite(turns):
+            yield f"film on the {part}: worn through after {turns:.3g} turns"
+        elif not math.isnan(turns):
+            yield f"film on the {part}: not worn through by the end of the calculation"
+
+
+def _other_life_line(file: Any, cage_hours: float) -> str:
+    """Compares the life of balls and races with that of the cage."""
+    hours = float(values(file, "other_hours"))
+    interval = Interval(*values(file, "other_hours_interval").tolist())
+    criterion = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
+    longer = "the balls and races last" if cage_hours <= hours else "the cage lasts"
+    return (
+        f"balls and races: {Rough(hours).text} h (90 % interval due to uncertainty in K_s/H: "
+        f"{interval.text} h), ended by {criterion}; {longer} longer"
+    )
 
 
 def ensemble_figure(ensemble: xr.Dataset) -> Figure:
