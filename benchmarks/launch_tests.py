@@ -20,7 +20,7 @@ import numpy as np
 import bearingwear
 from bearingwear.plotting.drawing import new_figure, save
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.launch import Launched, launched
+from bearingwear.solvers.bearing.launch import LaunchResult, launch_result
 
 LEVELS = np.array([1.1, 1.6, 2.2, 4.5, 6.3, 8.9])  # of the random vibration [g rms]
 BAND_HZ = 1980.0  # of a flat spectrum from 20 to 2000 Hz, assumed
@@ -74,8 +74,8 @@ def scene_of(cart: Cart, level: float, duration_s: float, bearing: str = BEARING
     return scene.with_({"arrangement": arrangement, "launch": launch})
 
 
-def responses(cart: Cart, duration_s: float, bearing: str = BEARING) -> list[Launched]:
-    return [launched(scene_of(cart, level, duration_s, bearing)) for level in LEVELS]
+def responses(cart: Cart, duration_s: float, bearing: str = BEARING) -> list[LaunchResult]:
+    return [launch_result(scene_of(cart, level, duration_s, bearing)) for level in LEVELS]
 
 
 def pressures(cart: Cart, duration_s: float, bearing: str = BEARING) -> np.ndarray:

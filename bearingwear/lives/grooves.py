@@ -126,7 +126,7 @@ class Grooves:
         rotor = self._last_rotor
         pairs = zip(self.sides, rotor.sides, strict=True)
         sides = tuple(side.with_stiffness(solved) for side, solved in pairs)
-        of_rotor = self.bearings.arranged(sides, rotor).values
+        of_rotor = self.bearings.with_sides(sides, rotor).values
         return tuple(
             replace(state.with_values(solved.stiffnesses | of_rotor), answer=solved)
             for state, solved in zip(self.last, sides, strict=True)

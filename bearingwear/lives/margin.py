@@ -22,7 +22,7 @@ from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Distribution, Scene, once
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
-from bearingwear.solvers.bearing.launch import Launched, launched, wear_at_launch
+from bearingwear.solvers.bearing.launch import LaunchResult, launch_result, wear_at_launch
 from bearingwear.solvers.bearing.mounted import RPM, UM
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
@@ -249,7 +249,7 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
     return min(margins) if all(map(math.isfinite, margins)) else math.nan
 
 
-def launched_by_wear(scene: Scene) -> dict[str, Launched]:
+def launched_by_wear(scene: Scene) -> dict[str, LaunchResult]:
     """Returns the launch loads and gaps by the state of wear, and by the case if there are several.
 
     They are those of new bearings alone where their wear is not known: without an end of life, or
@@ -259,7 +259,7 @@ def launched_by_wear(scene: Scene) -> dict[str, Launched]:
     cases = cases_of_use(scene)
     for name, case in cases.items():
         suffix = "" if name == NOMINAL and len(cases) == 1 else f" ({name})"
-        by_wear[f"{_NEW}{suffix}"] = launched(case)
+        by_wear[f"{_NEW}{suffix}"] = launch_result(case)
         new = tuple(UM * float(np.max(side.wear.ball_diameter_loss_um)) for side in case.sides)
         try:
             life = life_in_case(scene, name)
@@ -271,5 +271,5 @@ def launched_by_wear(scene: Scene) -> dict[str, Launched]:
         if (losses := wear_at_launch(case, new, end)) is not None:
             limit = (case.launch or Launch()).after_wear_um
             worn = _WORN if limit is None else f"after {limit:g} um of wear"
-            by_wear[f"{worn}{suffix}"] = launched(case, losses)
+            by_wear[f"{worn}{suffix}"] = launch_result(case, losses)
     return by_wear

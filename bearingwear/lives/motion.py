@@ -26,7 +26,7 @@ from bearingwear.solvers.race_control import RaceControl
 from bearingwear.solvers.rotor import half_of_pair
 from bearingwear.solvers.state import State, case_state
 from bearingwear.solvers.steady import Steady
-from bearingwear.solvers.warm import warm_scene, warmth_of
+from bearingwear.solvers.warm import warm_scene, warmth_values
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Motion:
         warm = warm_scene(scene, self.surfaces.bare)
         if warm.status != code.OK:
             return Run(warm.status, residual=warm.sentence)
-        scene, warmth = warm.scene, warmth_of(scene, warm)
+        scene, warmth = warm.scene, warmth_values(scene, warm)
         if before is not None:
             end = {"state": before.values["final_state"], "time": before.values["final_time"]}
             values, attrs = solve_dynamic(scene, end, bare=self.surfaces.bare)

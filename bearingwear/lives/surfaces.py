@@ -150,7 +150,9 @@ class FilmWear(EvenWear):
             pressure = PEAK_OVER_MEAN * mean_pressure(self.scene, values["semi_major_axis"])
             temperature = contact_temperatures(self.scene, values.get("part_temperature"))
             table_factor = self.films.table_factor(pressure, temperature)
-        return self.films.wearing(self.coating.is_left, 0.5 * worn[0], worn[1:3], table_factor)
+        return self.films.contact_factors(
+            self.coating.is_left, 0.5 * worn[0], worn[1:3], table_factor
+        )
 
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
         """Returns the thickness left of each film, and the share of each contact without film."""

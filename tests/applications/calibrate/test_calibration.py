@@ -16,7 +16,7 @@ from support import scene_file
 
 import bearingwear
 from bearingwear.applications.calibrate.bearing_tests import bearing_tests
-from bearingwear.applications.calibrate.calibration import calibrated
+from bearingwear.applications.calibrate.calibration import calibration_by_tests
 from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError
@@ -125,7 +125,7 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
     ):
         spread = {n: one for n, one in unknown["uncertainty"].items() if n != name}
         with pytest.raises((SceneError, CaseFileError), match=said):
-            calibrated(scene_from_dict(unknown | {"uncertainty": spread}), path)
+            calibration_by_tests(scene_from_dict(unknown | {"uncertainty": spread}), path)
 
 
 @pytest.mark.long
@@ -154,7 +154,7 @@ def test_each_kind_of_test_finds_what_made_it(tmp_path):
             f"{seen},0.1",
             f",,,,,{torque},0.1",
         )
-        found = calibrated(scene, path)
+        found = calibration_by_tests(scene, path)
         assert_allclose(found.scene.friction.ball_race, mu, rtol=2e-3)
         ratio = found.scene.nominal("wear_coefficient") / scene.nominal("wear_coefficient")
         assert_allclose(ratio, K, rtol=1e-2)
@@ -173,7 +173,7 @@ def test_two_lives_of_a_sampled_batch(tmp_path):
         for _ in range(2)
     ]
     path = written(tmp_path, "life_h", *map(str, of_bearings))
-    found = calibrated(scene, path)
+    found = calibration_by_tests(scene, path)
     before, after = found.data["batch_life_quantile"].values
     scatter = float(found.data["scatter"])
     assert math.log(1.3) < scatter < 0.32  # the preload adds some
@@ -260,7 +260,7 @@ def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
     settings = ["friction.ball_race=0.06", "model.contact=paper"]
     plain = load_scene(scene_file("bearing218"), settings).to_dict()
     path = written(tmp_path, "life_h", "0.11", "0.13", "0.10", "0.12")
-    found = calibrated(scene_from_dict(plain | {"uncertainty": SPREAD}), path)
+    found = calibration_by_tests(scene_from_dict(plain | {"uncertainty": SPREAD}), path)
     given = found.scene.uncertainty["wear_coefficient"]
     assert 0.8 < given.friction_correlation < 0.9
     alone = dict(found.scene.uncertainty) | {

@@ -16,7 +16,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
-from bearingwear.solvers.solve import solved
+from bearingwear.solvers.solve import case_values
 from bearingwear.studies.answers import REFUSED, answers_at
 from bearingwear.studies.dataset import filled
 from workflow.studies.robustness.draw import drawn_scene
@@ -91,7 +91,7 @@ def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) ->
 
 def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
     """Values of a solve, as `bearingwear.solve` finds them."""
-    return solved(scene, fidelity, None, None)[0]
+    return case_values(scene, fidelity, None, None)[0]
 
 
 def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
