@@ -68,9 +68,9 @@ def friction_interval(scene: Scene) -> tuple[str, list[float]]:
     if given is None:
         return key, [own]
     # it loads slowly, and few scenes have a drive
-    from bearingwear.scene.distributions import possible, quantile
+    from bearingwear.scene.distributions import possible_range, quantile
 
-    ends = quantile(given, own, possible(key), np.array(_ENDS))
+    ends = quantile(given, own, possible_range(key), np.array(_ENDS))
     return key, sorted({*ends.tolist(), own})
 
 

@@ -117,19 +117,19 @@ def test_what_the_schema_refuses_takes_one_line(keys, value, said, tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
-        configuration.validated(path, "config", lambda data, path: None)
+        configuration.validated_config(path, "config", lambda data, path: None)
     assert str(error.value).startswith(f"{path}: {said}")
 
 
 def test_the_configurations_of_the_project_are_right():
-    read = {name: configuration.read(f"config/{name}.yaml") for name in ("design", "lives")}
+    read = {name: configuration.read_config(f"config/{name}.yaml") for name in ("design", "lives")}
     configuration.check_lives(
         {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
     )
     design = {name: {"limits": {}, **one} for name, one in read["design"]["scenes"].items()}
     configuration.check_design({"scenes": design})
-    configuration.check_sampled(configuration.read("config/uncertainty.yaml"))
-    assert configuration.read("config/none.yaml") == {}
+    configuration.check_sampled(configuration.read_config("config/uncertainty.yaml"))
+    assert configuration.read_config("config/none.yaml") == {}
 
 
 @pytest.mark.parametrize(

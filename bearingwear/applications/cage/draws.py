@@ -14,11 +14,11 @@ import numpy as np
 
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
-from bearingwear.scene.distributions import possible, quantile, values_at
+from bearingwear.scene.distributions import possible_range, quantile, values_at
 from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.solvers.dynamic.system import CageStart
-from bearingwear.studies.sampling import perturbed
+from bearingwear.studies.sampling import scene_with_values
 
 CLOSE = 0.95
 """Of its clearance: a cage starts anywhere within."""
@@ -88,9 +88,9 @@ def cage_drawn(
         probability = np.array(random.random())
         if name != WEAR:
             own, key = cage_value(scene, name), f"{UNCERTAIN_CAGE[name]}.{name}"
-            ends = (0.0, 180.0) if name == GRAVITY_ANGLE else possible(key)
+            ends = (0.0, 180.0) if name == GRAVITY_ANGLE else possible_range(key)
             of_cage[name] = float(quantile(given, own, ends, probability))
-    changed = perturbed(scene, values)
+    changed = scene_with_values(scene, values)
     if changed is not None:
         changed = worn_cage(_with_cage(changed, of_cage, 2.0 * math.pi * about), plan.worn_um)
     return CageDraw(changed, start, values | of_cage)

@@ -33,7 +33,7 @@ from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.warm import warm_scene
 from bearingwear.studies.answers import PROBLEM, Tell, Workers
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 RunRow = dict[str, Any]
 """Values of `CAGE_RUN` of a run, and what it drew."""
@@ -244,8 +244,8 @@ def _dataset(
     runs = CAGE_RUN | ({"drawn": drawn_values} if names else {})
     kept = [{name: one[name] for name in runs if name in one} for one in rows]
     axes: dict[Any, Any] = {OF_RUN: range(len(rows)), ACROSS: None}
-    made = filled(runs, axes | ({value: None} if names else {}), kept)
-    of_all = filled(SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)])
+    made = dataset_of_rows(runs, axes | ({value: None} if names else {}), kept)
+    of_all = dataset_of_rows(SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)])
     met = np.int64(len(rows) > 0 and is_met(rows, plan))
     return xr.merge([made, of_all], combine_attrs="override").assign_attrs(attributes, met=met)
 

@@ -39,7 +39,7 @@ from bearingwear.solvers.bearing.mounted import UM
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
 from bearingwear.studies.answers import Tell
-from bearingwear.studies.dataset import filled, write_dataset
+from bearingwear.studies.dataset import dataset_of_rows, write_dataset
 from bearingwear.studies.sampling import wear_factor
 
 WEARING = ("pockets", "land")
@@ -226,7 +226,7 @@ def cage_life(life: Life, other: bool = True) -> xr.Dataset:
     }
     values |= _of_balls_and_races(scene) if other else {}
     axes = {END: None, PART: None, NODE: range(len(turns)), OF_MOTION: None}
-    return filled(CAGE_LIFE, axes, [values], **attrs)
+    return dataset_of_rows(CAGE_LIFE, axes, [values], **attrs)
 
 
 def _gone(film: float, depth: np.ndarray, turns: np.ndarray) -> float:

@@ -21,7 +21,7 @@ from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 
 def cage_table(motions: Path) -> str:
@@ -36,7 +36,7 @@ def cage_answer(motions: Path) -> str:
 
 def cage_document(path: Path) -> Document:
     """The recommended cage, the quiet region, and a line for each cage of a map."""
-    motions = loaded(path, cage_friction=(), gravity=())
+    motions = load_with_axes(path, cage_friction=(), gravity=())
     axes = [axis.name for axis, _ in CAGE_AXES.values()]
     every = [
         motions.isel(dict(zip(axes, index, strict=True)))

@@ -57,7 +57,7 @@ from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.sampling import perturbed, with_wear
+from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
@@ -358,7 +358,7 @@ def _logs(
 
 def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
     shape = {n: float(v) for n, v in zip(names, row, strict=True) if n not in WORN}
-    other = perturbed(scene, shape)
+    other = scene_with_values(scene, shape)
     if other is None:
         return math.nan
     try:
@@ -403,7 +403,7 @@ def _carried(scene: Scene, friction: str, after: Posterior, calibration: Calibra
     found = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = remaining(x.deviation)
-        middle = perturbed(found, {friction: _short(x)})
+        middle = scene_with_values(found, {friction: _short(x)})
         assert middle is not None
         found = middle
     return replace(found, uncertainty=spread, calibrated=calibration)

@@ -12,7 +12,7 @@ from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import GRAVITY, Launched, LaunchLoad
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 WEAR_STATE = Variable("state", ("state",), "", "state of wear", "O")
 LAUNCH_LOAD = Variable("load", ("load",), "", "direction of the load", "O")
@@ -53,7 +53,7 @@ def launch_dataset(scene: Scene, found: Mapping[str, Launched]) -> xr.Dataset:
     """Launch loads and gaps by the state of wear, as `lives.margin.launched_by_wear` has them."""
     loads = [load.name for load in next(iter(found.values())).loads]
     axes: dict[Any, Any] = {WEAR_STATE: list(found), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
-    return filled(
+    return dataset_of_rows(
         LAUNCH,
         axes,
         [_row(one) for one in found.values()],

@@ -128,27 +128,29 @@ _GMN_OPEN_ANGLES = {"SM60": 17.0, "SM619": 19.0, "KH60": 17.0, "KH619": 17.0}
 
 
 def designation_of(text: str) -> Designation:
-    """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
-    plain = text.strip().upper()
-    if len(plain) > LONGEST_DESIGNATION:
+    """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
+    upper_text = text.strip().upper()
+    if len(upper_text) > LONGEST_DESIGNATION:
         raise _unknown(text, ALLOWED)
-    for of_a_maker in (_gmn_spindle, _nsk_robust):
-        if (spindle := of_a_maker(plain)) is not None:
+    for of_maker in (_gmn_spindle, _nsk_robust):
+        if (spindle := of_maker(upper_text)) is not None:
             return spindle
-    match = re.fullmatch(rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", plain)
+    match = re.fullmatch(
+        rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", upper_text
+    )
     size = match and _size(match["series"], match["code"])
     if not match or not size:
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
-    spindles = _gmn_names(plain, prefix)
+    spindles = _gmn_names(upper_text, prefix)
     if spindles and prefix != "S":
         raise _unknown(text, f"{spindles} (GMN spindle bearings)")
     if not re.fullmatch(_PREFIX, prefix):
-        known = (
+        prefixes = (
             "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
             "the number; or --bore, --outside and --contact-angle"
         )
-        raise _unknown(text, f"no letters or {known}")
+        raise _unknown(text, f"no letters or {prefixes}")
     deep_groove = series.startswith("6")
     if deep_groove and prefix in ("S", "SS") and not rest.strip(" /_-."):
         raise _unknown(
@@ -160,9 +162,11 @@ def designation_of(text: str) -> Designation:
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
     suffix, ignored = _suffix(rest, suffixes, deep_groove)
     if ignored is None:
-        also = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
-        others = spindles and f", or {spindles} (GMN spindle bearings)"
-        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}{others}{also}")
+        advice = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
+        spindle_names = spindles and f", or {spindles} (GMN spindle bearings)"
+        raise _unknown(
+            text, f"{series}{code} alone, or with {', '.join(suffixes)}{spindle_names}{advice}"
+        )
     name = f"{series}{code}{suffix}"
     letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
@@ -176,12 +180,12 @@ def designation_of(text: str) -> Designation:
 
 
 def _gmn_names(plain: str, prefix: str) -> str:
-    """The nearest bearings of GMN's catalogue, where letters before the number are its series."""
+    """Returns similar bearings of GMN if the letters before the number are a series of its."""
     return ", ".join(nearest_names("GMN", plain)) if re.fullmatch(GMN_SERIES, prefix) else ""
 
 
 def _gmn_spindle(plain: str) -> Designation | None:
-    """A spindle bearing of GMN, of its catalogue or else of the same size; None for any other."""
+    """Reads a spindle bearing of GMN, whether in its catalogue or not; None for any other."""
     parts = gmn_parts(plain)
     if parts is None:
         return None
@@ -204,7 +208,7 @@ _NSK_ROBUST = re.compile(
 
 
 def _nsk_robust(plain: str) -> Designation | None:
-    """A bearing of NSK's ROBUST series: 40BNR10STYNDBLP4; None for any other."""
+    """Reads a bearing of NSK's ROBUST series: 40BNR10STYNDBLP4; None for any other."""
     match = _NSK_ROBUST.fullmatch(re.sub(r"[\s/_.-]", "", plain))
     if match is None:
         return None
@@ -221,13 +225,13 @@ def _nsk_robust(plain: str) -> Designation | None:
 
 
 def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
-    """The size of a catalogue's bearing, with what other letters say."""
+    """Returns the designation of a catalogue's bearing with the meaning of its other letters."""
     size = entry.bore, entry.outside, entry.width
     return Designation(*size, entry.designation, angle=entry.angle, letters=letters, entry=entry)
 
 
-def _suffix(rest: str, known: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:
-    """The known suffix of a designation, and what else is there; None for what it cannot be.
+def _suffix(rest: str, suffixes: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:
+    """Returns the suffix for angle or clearance, and the ignored ones; None to refuse the text.
 
     An angle is the first suffix, with letters of the cage behind it (CD, ACD, BECBP), or after a
     separator. A clearance stands anywhere (6204-2RSH/C3, 608ZZC3, P63). What follows the number
@@ -239,51 +243,55 @@ def _suffix(rest: str, known: tuple[str, ...], deep_groove: bool) -> tuple[str, 
         return "", ""
     if deep_groove:
         return _clearance_suffix(words)
-    first, others = words[0], words[1:]
-    ntn = re.match(r"U(?=C|AD)", first)  # its standard design, before the angle: 7008UCG
-    if ntn:
-        first, others = first[1:], [*others, "U"]
-    for name in sorted(known, key=len, reverse=True):
-        if first.startswith(name):
-            behind = first[len(name) :]
-            if not behind or behind[0].isalpha():
-                return name, " ".join([behind, *others] if behind else others)
+    first_word, more_words = words[0], words[1:]
+    is_ntn = re.match(r"U(?=C|AD)", first_word)  # its standard design, before the angle: 7008UCG
+    if is_ntn:
+        first_word, more_words = first_word[1:], [*more_words, "U"]
+    for name in sorted(suffixes, key=len, reverse=True):
+        if first_word.startswith(name):
+            remainder = first_word[len(name) :]
+            if not remainder or remainder[0].isalpha():
+                return name, " ".join([remainder, *more_words] if remainder else more_words)
     attached = rest[0].isalnum()
-    other_kind = re.fullmatch(r"[A-F]\d?|CN", first)  # an angle, or a clearance of another kind
-    late = any(word in known for word in others)
-    return "", None if other_kind or attached or late else " ".join(words)
+    other_kind = re.fullmatch(
+        r"[A-F]\d?|CN", first_word
+    )  # an angle, or a clearance of another kind
+    in_later_word = any(word in suffixes for word in more_words)
+    return "", None if other_kind or attached or in_later_word else " ".join(words)
 
 
 def _clearance_suffix(words: list[str]) -> tuple[str, str | None]:
-    """The clearance among the suffixes of a deep groove bearing, as `_suffix`."""
+    """Returns the clearance among the suffixes of a deep groove bearing, as `_suffix` does."""
     for k, word in enumerate(words):
-        balls = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
-        found = re.compile(r"C([1-5NM])(?!\d)").search(word, balls.end() if balls else 0)
-        found = found or re.compile(r"(?<=^P[56])([2-5])$").search(word)
-        if found is None:
+        ceramic_letters = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
+        match = re.compile(r"C([1-5NM])(?!\d)").search(
+            word, ceramic_letters.end() if ceramic_letters else 0
+        )
+        match = match or re.compile(r"(?<=^P[56])([2-5])$").search(word)
+        if match is None:
             continue
-        group = f"C{found[1]}"
+        group = f"C{match[1]}"
         if group not in CLEARANCES:
             return "", None
-        left = f"{word[: found.start()]} {word[found.end() :]}".split()
-        return group, " ".join([*words[:k], *left, *words[k + 1 :]])
+        remainder = f"{word[: match.start()]} {word[match.end() :]}".split()
+        return group, " ".join([*words[:k], *remainder, *words[k + 1 :]])
     if re.fullmatch(r"[A-E]\d?", words[0]):
         return "", None
     return "", " ".join(words)
 
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:
-    """Least and largest radial clearance [um] of a group; None above the bores of the table."""
+    """Returns least and largest radial clearance [um] of a group; None above the largest bore."""
     place = 1 + CLEARANCES.index(group)
     row = next((row for row in _CLEARANCE_TABLE if bore <= row[0]), None)
     return None if row is None else row[place]  # type: ignore[return-value]
 
 
 def _size(series: str, code: str) -> tuple[float, float, float] | None:
-    """Bore, outside diameter and width [mm], or None where there is none in the table."""
+    """Returns bore, outside diameter and width [mm]; None for a code that is not in the table."""
     if len(code) == 1:
-        first, sizes = _SMALL[series]
-        codes = tuple(range(first, 10))
+        smallest_bore, sizes = _SMALL[series]
+        codes = tuple(range(smallest_bore, 10))
         bore = float(code)
     else:
         sizes, codes = _SERIES[_SERIES_OF[series]], _CODES
@@ -295,6 +303,7 @@ def _size(series: str, code: str) -> tuple[float, float, float] | None:
 
 
 def _unknown(text: str, allowed: str) -> SceneError:
+    """Returns the error of an unknown designation, with makers that have it."""
     makers = makers_with(text)
     if makers:
         allowed = f"--maker {' or '.join(makers)} with this designation"

@@ -20,7 +20,7 @@ from bearingwear.results.warnings import merged_warnings
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.dataset import reshaped, stacked
+from bearingwear.studies.dataset import reshaped_dataset, stacked_dataset
 from bearingwear.studies.grid.grid import Case, Grid
 
 _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
@@ -100,7 +100,7 @@ def _reshaped_to_grid(along_cases: xr.Dataset, cases: Sequence[Case], grid: Grid
     order = np.array([index_of[case] for case in grid.cases().values()])
     coords = axis_coordinates(grid)
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    return reshaped(along_cases.isel(case=order), "case", lengths).assign_coords(coords)
+    return reshaped_dataset(along_cases.isel(case=order), "case", lengths).assign_coords(coords)
 
 
 _BATCH = 500
@@ -128,7 +128,7 @@ def _stacked_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 def _stacked_batch(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stacks cases, or datasets along `case`, without the variables that only case files have."""
     count = sum(dataset.sizes.get("case", 1) for dataset in datasets)
-    return stacked(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
+    return stacked_dataset(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
 
 
 def _complete_grid(files: Mapping[Case, Path]) -> Grid:

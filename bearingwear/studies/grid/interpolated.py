@@ -10,7 +10,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 POINTS_PER_INTERVAL = 50
 """Points of the interpolated history in each interval of the grid."""
@@ -90,7 +90,7 @@ def interpolated_life(
         "interpolated_history_time": time,
         "interpolated_history_residual_preload": preload,
     }
-    return filled(INTERPOLATED, {}, [values])
+    return dataset_of_rows(INTERPOLATED, {}, [values])
 
 
 def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:

@@ -18,7 +18,7 @@ from bearingwear.solvers.warmup.transient import (
     WarmUp,
     warm_up,
 )
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 WARM_UP = "warm-up"
 ENDINGS = ("steady", "runaway", "no_state", "duration")
@@ -80,7 +80,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         "distance_left": found.left,
         "error_estimate": max(e / size for e, size in zip(errors, sizes, strict=True) if size),
     }
-    over_time = filled(
+    over_time = dataset_of_rows(
         _OVER_TIME,
         {_TIME: times, _PARTS: None, "side": len(found.instants[0].states)},
         rows,
@@ -89,7 +89,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )
-    return over_time.merge(filled(_OF_ALL, {}, [summary]), combine_attrs="override")
+    return over_time.merge(dataset_of_rows(_OF_ALL, {}, [summary]), combine_attrs="override")
 
 
 def peaks_of(scene: Scene, found: WarmUp) -> dict[str, float]:

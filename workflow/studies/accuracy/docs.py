@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import CheckedTable
@@ -29,7 +29,7 @@ def docs_part(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
     """Paragraphs and tables of a part; CaseFileError where there is no such part."""
     if name not in DOCS_PARTS:
         raise CaseFileError(f"part: got {name}, expected {', '.join(DOCS_PARTS)}")
-    return DOCS_PARTS[name](loaded(trade, point=()), read_accuracy(plan))
+    return DOCS_PARTS[name](load_with_axes(trade, point=()), read_accuracy(plan))
 
 
 def part_tables(trade: Path, plan: Path, part: str) -> str:
@@ -39,7 +39,7 @@ def part_tables(trade: Path, plan: Path, part: str) -> str:
 
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
     """Every point as CSV, and what each simplification costs and saves as Markdown."""
-    return points_csv(loaded(trade, point=())), part_tables(trade, plan, "accuracy")
+    return points_csv(load_with_axes(trade, point=())), part_tables(trade, plan, "accuracy")
 
 
 def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:

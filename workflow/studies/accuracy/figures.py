@@ -12,7 +12,7 @@ from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure,
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import Rough, span
 from bearingwear.results.words import name_in_words, percent_in_text
-from bearingwear.studies.dataset import loaded, pareto
+from bearingwear.studies.dataset import load_with_axes, pareto
 from workflow.studies.accuracy.gather import names, of_known, points_where
 from workflow.studies.accuracy.groove_figure import grooves_figure
 
@@ -304,7 +304,7 @@ def figure(trade: Path, which: str) -> Figure:
     """One of the figures; CaseFileError where there is none of that name."""
     if which not in _FIGURES:
         raise CaseFileError(f"figure: got {which}, expected {', '.join(_FIGURES)}")
-    return _FIGURES[which](loaded(trade, point=()))
+    return _FIGURES[which](load_with_axes(trade, point=()))
 
 
 def accuracy_plot(trade: xr.Dataset) -> Figure:

@@ -16,7 +16,7 @@ from typing import Any
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking.errors import yaml_number
 from bearingwear.studies.axis import place_of_errors
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 
 ACCURACY_FILE = Path("config/accuracy.yaml")
 
@@ -97,11 +97,11 @@ class SweepPoint:
 
 def read_accuracy(path: Path) -> dict[str, Any]:
     """The plan in a file like config/accuracy.yaml, with defaults. Raises UsageError."""
-    return validated(path, "accuracy", check_accuracy)
+    return validated_config(path, "accuracy", check_accuracy)
 
 
 def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
-    """Refuse names of sweeps, references, labels and scenes that are not there, on one line.
+    """Refuses names of sweeps, references, labels and scenes that are not there, on one line.
 
     ValueError: the key, what it says, and what it may say. To read the scenes as all points change
     them would take seconds.
@@ -243,7 +243,7 @@ def _point(
 
 
 def check_known(given: Any, allowed: Iterable[Any], where: str) -> None:
-    """Refuse what is not one of the allowed values."""
+    """Refuses what is not one of the allowed values."""
     if given not in allowed:
         raise ValueError(f"{where}: got {given}, expected {', '.join(map(str, allowed))}")
 

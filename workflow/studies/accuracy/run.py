@@ -29,7 +29,7 @@ from bearingwear.solvers.race_control import race_control_motion
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
 from bearingwear.studies.answers import answer_values, answers_at
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from kerneljit.interrupt import Interrupt
 from workflow.studies.accuracy.plan import (
     SweepPoint,
@@ -64,7 +64,7 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
         for point, answer in zip(points, answers, strict=True)
     ]
     given = accuracy["sweeps"].get(sweep)
-    return filled(
+    return dataset_of_rows(
         SWEEP,
         {"point": len(rows)},
         rows,
@@ -245,7 +245,7 @@ def first_motion(scene: Scene, start: str) -> np.ndarray:
 
 
 def fix_hertz(scene: Scene, system: DynamicSystem) -> None:
-    """Put the fitted Hertz factors in place of the exact ones; only without a cage."""
+    """Puts the fitted Hertz factors in place of the exact ones; only without a cage."""
     bearing = system.bearing
     table = hertz_table(bearing.g, bearing.D, fitted_factors)
     system.bearing = bearing._replace(hertz=table)

@@ -14,7 +14,7 @@ from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.steady import steady_values
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis, base_scene, entry, read_robustness
 from workflow.studies.robustness.run import study_attributes
@@ -50,7 +50,7 @@ def branch(plan: Path, name: str) -> xr.Dataset:
             state, last = _followed(data, None if way == "anew" else last)
             states.append(state)
         rows += states[::-1] if way == "down" else states
-    return filled(
+    return dataset_of_rows(
         _BRANCH,
         {"way": len(BRANCH_WAYS), _ALONG: axis.values},
         rows,

@@ -106,7 +106,7 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
 
 
 def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
-    """Draw boundaries and their closed forms; returns their keys."""
+    """Draws boundaries and their closed forms; returns their keys."""
     handles = []
     for limit, style in _LIMITS.items():
         boundary = solved.get(f"boundary_{limit}")

@@ -17,7 +17,7 @@ from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import answer_values, answers_at
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.closed_forms import closed_form
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import (
@@ -62,7 +62,7 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
             border[f"boundary_{limit}"] = line.boundary(limit, value, solutions)
             border[f"estimate_{limit}"] = line.estimate(limit, value)
         borders.append(border)
-    found = filled(
+    found = dataset_of_rows(
         MAP_STATES,
         axes,
         states,
@@ -75,7 +75,7 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
     )
     text = "limit along y, from solutions or from a closed form"
     kinds = table(*(Variable(key, (), "", text) for key in borders[0]))
-    lines = filled(kinds, {X: along_x.values}, borders)
+    lines = dataset_of_rows(kinds, {X: along_x.values}, borders)
     for key in lines:
         value = limits[str(key).partition("_")[2]]
         lines[key].attrs |= {} if value is None else {"limit": value}

@@ -18,7 +18,7 @@ from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import load_scene
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 
 ROBUSTNESS_FILE = Path("config/robustness.yaml")
 
@@ -53,7 +53,7 @@ STAND_INS = (
 
 
 def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:
-    """Refuse ends that do not rise, or have no logarithm."""
+    """Refuses ends that do not rise, or have no logarithm."""
     for name, ends in (("log", log), ("even", even)):
         if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
             positive = " > 0" if name == "log" else ""
@@ -139,11 +139,11 @@ class KeyAxis:
 
 def read_robustness(path: Path) -> dict[str, Any]:
     """The plan in a file like config/robustness.yaml, with defaults. Raises UsageError."""
-    return validated(path, "robustness", check_robustness)
+    return validated_config(path, "robustness", check_robustness)
 
 
 def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> None:
-    """Refuse draws and axes that are impossible, and read the scene. Raises ValueError."""
+    """Reads the scene and refuses impossible draws and axes. Raises ValueError."""
     before: list[str] = []
     for name, scene_class in plan["scene_classes"].items():
         place, like = f"{path}: scene_classes.{name}", scene_class["like"]

@@ -18,7 +18,7 @@ from bearingwear.sides import of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import solved
 from bearingwear.studies.answers import REFUSED, answers_at
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.lives import WORN_LIFE, life_violations
 from workflow.studies.robustness.plan import (
@@ -58,7 +58,7 @@ def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1
     ends = answers_at(partial(end_of, base, fidelity=fidelity), trials, workers=1, label=name)
     rows = [{**end, **values} for end, values in zip(ends, trials, strict=True)]
     attributes = study_attributes("scene_classes", name) | {"fidelity": fidelity, "seed": seed}
-    return filled(TRIALS | keys, {"trial": count}, rows, **attributes)
+    return dataset_of_rows(TRIALS | keys, {"trial": count}, rows, **attributes)
 
 
 def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:

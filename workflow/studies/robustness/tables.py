@@ -8,7 +8,7 @@ from bearingwear.document.markdown import block_markdown
 from bearingwear.document.table import points_block
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.words import name_in_words
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.robustness.plan import WITHOUT_REASON
 
@@ -18,7 +18,7 @@ NO_REASON = [STATUS_NAMES[code] for code in (OK, *WITHOUT_REASON)]
 
 def ends_table(counts: Path) -> str:
     """How the scenes ended, as Markdown."""
-    found = loaded(counts, set=(), end=())
+    found = load_with_axes(counts, set=(), end=())
     rows = [_row(found.isel(set=k)) for k in range(found.sizes["set"])]
     units = dict.fromkeys(rows[0], "") | {"maximum difference in QV": "%"}
     return block_markdown(points_block("", units, [[*row.values()] for row in rows])) + "\n"
@@ -45,7 +45,7 @@ def _row(one: xr.Dataset) -> dict[str, int | float | str]:
 
 def wrong_answers(counts: Path) -> str:
     """Says that no verified answer is wrong; else NotSolved, with the first."""
-    found = loaded(counts, set=(), end=())
+    found = load_with_axes(counts, set=(), end=())
     wrong = int(found["violations"].sum())
     if wrong:
         first = next(text for text in found["first_violation"].values if text)

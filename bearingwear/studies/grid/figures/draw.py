@@ -9,7 +9,7 @@ from bearingwear.plotting.drawing import Figure, with_data_files
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.results.words import dataset_of_bearing
-from bearingwear.studies.dataset import both_ways, loaded
+from bearingwear.studies.dataset import load_with_axes, load_with_dynamic
 from bearingwear.studies.grid.figures import dynamic as dynamic_figures
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.figures.overlay import lives_side_by_side, spread
@@ -89,17 +89,17 @@ def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
 
 def draw_dynamic(study: Path, dynamic: Path) -> Figure:
     """Cases solved dynamically beside the steady ones."""
-    figure = dynamic_figures.beside_steady_figure(*both_ways(study, dynamic))
+    figure = dynamic_figures.beside_steady_figure(*load_with_dynamic(study, dynamic))
     return with_data_files(figure, study, dynamic)
 
 
 def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     """Wear rates as they settle, beside values of others if there are any."""
-    found = loaded(case)
+    found = load_with_axes(case)
     if found.attrs.get("fidelity") != "dynamic" or "status" not in found or found["status"].dims:
         raise CaseFileError(f"{case}: not a case solved dynamically")
     return with_data_files(dynamic_figures.running_average_figure(found, reference), case)
 
 
 def _loaded(path: Path, bearing: str | None, **axes: Sequence[float]) -> xr.Dataset:
-    return dataset_of_bearing(loaded(path, **axes), path, bearing)
+    return dataset_of_bearing(load_with_axes(path, **axes), path, bearing)

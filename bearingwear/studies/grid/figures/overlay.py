@@ -75,7 +75,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
 
 
 def _nested_look(k: int, count: int) -> dict[str, Any]:
-    """Look of a scene's lines, finer than that of the one below, which shows if both coincide."""
+    """Returns the look of a line; each is finer than the next, so that equal lines both show."""
     fineness = (count - 1 - k) / max(count - 1, 1)
     size = {"linewidth": 1.2 + 1.6 * fineness, "markersize": 3.5 + 3.0 * fineness}
     return series_look(k) | size
