@@ -133,7 +133,7 @@ def _stacked_batch(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def _complete_grid(files: Mapping[Case, Path]) -> Grid:
     """Returns the grid of some cases; refuses cases that do not fill one."""
-    some = next(iter(files.values()))
+    first_file = next(iter(files.values()))
     try:
         grid = Grid.from_lists(
             {case.preload_method for case in files},
@@ -141,10 +141,10 @@ def _complete_grid(files: Mapping[Case, Path]) -> Grid:
             {case.ball_diameter_loss_um for case in files},
         )
     except ValueError as error:
-        raise CaseFileError(f"{some.parent}: {error}") from None
+        raise CaseFileError(f"{first_file.parent}: {error}") from None
     for case_id, case in grid.cases().items():
         if case not in files:
-            raise CaseFileError(f"{some.with_stem(case_id)}: missing")
+            raise CaseFileError(f"{first_file.with_stem(case_id)}: missing")
     return grid
 
 
