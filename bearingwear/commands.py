@@ -62,7 +62,7 @@ def new(args: argparse.Namespace) -> int:
     from bearingwear.scene.new.scene_file import usual_stiffness, write_scene
 
     if args.list is not None:
-        return _list(args.list)
+        return _print_bearings(args.list)
     path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     given_values = {key: value for key, value in values.items() if value is not None}
@@ -74,7 +74,7 @@ def new(args: argparse.Namespace) -> int:
     print(f"{path}: written; values assumed or taken from a catalogue, as marked in the file:")
     for line in lines:
         print(f"  {line}")
-    for line in _tried(path):
+    for line in _trial_lines(path):
         print(line)
     print("next:")
     limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
@@ -85,16 +85,16 @@ def new(args: argparse.Namespace) -> int:
     return SUCCESS
 
 
-def _list(words: list[str]) -> int:
+def _print_bearings(words: list[str]) -> int:
     """Prints the bearings of a maker."""
     from bearingwear.scene.checking.errors import shown
-    from bearingwear.scene.new.catalogue import MAKERS, listed
+    from bearingwear.scene.new.catalogue import MAKERS, bearings_table
 
     maker = words[0].upper()
     if maker not in MAKERS:
         problem = f"got {shown(words[0])}, expected {', '.join(MAKERS)}"
         raise SceneError("", problem, source="--list")
-    print_text("\n".join(listed(maker, " ".join(words[1:]))))
+    print_text("\n".join(bearings_table(maker, " ".join(words[1:]))))
     return SUCCESS
 
 
@@ -410,7 +410,7 @@ def step(args: argparse.Namespace) -> int:
     return SUCCESS
 
 
-def _tried(path: str) -> list[str]:
+def _trial_lines(path: str) -> list[str]:
     """Solves the written scene and returns lines on its status, stiffness and warnings."""
     from bearingwear.kernels.project import PROJECT
     from bearingwear.results.warnings import warning_lines

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import SceneError, leaves, shown
-from bearingwear.scene.checking.records import keyed, reduced, setting
+from bearingwear.scene.checking.records import keyed, reduced_record, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -114,7 +114,7 @@ class Arrangement:
         return hash((*plain_fields, repr(dict(self.second))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        return reduced_record(self)
 
     @property
     def is_pair(self) -> bool:

@@ -41,7 +41,7 @@ class Measured:
     read: str  # what of the source was read
 
 
-def _measured(row: Mapping[str, str]) -> Measured:
+def _measured_row(row: Mapping[str, str]) -> Measured:
     """Returns a row of coefficients.csv as a record."""
     ends = {
         quantity: tuple(float(row[f"{end}_{quantity}"] or math.nan) for end in ("least", "largest"))
@@ -54,7 +54,7 @@ def _measured(row: Mapping[str, str]) -> Measured:
 def _table() -> dict[str, Measured]:
     """Reads coefficients.csv."""
     text = Path(__file__).with_suffix(".csv").read_text(encoding="utf-8")
-    return {row["name"]: _measured(row) for row in csv.DictReader(text.splitlines())}
+    return {row["name"]: _measured_row(row) for row in csv.DictReader(text.splitlines())}
 
 
 MEASURED_WEAR = _table()
@@ -121,7 +121,7 @@ _STARVED = (
 )
 
 
-def _bound(row: str) -> LogSpread:
+def _upper_bound(row: str) -> LogSpread:
     """Returns the largest K_s/H of a row, with the assumed spread."""
     return LogSpread(median=M2_PER_N * MEASURED_WEAR[row].wear[1], factor=ASSUMED_WEAR.factor)
 
@@ -137,11 +137,11 @@ RUBBING = {
         "load",
     ),
     ("starved", STEEL): RubbingPair(
-        rows=("nesc_r4",), wear=_bound("nesc_r4"), friction=ASSUMED_FRICTION, why=_STARVED
+        rows=("nesc_r4",), wear=_upper_bound("nesc_r4"), friction=ASSUMED_FRICTION, why=_STARVED
     ),
     ("starved", NITRIDE): RubbingPair(
         rows=("nesc_r4_hybrid",),
-        wear=_bound("nesc_r4_hybrid"),
+        wear=_upper_bound("nesc_r4_hybrid"),
         friction=ASSUMED_FRICTION,
         why=_STARVED,
     ),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.checking.errors import SceneError, shown
-from bearingwear.scene.checking.records import NAME, keyed, reduced, setting
+from bearingwear.scene.checking.records import NAME, keyed, reduced_record, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -61,7 +61,7 @@ class Duty:
         return hash((tuple(self.phases.items()), self.start_s, self.stop_s, self.warmup))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        return reduced_record(self)
 
     @property
     def cycle_s(self) -> float:
@@ -114,9 +114,9 @@ def check_phases(scene: Scene) -> None:
     if scene.duty is None:
         return
     _check_starts(scene)
-    nominal = _what_wears(scene)
+    nominal = _values_of_wear(scene)
     for case, phase_scene in phase_cases(scene).items():
-        for block, value in _what_wears(phase_scene).items():
+        for block, value in _values_of_wear(phase_scene).items():
             if value != nominal[block]:
                 changes = (scene.cases or {})[case]
                 key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
@@ -141,7 +141,7 @@ def _check_starts(scene: Scene) -> None:
                 raise SceneError("duty.warmup", problem, ("thermal",))
 
 
-def _what_wears(scene: Scene) -> dict[str, Any]:
+def _values_of_wear(scene: Scene) -> dict[str, Any]:
     """Values that must be equal in all phases of a duty, by the blocks of a scene."""
     arrangement, film = scene.arrangement, scene.friction.film
     second_keys = (arrangement.second if arrangement else {}).items()

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from bearingwear.scene.accuracy import REGULARISATION, Model, accuracy_preset, slip_is_over
 from bearingwear.scene.blocks import OF_CAGE
@@ -20,11 +20,11 @@ from bearingwear.scene.checking.check import (
     record,
 )
 from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
-from bearingwear.scene.checking.records import NAME, keyed, setting, whole
+from bearingwear.scene.checking.records import NAME, file_part, keyed, setting
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.duty import check_phases
 from bearingwear.scene.scene import IS_CHECKED, EndOfLife, Scene, key_of_scene, plain_data
-from bearingwear.scene.slip import regularisation_is_given, regularised
+from bearingwear.scene.slip import regularisation_is_given, with_regularisation
 from bearingwear.scene.uncertain import uncertain_key
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
@@ -58,11 +58,11 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
     source = source_name(scene)
     if isinstance(scene, Scene):
         # checked like any other: who builds one in Python skips the ranges
-        return _undecided(scene), source
+        return _data_without_accuracy(scene), source
     if isinstance(scene, Mapping):
         return scene, source
     if isinstance(scene, str | os.PathLike):
-        return _read(scene)[0], source
+        return _read(scene).data, source
     raise TypeError(f"got {type(scene).__name__}, expected a path, a dict or a Scene")
 
 
@@ -85,14 +85,14 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
         regularisation_given = "slip_regularisation_m_s" in plain["friction"]
-        return _as_checked(
-            regularised(build_record(Scene, _with_accuracy(plain)), regularisation_given)
+        return _marked_as_checked(
+            with_regularisation(build_record(Scene, _with_accuracy(plain)), regularisation_given)
         )
     except SceneError as error:
         raise error.in_source(source) from None
 
 
-def _as_checked(scene: Scene) -> Scene:
+def _marked_as_checked(scene: Scene) -> Scene:
     """Checks the cases and the duty of a scene whose keys were checked, and marks it as checked.
 
     SceneError: a case is no valid scene, or no phase of the duty.
@@ -113,7 +113,7 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
     """Returns the scene if it defines an end of life; refuses it otherwise."""
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
-        names = ", ".join(whole(EndOfLife).below)
+        names = ", ".join(file_part(EndOfLife).below)
         raise SceneError(
             "wear.end_of_life", f"got no criterion, expected at least one of {names}", (), source
         )
@@ -152,12 +152,19 @@ class BasedOn:
                 )
 
 
+class _SceneFile(NamedTuple):
+    """Data of a scene, and the files that they were read from."""
+
+    data: dict[str, Any]
+    files: list[str]
+
+
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
     """Returns the file of a scene, and those it is based on."""
-    return _read(path)[1]
+    return _read(path).files
 
 
-def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any], list[str]]:
+def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
     """Returns the data of a scene file, completed by those it is based on, and the files read."""
     source = os.fspath(path)
     data = data_of(text_of(path), source)
@@ -166,7 +173,8 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
         raise SceneError("", problem, source=source)
     if "based_on" not in data:
         stem = Path(source).stem
-        return ({"name": stem} if re.search(NAME, stem) else {}) | data, [source]
+        named = {"name": stem} if re.search(NAME, stem) else {}
+        return _SceneFile(named | data, [source])
     derived = record(BasedOn, data, source)
     if depth > DEEPEST:
         problem = f"got {derived.based_on}, based on itself, expected another scene"
@@ -174,7 +182,8 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
     base, files = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)
     replaced = {key: data[key] for key in ("name", "description") if key in data}
     try:
-        return with_changes(base, replaced | dict(derived.changes)), [source, *files]
+        changed = with_changes(base, replaced | dict(derived.changes))
+        return _SceneFile(changed, [source, *files])
     except SceneError as error:
         key = error.source.removeprefix("--set ")
         raise SceneError(f"set.{key}", error.problem, source=source) from None
@@ -208,7 +217,7 @@ def written_data(scene: Scene) -> dict[str, Any]:
     return plain
 
 
-def _undecided(scene: Scene) -> dict[str, Any]:
+def _data_without_accuracy(scene: Scene) -> dict[str, Any]:
     """Returns the data of a scene without the values set by its accuracy, so that it can change."""
     plain = scene.to_dict()
     preset, slip_area = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
@@ -284,6 +293,6 @@ def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
     regularisation_given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
         changed = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
-        return _as_checked(regularised(changed, regularisation_given))
+        return _marked_as_checked(with_regularisation(changed, regularisation_given))
     except ValueError:
         return None

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import keyed, reduced, setting
+from bearingwear.scene.checking.records import keyed, reduced_record, setting
 
 _G, _DENSITY = "[0, 1e5]", "(0, 1e4]"
 
@@ -126,7 +126,7 @@ class Drive:
         return hash((self.torque_Nm, repr(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        return reduced_record(self)
 
     @property
     def rule(self) -> Mapping[str, float]:

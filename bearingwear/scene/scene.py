@@ -32,7 +32,15 @@ from bearingwear.scene.blocks import (
 )
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
 from bearingwear.scene.checking.errors import SceneError, leaves
-from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, reduced, setting, whole
+from bearingwear.scene.checking.records import (
+    NAME,
+    Part,
+    file_part,
+    keyed,
+    part_at,
+    reduced_record,
+    setting,
+)
 from bearingwear.scene.duty import Duty, check_duty
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.requirements import Drive, Launch
@@ -190,7 +198,7 @@ class Scene:
 
     def __reduce__(self) -> tuple[Any, ...]:
         mark = {IS_CHECKED: True} if IS_CHECKED in self.__dict__ else None
-        return (*reduced(self), mark)
+        return (*reduced_record(self), mark)
 
     def nominal(self, name: str) -> float:
         """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
@@ -289,7 +297,9 @@ class Scene:
     def _shared(self) -> tuple[dict[str, Any], str]:
         """Plain data and JSON of the scene, with blocks that other scenes share."""
         field_values = {name: getattr(self, name) for name in _field_names(Scene)}
-        return _of_mapping({name: part for name, part in field_values.items() if part is not None})
+        return _mapping_and_json(
+            {name: part for name, part in field_values.items() if part is not None}
+        )
 
 
 @functools.cache
@@ -326,7 +336,7 @@ _KEPT: dict[int, tuple[Any, Any, str]] = {}
 """Blocks by their id, with plain data and JSON: scenes in a loop have most of them in common."""
 
 
-def _of_block(block: Any) -> tuple[Any, str]:
+def _block_and_json(block: Any) -> tuple[Any, str]:
     """Returns plain data and JSON of a block, which are computed once."""
     kept = _KEPT.get(id(block))
     if kept is None:
@@ -337,14 +347,14 @@ def _of_block(block: Any) -> tuple[Any, str]:
     return kept[1:]
 
 
-def _of_mapping(mapping: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+def _mapping_and_json(mapping: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     """Returns plain data and JSON of a mapping of blocks, mappings and values."""
     plain, texts = {}, []
     for name, part in mapping.items():
         if _field_names(part.__class__):
-            plain[name], text = _of_block(part)
+            plain[name], text = _block_and_json(part)
         elif isinstance(part, Mapping):
-            plain[name], text = _of_mapping(part)
+            plain[name], text = _mapping_and_json(part)
         else:
             plain[name] = plain_data(part)
             text = json.dumps(plain[name])
@@ -369,7 +379,7 @@ def once(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
 
 def key_of_scene(path: str) -> Part | None:
     """Returns the field of a scene at a path, `materials.steel.density_kg_m3`; None for no key."""
-    return part_at(whole(Scene), path)
+    return part_at(file_part(Scene), path)
 
 
 def _check_materials(scene: Scene) -> None:

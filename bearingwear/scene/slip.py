@@ -44,7 +44,7 @@ def default_regularisation(scene: Scene) -> float:
     return max(float(f"{preset * slip / SLOW_SLIP:.2g}"), LEAST_REGULARISATION)
 
 
-def regularised(scene: Scene, is_given: bool) -> Scene:
+def with_regularisation(scene: Scene, is_given: bool) -> Scene:
     """Returns the scene with the regularisation for its slip; marks one that was given."""
     if is_given:
         scene.friction.__dict__[_GIVEN] = True
@@ -56,7 +56,7 @@ def regularised(scene: Scene, is_given: bool) -> Scene:
 
 
 def regularisation_is_given(scene: Scene) -> bool:
-    """Whether the regularisation of a scene was given; `regularised` needs it after a change."""
+    """Whether the regularisation of a scene was given, as `with_regularisation` asks."""
     friction = scene.friction
     if _GIVEN in friction.__dict__:
         return True
@@ -73,7 +73,7 @@ def at_share(scene: Scene, share: float) -> Scene:
         lowest_speed_rpm=min(operation.lowest_speed_rpm, shaft_speed),
         outer_speed_rpm=share * operation.outer_speed_rpm,
     )
-    return regularised(replace(scene, operation=slower), regularisation_is_given(scene))
+    return with_regularisation(replace(scene, operation=slower), regularisation_is_given(scene))
 
 
 def mean_slip(scene: Scene) -> float:

@@ -199,7 +199,7 @@ def _check_expansions(scene: Scene) -> None:
                     "parts of different materials",
                     (key, "temperature", "thermal"),
                 )
-    for key, kelvin, name in _warmed(scene):
+    for key, kelvin, name in _temperature_differences(scene):
         alpha = expansion(scene, name)
         if abs(alpha * kelvin) > LARGEST_STRAIN:
             most = LARGEST_STRAIN / alpha
@@ -238,7 +238,7 @@ def _check_play(scene: Scene) -> None:
             )
 
 
-def _warmed(scene: Scene) -> Iterator[tuple[str, float, str]]:
+def _temperature_differences(scene: Scene) -> Iterator[tuple[str, float, str]]:
     """Yields key, difference from the mounting temperature [K] and material of each temperature."""
     b, fits = scene.bearing, scene.fits or Fits()
     materials = {

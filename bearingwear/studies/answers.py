@@ -142,11 +142,11 @@ def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:
 
 def _answer_of_sent(pickled: bytes, point: Any) -> Answer:
     """Returns the answer of a pickled function at a point, in another process."""
-    return answer_of(_received(pickled), point)
+    return answer_of(_unpickled(pickled), point)
 
 
 @functools.lru_cache(maxsize=4)
-def _received(pickled: bytes) -> Any:
+def _unpickled(pickled: bytes) -> Any:
     """Unpickles a function once, so that all its points share the caches of its scenes."""
     return pickle.loads(pickled)
 

@@ -141,26 +141,26 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     for file in (*files, pipe_end):
         os.close(file)
     EVENT_READ = 1  # of `selectors`
-    selector.register(client, EVENT_READ, lambda: _gone(selector, client, job))
-    selector.register(report_end, EVENT_READ, lambda: _modules(selector, report_end))
+    selector.register(client, EVENT_READ, lambda: _end_abandoned_job(selector, client, job))
+    selector.register(report_end, EVENT_READ, lambda: _imported_modules(selector, report_end))
     job_file = os.pidfd_open(job)
-    selector.register(job_file, EVENT_READ, lambda: _finished(selector, client, job, job_file))
+    selector.register(job_file, EVENT_READ, lambda: _send_status(selector, client, job, job_file))
 
 
-def _gone(selector: DefaultSelector, client: socket.socket, job: int) -> None:
+def _end_abandoned_job(selector: DefaultSelector, client: socket.socket, job: int) -> None:
     """Ends a job whose client is gone."""
     os.kill(job, signal.SIGTERM)
     selector.unregister(client)
 
 
-def _modules(selector: DefaultSelector, report_end: int) -> set[str]:
+def _imported_modules(selector: DefaultSelector, report_end: int) -> set[str]:
     """Returns the modules that a job has imported."""
     selector.unregister(report_end)
     with os.fdopen(report_end, "rb") as file:
         return set(file.read().decode().split())
 
 
-def _finished(selector: DefaultSelector, client: socket.socket, job: int, job_file: int) -> None:
+def _send_status(selector: DefaultSelector, client: socket.socket, job: int, job_file: int) -> None:
     """Sends the status of a finished job to its client."""
     status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
     _RUNNING.discard(job)

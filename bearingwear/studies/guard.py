@@ -16,7 +16,7 @@ GRACE = 10.0
 """Time in which an interrupted command has ended [s]."""
 
 
-def guarded() -> int:
+def run_guarded() -> int:
     """Runs the command of the arguments and returns its exit status."""
     signal.signal(signal.SIGINT, lambda *_: None)  # which is for the children
     process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
@@ -35,4 +35,4 @@ def _interrupt_later() -> None:
 
 
 if __name__ == "__main__":
-    os._exit(guarded())  # its thread may still wait
+    os._exit(run_guarded())  # its thread may still wait

@@ -59,7 +59,7 @@ def run_study(
     script = str(PACKAGE / "run_module.py")
     command = [script, "snakemake", "--snakefile", str(snakefile()), f"-j{jobs}", target, *more]
     environment = {**os.environ, **({OWN_STUDY: scene_folder} if scene_folder else {})}
-    return _guarded([sys.executable, "-P", *command], folder, files, environment)
+    return _run_guarded([sys.executable, "-P", *command], folder, files, environment)
 
 
 def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, Path | None]:
@@ -75,7 +75,7 @@ def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[in
     return status, None if DRY_RUN & set(more) else own_page(folder)
 
 
-def _guarded(
+def _run_guarded(
     command: Sequence[str], folder: Path, files: Sequence[int], environment: Mapping[str, str]
 ) -> int:
     """Runs a command in a folder and returns its status; it never outlives this process."""

@@ -117,11 +117,11 @@ def points_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset
     from bearingwear.studies.dataset import dataset_of_rows
 
     if kept.what == "function":
-        answers = _of_equal_shapes(answers)
+        answers = _answers_of_equal_shapes(answers)
         rows = [answer_values(answer) for answer in answers]
         dataset = dataset_of_rows(_table_of(rows), {NUMBERED: len(rows)}, rows)
     else:
-        dataset = _of_results(kept, answers)
+        dataset = _results_dataset(kept, answers)
     if kept.with_worst:
         rows = [answer.get("worst", {}) for answer in answers]
         solved_names = {name for row in rows for name in row}
@@ -137,7 +137,7 @@ def points_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset
     return dataset
 
 
-def _of_results(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
+def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
     """Makes a dataset of solves or lives along `point`; refused points take a layout of others."""
     from bearingwear.results.netcdf import stacked_datasets
     from bearingwear.solvers.result import Result
@@ -159,7 +159,7 @@ def _of_results(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
     return dataset[[name for name in dataset.data_vars if name in (*kept.names, "status")]]
 
 
-def _of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
+def _answers_of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
     """Refuses answers of a function with other shapes of values than the answers before."""
     shapes: dict[str, tuple[int, ...]] = {}
     checked: list[Answer] = []

@@ -8,7 +8,7 @@ from support import ROOT, scene_file
 
 from bearingwear.console import UsageError
 from bearingwear.measures import LIMITED
-from bearingwear.scene.checking.records import whole
+from bearingwear.scene.checking.records import file_part
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.decisive import reads_cage
 from bearingwear.scene.read import load_scene, variant
@@ -161,7 +161,7 @@ def test_a_faulty_design_is_named_in_one_line(changed, said):
 def test_limits_of_the_schema_are_those_of_the_measures():
     schema = yaml.safe_load((ROOT / "workflow/schemas/design.schema.yaml").read_text())
     scene = schema["properties"]["scenes"]["additionalProperties"]
-    own = whole(DesignLimits).below
+    own = file_part(DesignLimits).below
     assert set(scene["properties"]["limits"]["properties"]) == set(own) >= set(LIMITED)
 
 

@@ -28,7 +28,7 @@ from bearingwear.scene.checking.errors import (
     shown,
     yaml_number,
 )
-from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, keys, part_at, whole
+from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, file_part, keys, part_at
 
 MOST_FAULTS = 10  # of one file that are reported together
 _LARGEST = 1.7976931348623157e308  # a whole number of YAML may be larger
@@ -58,8 +58,8 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
 
     SceneError: the gravest fault, with the others that do not follow from it.
     """
-    file = whole(record_type)
-    plain: dict[str, Any] = _copied(data, "", 0, file)
+    file = file_part(record_type)
+    plain: dict[str, Any] = _plain_copy(data, "", 0, file)
     faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault[0])
     if not faults:
         return plain
@@ -74,15 +74,17 @@ def checked_fields(record_type: type, data: Mapping[str, Any]) -> dict[str, Any]
 
     SceneError: a fault in them; `checked_data` of all fields reports it in context.
     """
-    file = whole(record_type)
-    plain, parts = _copied(data, "", 0, file), file.below
+    file = file_part(record_type)
+    plain, parts = _plain_copy(data, "", 0, file), file.below
     for name, value in plain.items():
         for _, error in _faults(value, parts[name], name, file):
             raise error
-    return {parts[name].field: _value(value, parts[name], name) for name, value in plain.items()}
+    return {
+        parts[name].field: _field_value(value, parts[name], name) for name, value in plain.items()
+    }
 
 
-def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
+def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
     """Copies nested data as plain data, and refuses what is not plain or not finite."""
     if depth > DEEPEST:
         raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
@@ -90,11 +92,13 @@ def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
         for key in value:
             if not isinstance(key, str):
                 raise SceneError(path, f"got the key {shown(key)}, expected text as a key")
-        return {key: _copied(v, key_path(path, key), depth + 1, file) for key, v in value.items()}
+        return {
+            key: _plain_copy(v, key_path(path, key), depth + 1, file) for key, v in value.items()
+        }
     if hasattr(value, "tolist"):  # numpy numbers and arrays
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_copied(item, f"{path}[{i}]", depth + 1, file) for i, item in enumerate(value)]
+        return [_plain_copy(item, f"{path}[{i}]", depth + 1, file) for i, item in enumerate(value)]
     if value is None or isinstance(value, bool | str | int):
         return value
     number = float(value) if isinstance(value, numbers.Real) else value
@@ -158,7 +162,7 @@ def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part)
     """Yields unknown and missing keys of a block, and what is wrong with its values."""
     unknown = [name for name in values if name not in block.below]
     for name in unknown:
-        problem = f"got an unknown key; {_meant(name, values, block, file)}"
+        problem = f"got an unknown key; {_advice(name, values, block, file)}"
         if (whole_key := key_path(path, name)) in FORMER_KEYS:
             problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[whole_key]}"
         yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
@@ -172,7 +176,7 @@ def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part)
             yield from _faults(value, block.below[name], key_path(path, name), file)
 
 
-def _meant(unknown: str, values: Mapping[str, Any], block: Part, file: Part) -> str:
+def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) -> str:
     """Returns advice on an unknown key: a similar key of its block or of another one."""
     if unknown.isdigit():  # {poisson_ratio: 0,3}
         return "write decimals with a point, not a comma"
@@ -255,14 +259,14 @@ def build_record(record_type: type[R], plain: Mapping[str, Any], path: str = "")
     SceneError where the record itself refuses its values.
     """
     values = {
-        part.field: _value(plain[name], part, key_path(path, name))
-        for name, part in whole(record_type).below.items()
+        part.field: _field_value(plain[name], part, key_path(path, name))
+        for name, part in file_part(record_type).below.items()
         if name in plain and (plain[name] is not None or part.required)
     }
-    return _made(path, record_type, **values)
+    return _call_maker(path, record_type, **values)
 
 
-def _made(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
+def _call_maker(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
     """Calls the maker of a record; its errors name the block."""
     try:
         return make(*values, **fields)
@@ -273,19 +277,19 @@ def _made(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> A
         raise SceneError(path, str(error)) from None
 
 
-def _value(value: Any, part: Part, path: str) -> Any:
+def _field_value(value: Any, part: Part, path: str) -> Any:
     """Converts a checked value to the type of its field."""
     if value is None or part.kind == "any":
         return value
     if part.kind == "block":
         return build_record(part.type, value, path)
     if part.kind == "own":
-        return _made(path, part.type.from_plain, value)
+        return _call_maker(path, part.type.from_plain, value)
     if part.kind == "mapping":
-        return {name: _value(v, part.item, key_path(path, name)) for name, v in value.items()}
+        return {name: _field_value(v, part.item, key_path(path, name)) for name, v in value.items()}
     if part.kind == "list":
         values = value if isinstance(value, list) else [value]
-        return tuple(_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
+        return tuple(_field_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
     if part.kind == "integer":
         return int(value)
     if part.kind == "choice":

@@ -99,7 +99,7 @@ def keyed(record_type: type[R]) -> type[R]:
     return dataclass(frozen=True, kw_only=True)(record_type)
 
 
-def reduced(record: Any) -> tuple[Any, ...]:
+def reduced_record(record: Any) -> tuple[Any, ...]:
     """Returns what `__reduce__` returns for a record whose mapping proxies cannot be pickled."""
     values = {field_.name: getattr(record, field_.name) for field_ in fields(record)}
     plain = {k: dict(value) if isinstance(value, Mapping) else value for k, value in values.items()}
@@ -164,7 +164,7 @@ def parts(record_type: Any) -> Mapping[str, Part]:
     return types.MappingProxyType(resolved)
 
 
-def whole(record_type: type) -> Part:
+def file_part(record_type: type) -> Part:
     """Returns the part of a record that stands for a whole file."""
     return Part("block", Key(), record_type)
 

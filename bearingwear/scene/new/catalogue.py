@@ -150,7 +150,7 @@ def entry_of(
     angle: contact angle [degree], where several bearings have the designation; if None, the
         smallest.
     """
-    entries, ignored = _found(maker, designation)
+    entries, ignored = _entries_of(maker, designation)
     if not entries:
         names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
         makers = " or ".join(makers_with(designation))
@@ -172,7 +172,7 @@ def entry_of(
 
 def nearest_names(maker: str, designation: str) -> list[str]:
     """Returns up to six designations of a maker that begin most like an unknown one."""
-    plain, entries_by_name = _plain(designation), _named(maker)
+    plain, entries_by_name = _plain(designation), _entries_by_name(maker)
     for k in range(len(plain), 1, -1):
         near = [
             entries[0].designation
@@ -186,7 +186,7 @@ def nearest_names(maker: str, designation: str) -> list[str]:
 
 def has_bearing(maker: str, designation: str) -> bool:
     """Whether a maker's catalogue has a bearing of a designation."""
-    return bool(_found(maker, designation)[0])
+    return bool(_entries_of(maker, designation)[0])
 
 
 def makers_with(designation: str) -> list[str]:
@@ -195,7 +195,7 @@ def makers_with(designation: str) -> list[str]:
 
 
 @functools.cache
-def _named(maker: str) -> dict[str, list[CatalogueBearing]]:
+def _entries_by_name(maker: str) -> dict[str, list[CatalogueBearing]]:
     """Returns the bearings of a maker by their plain designations."""
     entries_by_name: dict[str, list[CatalogueBearing]] = {}
     for entry in bearings():
@@ -204,17 +204,17 @@ def _named(maker: str) -> dict[str, list[CatalogueBearing]]:
     return entries_by_name
 
 
-def _found(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
+def _entries_of(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
     """Returns a maker's bearings of a designation, and the suffixes that are not used."""
     words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
     if maker == "GMN" and (parts := gmn_parts(designation)):
         words = [parts.name, *parts.rest]
-    return _longest(words, _named(maker))
+    return _longest_match(words, _entries_by_name(maker))
 
 
-def _longest(
+def _longest_match(
     words: Sequence[str], entries_by_name: Mapping[str, list[CatalogueBearing]]
 ) -> tuple[list[CatalogueBearing], str]:
     """Returns the bearings of the longest name that a designation begins with, and the rest of it.
@@ -259,16 +259,9 @@ def identity_line(bearing: Mapping[str, Any]) -> str:
         return bearing.get("designation") or ""
     grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
     inferred = grooves == entry.grooves
-    has_balls_of_entry = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (
-        entry.balls,
-        entry.ball,
-    )
-    printed = f"{entry.balls} balls of {entry.ball:g} mm"
-    balls = (
-        SOURCES[entry.source]
-        if has_balls_of_entry
-        else f"other than the {printed} in the catalogue"
-    )
+    balls = SOURCES[entry.source]
+    if (bearing["ball_count"], bearing["ball_diameter_mm"]) != (entry.balls, entry.ball):
+        balls = f"other than the {entry.balls} balls of {entry.ball:g} mm in the catalogue"
     inner, outer = MAKERS[entry.maker].groove_rules if inferred else ("assumed", "assumed")
     rules = inner if inner == outer else f"{inner} (inner) and {outer} (outer)"
     return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rules}"
@@ -287,7 +280,7 @@ def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -
     )
 
 
-def listed(maker: str, series: str = "") -> list[str]:
+def bearings_table(maker: str, series: str = "") -> list[str]:
     """Returns a table of a maker's bearings whose designation begins with a text, heads first.
 
     SceneError where there is none.

@@ -170,13 +170,21 @@ def designation_of(text: str) -> Designation:
     name = f"{series}{code}{suffix}"
     letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
-        return Designation(*size, name, deep_groove, clearance=suffix, letters=letters)
+        return Designation(
+            **size._asdict(), name=name, deep_groove=True, clearance=suffix, letters=letters
+        )
     rule = (
         f"suffix {suffix}, whose meaning depends on the maker"
         if suffix in tuple(_MAKERS_DIFFER)
         else ""
     )
-    return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, letters=letters)
+    return Designation(
+        **size._asdict(),
+        name=name,
+        angle=ANGLES.get(suffix),
+        angle_rule=rule,
+        letters=letters,
+    )
 
 
 def _gmn_names(plain: str, prefix: str) -> str:
@@ -191,7 +199,8 @@ def _gmn_spindle(plain: str) -> Designation | None:
         return None
     letters = letters_of(parts.hybrid, parts.suffix, PAIR)
     if has_bearing("GMN", parts.name):
-        return of_catalogue(entry_of("GMN", parts.name)[0], letters)
+        entry, _ = entry_of("GMN", parts.name)
+        return of_catalogue(entry, letters)
     size = _size(_GMN_SIZES.get(parts.number[:-2], ""), parts.number[-2:])
     if size is None:
         return None
@@ -199,7 +208,9 @@ def _gmn_spindle(plain: str) -> Designation | None:
     if parts.angle == "C":
         angle = _GMN_OPEN_ANGLES.get(parts.series + parts.number[:-2], angle)
         rule = f"{rule} in series {parts.series}"
-    return Designation(*size, parts.name, False, angle, rule, letters=letters)
+    return Designation(
+        **size._asdict(), name=parts.name, angle=angle, angle_rule=rule, letters=letters
+    )
 
 
 _NSK_ROBUST = re.compile(
@@ -215,19 +226,27 @@ def _nsk_robust(plain: str) -> Designation | None:
     bore = int(match["bore"])
     code = {10: 0, 12: 1, 15: 2, 17: 3}.get(bore, bore // 5)
     size = _size({"10": "70", "19": "719"}[match["series"]], f"{code:02d}")
-    if size is None or size[0] != bore:
+    if size is None or size.bore != bore:
         return None
     letters = letters_of("", match[5], PAIR)
     if match["balls"] in ("H", "X"):
         letters = letters._replace(ball_material=CERAMIC_BALLS, ball_letters=match["balls"])
     angle, rule = {"N": (18.0, "NSK's BNR"), "E": (25.0, "NSK's BER")}[match["angle"]]
-    return Designation(*size, match[0][: match.end("series")], False, angle, rule, letters=letters)
+    name = match[0][: match.end("series")]
+    return Designation(**size._asdict(), name=name, angle=angle, angle_rule=rule, letters=letters)
 
 
 def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
     """Returns the designation of a catalogue's bearing with the meaning of its other letters."""
-    size = entry.bore, entry.outside, entry.width
-    return Designation(*size, entry.designation, angle=entry.angle, letters=letters, entry=entry)
+    return Designation(
+        bore=entry.bore,
+        outside=entry.outside,
+        width=entry.width,
+        name=entry.designation,
+        angle=entry.angle,
+        letters=letters,
+        entry=entry,
+    )
 
 
 def _suffix(rest: str, suffixes: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:
@@ -287,8 +306,16 @@ def clearance_range(group: str, bore: float) -> tuple[float, float] | None:
     return None if row is None else row[place]  # type: ignore[return-value]
 
 
-def _size(series: str, code: str) -> tuple[float, float, float] | None:
-    """Returns bore, outside diameter and width [mm]; None for a code that is not in the table."""
+class _Size(NamedTuple):
+    """Boundary dimensions of a bearing [mm]."""
+
+    bore: float
+    outside: float
+    width: float
+
+
+def _size(series: str, code: str) -> _Size | None:
+    """Returns the dimensions of a bearing; None for a code that is not in the table."""
     if len(code) == 1:
         smallest_bore, sizes = _SMALL[series]
         codes = tuple(range(smallest_bore, 10))
@@ -299,7 +326,7 @@ def _size(series: str, code: str) -> tuple[float, float, float] | None:
     if int(code) not in codes:
         return None
     outside, width = sizes.split()[codes.index(int(code))].split("x")
-    return bore, float(outside), float(width)
+    return _Size(bore, float(outside), float(width))
 
 
 def _unknown(text: str, allowed: str) -> SceneError:

@@ -139,9 +139,12 @@ def scene_text(
     if rubs.film:
         del numbers[_BALL_RACE]
     _check_room(numbers)
-    text = _filled(name, size, numbers, ball_material, preload_method, method, rubs)
+    text = _filled_template(name, size, numbers, ball_material, preload_method, method, rubs)
     lubricated = f"lubrication: {rubs.summary}"
-    return text, [lubricated, *_assumed(size, numbers, ball_material, preload_method, method)]
+    return text, [
+        lubricated,
+        *_assumption_lines(size, numbers, ball_material, preload_method, method),
+    ]
 
 
 def _rubbing(
@@ -167,7 +170,7 @@ def _check_room(numbers: Mapping[str, Origin]) -> None:
         raise refused_option("--balls", Z, allowed)
 
 
-def _assumed(
+def _assumption_lines(
     size: Designation,
     numbers: Mapping[str, Origin],
     ball_material: str | None,
@@ -197,11 +200,11 @@ def _assumed(
         same_size_bearings = same_size(
             size.bore, size.outside, numbers["bearing.contact_angle_deg"].value
         )
-        lines += [_inside(entry, D, Z) for entry in same_size_bearings]
+        lines += [_comparison_line(entry, D, Z) for entry in same_size_bearings]
     return lines
 
 
-def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
+def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
     """Compares a maker's bearing of the size with Z balls of diameter D [mm], in one line."""
     rated = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
     return (
@@ -264,7 +267,7 @@ def _template() -> Template:
     return jinja.get_template("new_scene.yaml.j2")
 
 
-def _filled(
+def _filled_template(
     name: str,
     size: Designation,
     numbers: Mapping[str, Origin],

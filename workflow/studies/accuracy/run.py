@@ -229,7 +229,7 @@ def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
     """Solves the dynamic model from a start, with exact or fitted Hertz factors."""
     system = DynamicSystem.of(scene, first_motion(scene, start))
     if fit:
-        fix_hertz(scene, system)
+        use_fitted_hertz(scene, system)
     values: dict = {"status": system.update()}
     if values["status"] != code.OK:
         return values
@@ -258,7 +258,7 @@ def first_motion(scene: Scene, start: str) -> np.ndarray:
     return start_of(scene).u
 
 
-def fix_hertz(scene: Scene, system: DynamicSystem) -> None:
+def use_fitted_hertz(scene: Scene, system: DynamicSystem) -> None:
     """Replaces the exact Hertz factors by fitted ones; only without a cage."""
     bearing = system.bearing
     table = hertz_table(bearing.g, bearing.D, fitted_factors)

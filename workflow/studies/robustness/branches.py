@@ -47,7 +47,7 @@ def branch(plan: Path, name: str) -> xr.Dataset:
         states = []
         for value in reversed(axis.values) if way == "down" else axis.values:
             data = with_values(base, {axis.key: value})
-            state, previous = _followed(data, None if way == "anew" else previous)
+            state, previous = _next_state(data, None if way == "anew" else previous)
             states.append(state)
         rows += states[::-1] if way == "down" else states
     return dataset_of_rows(
@@ -62,7 +62,7 @@ def branch(plan: Path, name: str) -> xr.Dataset:
     )
 
 
-def _followed(
+def _next_state(
     data: Mapping[str, Any], previous: np.ndarray | None
 ) -> tuple[dict[str, Any], np.ndarray | None]:
     """Solves a steady state from the previous motion; returns its row and the next start."""

@@ -80,7 +80,7 @@ def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
     if "stress_GPa" in draw or "loss_ratio" in draw:
         scene = scene_from_dict(data)
         if "stress_GPa" in draw:
-            data["operation"]["preload_N"] = preload_of(scene, 1e9 * draw["stress_GPa"])
+            data["operation"]["preload_N"] = preload_at_pressure(scene, 1e9 * draw["stress_GPa"])
             scene = scene_from_dict(data)
         if draw.get("loss_ratio", 0.0) > 0.0:
             loss = 1e6 * draw["loss_ratio"] * elastic_approach(scene)
@@ -89,7 +89,7 @@ def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
         load = draw.get(name, 0.0) * data["operation"]["preload_N"]
         data["operation"][key] = [0.0, load] if key == "radial_load_N" else load
     if draw.get("pair", "none") != "none":
-        data["arrangement"] = _pair(data, draw, D)
+        data["arrangement"] = _drawn_pair(data, draw, D)
     if "worn_ratio" in draw:
         data["wear"]["end_of_life"] = _end_of_life(data, draw["worn_ratio"], D)
     return scene_from_dict(data)
@@ -108,7 +108,7 @@ def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str,
     }
 
 
-def _pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict[str, Any]:
+def _drawn_pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict[str, Any]:
     """Returns a pair with the drawn differences; its kind follows from the preload method."""
     scene, preload = scene_from_dict(data), data["operation"]["preload_N"]
     approach = elastic_approach(scene)
@@ -178,7 +178,7 @@ def elastic_approach(scene: Scene) -> float:
     return (state.Q_i / state.hertz_i.K) ** (2 / 3) + (state.Q_o / state.hertz_o.K) ** (2 / 3)
 
 
-def preload_of(scene: Scene, pressure: float) -> float:
+def preload_at_pressure(scene: Scene, pressure: float) -> float:
     """Returns the preload at which the outer contact has about this pressure, at rest [N]."""
     geometry, state = at_rest(scene)
     hertz = state.hertz_o

@@ -32,10 +32,14 @@ def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
         return [STATUS_NAMES[status]]
     if status != code.OK or not values["life"] > 0.0:
         return []
-    return [*_not_finite(values), *_balances(scene, values), *_wear(scene, values)]
+    return [
+        *_finiteness_violations(values),
+        *_balance_violations(scene, values),
+        *_wear_violations(scene, values),
+    ]
 
 
-def _not_finite(values: Mapping[str, Any]) -> list[str]:
+def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
     """Returns a line for each value that should be a number and is not."""
     problems = []
     for name, value in values.items():
@@ -47,7 +51,7 @@ def _not_finite(values: Mapping[str, Any]) -> list[str]:
     return problems
 
 
-def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     """Returns a line where the preload or the loss at the end is wrong."""
     spring_force, problems = scene.operation.preload_N, []
     if scene.operation.preload_method == "constant_force":
@@ -65,7 +69,7 @@ def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     return problems
 
 
-def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+def _wear_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     """Returns a line for each volume that breaks Archard's law, and for depths that shrink."""
     time, problems = values["history_time"], []
     ball, race = parameters.wear_factors(scene)

@@ -102,8 +102,8 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
     if status != code.OK:
         return []
     if scene.pair is not None:
-        return _of_both(scene, fidelity, values)
-    problems = _of_values(scene, fidelity, values)
+        return _pair_violations(scene, fidelity, values)
+    problems = _bearing_violations(scene, fidelity, values)
     if scene.operation.preload_method == "constant_force":
         preload = scene.operation.preload_N
         if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
@@ -113,7 +113,7 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
     return problems
 
 
-def _of_both(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
+def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
     """Returns what is wrong with a pair: with either bearing, or with the balance of the rotor."""
     problems = []
     for k, side in enumerate(scene.sides):
@@ -125,7 +125,9 @@ def _of_both(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str
             for name, value in bearing_values.items()
             if not (name.startswith("steady_state_") or name.endswith(_ESTIMATES))
         }
-        problems += [f"bearing {k + 1}: {text}" for text in _of_values(side, fidelity, states)]
+        problems += [
+            f"bearing {k + 1}: {text}" for text in _bearing_violations(side, fidelity, states)
+        ]
     rounding = np.max(values["equilibrium_rounding"])
     residual = values["rotor_balance_residual"]
     if not residual <= max(1e-9, min(1e-5, rounding)):
@@ -133,7 +135,7 @@ def _of_both(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str
     return problems
 
 
-def _of_values(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
+def _bearing_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
     """Returns a line for each number of a bearing that is missing or beyond its tolerance."""
     problems = [
         f"{name} is not finite"

@@ -156,7 +156,9 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
             panel.plot(span.of(mean["time"]), 10.0**-unit * mean, **RUNNING[label].look)
         panel.plot(span.of(points[:, 0]), 10.0**-unit * points[:, 1], **REFERENCE)
         if part_means:
-            messages.append(_end_of(part, next(iter(part_means.values())), _turn(case)))
+            messages.append(
+                _change_phrase(part, next(iter(part_means.values())), _turn_duration(case))
+            )
         elif not solved:
             list_failed(panel, [STATUS_NAMES[int(case["status"])]])
         panel.set_title(PARTS[part])
@@ -193,7 +195,7 @@ def mean_so_far(rate: xr.DataArray) -> xr.DataArray:
     return rate.copy(data=np.cumsum(rate.values) / np.arange(1, rate.size + 1))
 
 
-def _end_of(part: str, mean: xr.DataArray, turn: float) -> str:
+def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
     """States by how much the last shaft turn changed a mean."""
     last = float(mean[-1])
     before_turn = float(np.interp(float(mean["time"][-1]) - turn, mean["time"], mean))
@@ -203,7 +205,7 @@ def _end_of(part: str, mean: xr.DataArray, turn: float) -> str:
     return f"{PARTS[part]} by {change.replace('-', '−')}"
 
 
-def _turn(case: xr.Dataset) -> float:
+def _turn_duration(case: xr.Dataset) -> float:
     """Returns the duration of a turn of the shaft or of a faster outer race [s]."""
     operation = scene_of(case)["operation"]
     speeds = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
