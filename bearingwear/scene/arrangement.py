@@ -142,10 +142,7 @@ def set_over_pair(tandem: Sequence[int]) -> float:
 
 def flat_keys(block: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the values of a block and its inner blocks by whole keys, and lists as tuples."""
-    return {
-        key: tuple(value) if isinstance(value, list) else value
-        for key, value in leaves(block).items()
-    }
+    return {key: tuple(v) if isinstance(v, list) else v for key, v in leaves(block).items()}
 
 
 def _check_kind(arrangement: Arrangement) -> None:
@@ -173,12 +170,8 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
     arrangement = scene.arrangement
     if arrangement is None or not arrangement.is_pair:
         return (scene,)
-    single_values: dict[str, Any] = {
-        "external_axial_N": 0.0,
-        "spring_stiffness_N_um": 0.0,
-        "second": {},
-    }
-    single = replace(arrangement, kind="single", tandem=(1, 1), **single_values)
+    unset: dict[str, Any] = {"external_axial_N": 0.0, "spring_stiffness_N_um": 0.0, "second": {}}
+    single = replace(arrangement, kind="single", tandem=(1, 1), **unset)
     preload = scene.operation.preload_N
     first, second = (
         replace(

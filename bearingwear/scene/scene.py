@@ -297,9 +297,7 @@ class Scene:
     def _shared(self) -> tuple[dict[str, Any], str]:
         """Plain data and JSON of the scene, with blocks that other scenes share."""
         field_values = {name: getattr(self, name) for name in _field_names(Scene)}
-        return _mapping_and_json(
-            {name: part for name, part in field_values.items() if part is not None}
-        )
+        return _mapping_and_json({k: part for k, part in field_values.items() if part is not None})
 
 
 @functools.cache
@@ -414,12 +412,12 @@ def _check_balls(scene: Scene) -> None:
             f"expected a number > {b.ball_diameter_mm:g}",
             keys,
         )
-    most = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
-    if b.ball_count > most:
+    limit = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
+    if b.ball_count > limit:
         raise SceneError(
             "bearing.ball_count",
             f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm that do not fit on a pitch "
-            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {most}",
+            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {limit}",
             keys,
         )
 

@@ -104,13 +104,9 @@ class Distribution:
     # fmt: on
 
 
-def is_same_for_batch(name: str, distribution: Distribution) -> bool:
+def is_same_for_batch(name: str, spread: Distribution) -> bool:
     """Whether an uncertain value is a single unknown number for all bearings of a batch."""
-    return (
-        name in SAME_FOR_BATCH
-        if distribution.same_for_batch is None
-        else distribution.same_for_batch
-    )
+    return name in SAME_FOR_BATCH if spread.same_for_batch is None else spread.same_for_batch
 
 
 def friction_correlation(distributions: Mapping[str, Distribution]) -> tuple[str, float]:
@@ -139,7 +135,7 @@ def uncertain_key(name: str, material: str) -> str:
 
 def check_uncertainty(scene: Scene) -> None:
     """Refuses distributions that lack a parameter, or have one too many."""
-    for name, distribution in (scene.uncertainty or {}).items():
+    for name, spread in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"
         for friction_kind, other_kind in (("ball_race", "film"), ("film", "ball_race")):
             requires_kind = f"friction.{friction_kind}" in f"{UNCERTAIN[name]}.{name}"
@@ -155,48 +151,40 @@ def check_uncertainty(scene: Scene) -> None:
                 "got this key without friction.film.thickness_um; only allowed with a thickness"
             )
             raise SceneError(key, problem, (key,))
-        if name == "wear_scatter" and distribution.distribution != "lognormal":
+        if name == "wear_scatter" and spread.distribution != "lognormal":
             raise SceneError(
-                f"{key}.distribution",
-                f"got {distribution.distribution}, expected lognormal",
-                (key,),
+                f"{key}.distribution", f"got {spread.distribution}, expected lognormal", (key,)
             )
-        _check_parameters(key, distribution)
-        if distribution.friction_correlation is not None:
-            _check_correlation(scene, name, distribution.friction_correlation)
-    for name, distribution in (scene.cage_uncertainty or {}).items():
+        _check_parameters(key, spread)
+        if spread.friction_correlation is not None:
+            _check_correlation(scene, name, spread.friction_correlation)
+    for name, spread in (scene.cage_uncertainty or {}).items():
         if scene.cage is None:
             raise SceneError(f"cage_uncertainty.{name}", "got this key without a cage", ("cage",))
-        _check_parameters(f"cage_uncertainty.{name}", distribution)
+        _check_parameters(f"cage_uncertainty.{name}", spread)
 
 
-def _check_parameters(key: str, distribution: Distribution) -> None:
+def _check_parameters(key: str, spread: Distribution) -> None:
     """Refuses a distribution that lacks a parameter, or has one too many."""
-    required, optional = PARAMETERS[distribution.distribution]
+    required, optional = PARAMETERS[spread.distribution]
     for parameter in _PARAMETER_NAMES:
-        value = getattr(distribution, parameter)
+        value = getattr(spread, parameter)
         if value is None and parameter in required:
             raise SceneError(
                 f"{key}.{parameter}",
-                f"got nothing; the distribution {distribution.distribution} requires this key",
+                f"got nothing; the distribution {spread.distribution} requires this key",
                 (key,),
             )
         if value is not None and parameter not in required + optional:
             raise SceneError(
                 f"{key}.{parameter}",
-                f"got {value:g} with the distribution {distribution.distribution}, "
+                f"got {value:g} with the distribution {spread.distribution}, "
                 f"expected {', '.join(required + optional)}",
                 (key,),
             )
-    if (
-        distribution.low is not None
-        and distribution.high is not None
-        and distribution.low >= distribution.high
-    ):
+    if spread.low is not None and spread.high is not None and spread.low >= spread.high:
         raise SceneError(
-            f"{key}.high",
-            f"got {distribution.high:g}, expected a number > {distribution.low:g}",
-            (key,),
+            f"{key}.high", f"got {spread.high:g}, expected a number > {spread.low:g}", (key,)
         )
 
 

@@ -202,11 +202,11 @@ def _check_expansions(scene: Scene) -> None:
     for key, kelvin, name in _temperature_differences(scene):
         alpha = expansion(scene, name)
         if abs(alpha * kelvin) > LARGEST_STRAIN:
-            most = LARGEST_STRAIN / alpha
+            limit = LARGEST_STRAIN / alpha
             raise SceneError(
                 key,
                 f"got a difference of {abs(kelvin):g} K from the mounting temperature, expected at "
-                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
+                f"most {limit:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
 

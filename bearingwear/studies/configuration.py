@@ -167,11 +167,8 @@ def has_heat_capacities(scene: str) -> bool:
 def bearings_drawn(scene: str) -> Sequence[str]:
     """Returns suffixes for the names of a scene's figures, one for each bearing if two differ."""
     block = as_data(scene_file(scene))[0].get("arrangement")
-    single = (
-        block is None
-        or not (arrangement := record(Arrangement, block)).is_pair
-        or arrangement.is_symmetric
-    )
+    arrangement = Arrangement() if block is None else record(Arrangement, block)
+    single = not arrangement.is_pair or arrangement.is_symmetric
     return ("",) if single else tuple(f"-{which}" for which in BEARINGS)
 
 
@@ -198,10 +195,8 @@ def check_config(config: Mapping[str, Any]) -> None:
     ValueError: one line that names the key, or the scene file.
     """
     studied, dynamic = grids(config), grids(config, "dynamic")
-    figures, studied_frictions = (
-        config["figures"],
-        {mu for grid in studied.values() for mu in grid.friction},
-    )
+    figures = config["figures"]
+    studied_frictions = {mu for grid in studied.values() for mu in grid.friction}
     if studied:
         _check_each("figures.friction", map(float, figures["friction"]), studied_frictions)
     for k, column in enumerate(figures["wear_columns"]):
@@ -240,9 +235,8 @@ def _check_each(key: str, values: Iterable[Any], allowed_values: Collection[Any]
     """Refuses values of a key that are not allowed."""
     for value in values:
         if value not in allowed_values:
-            expected = (
-                ", ".join(map(_text, sorted(allowed_values))) or "none, because nothing is studied"
-            )
+            expected = ", ".join(map(_text, sorted(allowed_values)))
+            expected = expected or "none, because nothing is studied"
             raise ValueError(f"config: {key}: got {_text(value)}, expected {expected}")
 
 
@@ -257,12 +251,12 @@ def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid])
     _check_each(f"{key}: {scene}", [float(mu)], studied[scene].friction)
 
 
-def _check_cases(scene: str, grid: Grid, more: Mapping[str, Any]) -> None:
+def _check_cases(scene: str, grid: Grid, model_changes: Mapping[str, Any]) -> None:
     """Checks a scene with the changes of cases that cover each value of each axis."""
     data, source = as_data(scene_file(scene))
     for case in grid.cases_of_each_value():
         with place_of_errors(f"config: {scene}, {case.id}"):
-            changed_scene(data, {**case.changes, **more}, source)
+            changed_scene(data, {**case.changes, **model_changes}, source)
 
 
 def check_lives(lives: Mapping[str, Any]) -> None:

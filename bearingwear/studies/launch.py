@@ -41,14 +41,14 @@ def snakefile() -> Path:
 def run_study(
     target: str,
     jobs: int,
-    more: Sequence[str] = (),
+    extra_arguments: Sequence[str] = (),
     folder: Path = Path(),
     files: Sequence[int] = (),
     scene_folder: str = "",
 ) -> int:
     """Runs a target of the workflow in a folder with a configuration.
 
-    more: further arguments of Snakemake.
+    extra_arguments: further arguments of Snakemake.
     files: open files that Snakemake keeps open while it runs.
     scene_folder: folder of the study of one scene, empty for other studies.
 
@@ -57,12 +57,22 @@ def run_study(
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
     script = str(PACKAGE / "run_module.py")
-    command = [script, "snakemake", "--snakefile", str(snakefile()), f"-j{jobs}", target, *more]
+    command = [
+        script,
+        "snakemake",
+        "--snakefile",
+        str(snakefile()),
+        f"-j{jobs}",
+        target,
+        *extra_arguments,
+    ]
     environment = {**os.environ, **({OWN_STUDY: scene_folder} if scene_folder else {})}
     return _run_guarded([sys.executable, "-P", *command], folder, files, environment)
 
 
-def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, Path | None]:
+def run_own_study(
+    folder: Path, jobs: int, extra_arguments: Sequence[str] = ()
+) -> tuple[int, Path | None]:
     """Runs the study of one scene in its folder, or continues a run that was killed.
 
     Returns `status`: the exit status of Snakemake.
@@ -70,9 +80,9 @@ def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[in
     """
     with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
-        more = [*more, "--nolock", "--rerun-incomplete"]
-        status = run_study("all", jobs, more, folder, [lock_file], str(folder))
-    return status, None if DRY_RUN & set(more) else own_page(folder)
+        extra_arguments = [*extra_arguments, "--nolock", "--rerun-incomplete"]
+        status = run_study("all", jobs, extra_arguments, folder, [lock_file], str(folder))
+    return status, None if DRY_RUN & set(extra_arguments) else own_page(folder)
 
 
 def _run_guarded(

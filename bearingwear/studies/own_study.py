@@ -136,9 +136,9 @@ def _losses(scene: Scene) -> list[float]:
     operation = scene.operation
     loss_at_end, solvers = {}, []
     for method in PRELOAD_METHODS:
-        held = held_by(scene, method)
-        loss_at_end[method] = 1e6 * life_point(held, None).get("loss_at_end", 0.0)
-        solvers.append(solver_of(held))
+        method_scene = held_by(scene, method)
+        loss_at_end[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
+        solvers.append(solver_of(method_scene))
     end_of_life = loss_at_end[operation.preload_method] or max(loss_at_end.values())
     last_loss = math.ceil(100.0 * end_of_life) / 100.0
     if any(_status_at(solver, 1e-6 * last_loss) != OK for solver in solvers):

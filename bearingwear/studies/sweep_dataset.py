@@ -187,45 +187,35 @@ def _table_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
     return variables
 
 
-def whole_sweep(point_results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
+def whole_sweep(results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
     """Lays results along `point` over the dimensions of a sweep, with names instead of codes."""
     from bearingwear.results.labels import labelled
     from bearingwear.studies.dataset import reshaped_dataset
 
-    used_names = {str(name) for name in point_results.variables} - {NUMBERED}
-    whole = labelled(
-        reshaped_dataset(
-            point_results.drop_vars(NUMBERED, errors="ignore"),
-            NUMBERED,
-            points.lengths(used_names),
-        )
-    )
-    whole = whole.assign_coords(points.coordinates(used_names))
-    whole.attrs = dict(point_results.attrs) | {
-        "changed_keys": json.dumps(
-            {name: key for key, name in points.key_names(used_names).items()}
-        ),
-        "message": _message(whole, point_results.attrs["problem"]),
+    used_names = {str(name) for name in results.variables} - {NUMBERED}
+    unnumbered = results.drop_vars(NUMBERED, errors="ignore")
+    over_axes = labelled(reshaped_dataset(unnumbered, NUMBERED, points.lengths(used_names)))
+    over_axes = over_axes.assign_coords(points.coordinates(used_names))
+    changed_keys = {name: key for key, name in points.key_names(used_names).items()}
+    over_axes.attrs = dict(results.attrs) | {
+        "changed_keys": json.dumps(changed_keys),
+        "message": _message(over_axes, results.attrs["problem"]),
     }
     for name in ("problem", "points", "part"):
-        whole.attrs.pop(name, None)
-    return whole
+        over_axes.attrs.pop(name, None)
+    return over_axes
 
 
 def part_of_sweep(
-    point_results: xr.Dataset,
-    points: SweepPoints,
-    numbers: Sequence[int],
-    part: tuple[int, int],
+    results: xr.Dataset, points: SweepPoints, numbers: Sequence[int], part: tuple[int, int]
 ) -> xr.Dataset:
     """Completes the results of a part along `point`, with names instead of codes."""
     from bearingwear.results.labels import labelled
 
-    labelled_part = labelled(point_results).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
-    message = _message(labelled_part, point_results.attrs["problem"])
-    return labelled_part.assign_attrs(
-        points=points.json, part=f"{part[0]}/{part[1]}", message=message
-    )
+    labelled_part = labelled(results).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
+    message = _message(labelled_part, results.attrs["problem"])
+    part_name = f"{part[0]}/{part[1]}"
+    return labelled_part.assign_attrs(points=points.json, part=part_name, message=message)
 
 
 def sweep_attributes(scenes: Sequence[Scene], points: SweepPoints, what: str) -> dict[str, Any]:
@@ -250,17 +240,17 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
 
     parts: dict[str, xr.Dataset] = {}
     for path in map(Path, paths):
-        part_dataset = load_kind(path, SWEEP_KIND)
-        part_name = part_dataset.attrs.get("part")
+        dataset = load_kind(path, SWEEP_KIND)
+        part_name = dataset.attrs.get("part")
         if part_name is None:
             raise CaseFileError(f"{path}: got a whole sweep, expected a part of one")
         if part_name in parts:
             raise CaseFileError(f"{path}: got part {part_name} twice, expected each part once")
-        first_part = next(iter(parts.values()), part_dataset)
+        first_part = next(iter(parts.values()), dataset)
         for key in (*_SHARED, "scene"):
-            if part_dataset.attrs.get(key) != first_part.attrs.get(key):
+            if dataset.attrs.get(key) != first_part.attrs.get(key):
                 raise CaseFileError(f"{path}: {key} differs from that of the other parts")
-        parts[part_name] = part_dataset
+        parts[part_name] = dataset
     count = int(next(iter(parts)).partition("/")[2])
     missing = [k for k in range(1, count + 1) if f"{k}/{count}" not in parts]
     if missing:
@@ -270,19 +260,15 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
         )
     datasets = list(parts.values())
     points = SweepPoints.from_json(datasets[0].attrs["points"])
-    numbers = np.concatenate([part_dataset[NUMBERED].values for part_dataset in datasets])
+    numbers = np.concatenate([dataset[NUMBERED].values for dataset in datasets])
     answers = stacked_dataset(datasets, {NUMBERED: len(numbers)}, along=NUMBERED).isel(
         {NUMBERED: np.argsort(numbers)}
     )
-    fidelities = {
-        name for part_dataset in datasets for name in part_dataset.attrs["fidelity"].split(", ")
-    }
-    problems = [
-        part_dataset.attrs["problem"] for part_dataset in datasets if part_dataset.attrs["problem"]
-    ]
+    fidelities = {name for dataset in datasets for name in dataset.attrs["fidelity"].split(", ")}
+    problems = [dataset.attrs["problem"] for dataset in datasets if dataset.attrs["problem"]]
     answers.attrs = datasets[0].attrs | {
         "fidelity": ", ".join(sorted(fidelities)),
-        "warnings": merged_warnings(part_dataset.attrs for part_dataset in datasets),
+        "warnings": merged_warnings(dataset.attrs for dataset in datasets),
         "problem": problems[0] if problems else "",
     }
     return whole_sweep(answers, points)

@@ -160,7 +160,7 @@ def designation_of(text: str) -> Designation:
     if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", rest):
         raise SceneError("", f"got {shown(text)}, expected one", source="designation")
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
-    suffix, ignored = _suffix(rest, suffixes, deep_groove)
+    suffix, ignored = _clearance_suffix(rest) if deep_groove else _angle_suffix(rest)
     if ignored is None:
         advice = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
         spindle_names = spindles and f", or {spindles} (GMN spindle bearings)"
@@ -173,11 +173,9 @@ def designation_of(text: str) -> Designation:
         return Designation(
             **size._asdict(), name=name, deep_groove=True, clearance=suffix, letters=letters
         )
-    rule = (
-        f"suffix {suffix}, whose meaning depends on the maker"
-        if suffix in tuple(_MAKERS_DIFFER)
-        else ""
-    )
+    rule = ""
+    if suffix in tuple(_MAKERS_DIFFER):
+        rule = f"suffix {suffix}, whose meaning depends on the maker"
     return Designation(
         **size._asdict(),
         name=name,
@@ -249,54 +247,63 @@ def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
     )
 
 
-def _suffix(rest: str, suffixes: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:
-    """Returns the suffix for angle or clearance, and the ignored ones; None to refuse the text.
+class _Suffix(NamedTuple):
+    """The suffix for angle or clearance, and the ignored ones; None refuses the designation."""
+
+    name: str
+    ignored: str | None
+
+
+def _words(text: str) -> list[str]:
+    """Splits suffixes at separators."""
+    return [word for word in re.split(r"[\s/_.-]+", text) if word]
+
+
+def _angle_suffix(rest: str) -> _Suffix:
+    """Reads the suffixes of an angular contact bearing.
 
     An angle is the first suffix, with letters of the cage behind it (CD, ACD, BECBP), or after a
-    separator. A clearance stands anywhere (6204-2RSH/C3, 608ZZC3, P63). What follows the number
-    without a separator and is neither angle nor clearance is refused, and so is an angle or a
-    clearance of another kind anywhere.
+    separator. What follows the number without a separator and is no angle is refused, and so is an
+    angle or a clearance of another kind anywhere.
     """
-    words = [word for word in re.split(r"[\s/_.-]+", rest) if word]
+    words = _words(rest)
     if not words:
-        return "", ""
-    if deep_groove:
-        return _clearance_suffix(words)
+        return _Suffix("", "")
     first_word, more_words = words[0], words[1:]
-    is_ntn = re.match(r"U(?=C|AD)", first_word)  # its standard design, before the angle: 7008UCG
-    if is_ntn:
+    if re.match(r"U(?=C|AD)", first_word):  # NTN's standard design, before the angle: 7008UCG
         first_word, more_words = first_word[1:], [*more_words, "U"]
-    for name in sorted(suffixes, key=len, reverse=True):
+    for name in sorted(ANGLES, key=len, reverse=True):
         if first_word.startswith(name):
             remainder = first_word[len(name) :]
             if not remainder or remainder[0].isalpha():
-                return name, " ".join([remainder, *more_words] if remainder else more_words)
+                return _Suffix(name, " ".join(filter(None, [remainder, *more_words])))
     attached = rest[0].isalnum()
-    other_kind = re.fullmatch(
-        r"[A-F]\d?|CN", first_word
-    )  # an angle, or a clearance of another kind
-    in_later_word = any(word in suffixes for word in more_words)
-    return "", None if other_kind or attached or in_later_word else " ".join(words)
+    other_kind = re.fullmatch(r"[A-F]\d?|CN", first_word)
+    in_later_word = any(word in ANGLES for word in more_words)
+    return _Suffix("", None if other_kind or attached or in_later_word else " ".join(words))
 
 
-def _clearance_suffix(words: list[str]) -> tuple[str, str | None]:
-    """Returns the clearance among the suffixes of a deep groove bearing, as `_suffix` does."""
+def _clearance_suffix(rest: str) -> _Suffix:
+    """Reads the suffixes of a deep groove bearing.
+
+    A clearance stands anywhere (6204-2RSH/C3, 608ZZC3, P63); an angle is refused.
+    """
+    words = _words(rest)
     for k, word in enumerate(words):
         ceramic_letters = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
-        match = re.compile(r"C([1-5NM])(?!\d)").search(
-            word, ceramic_letters.end() if ceramic_letters else 0
-        )
+        start = ceramic_letters.end() if ceramic_letters else 0
+        match = re.compile(r"C([1-5NM])(?!\d)").search(word, start)
         match = match or re.compile(r"(?<=^P[56])([2-5])$").search(word)
         if match is None:
             continue
         group = f"C{match[1]}"
         if group not in CLEARANCES:
-            return "", None
+            return _Suffix("", None)
         remainder = f"{word[: match.start()]} {word[match.end() :]}".split()
-        return group, " ".join([*words[:k], *remainder, *words[k + 1 :]])
-    if re.fullmatch(r"[A-E]\d?", words[0]):
-        return "", None
-    return "", " ".join(words)
+        return _Suffix(group, " ".join([*words[:k], *remainder, *words[k + 1 :]]))
+    if words and re.fullmatch(r"[A-E]\d?", words[0]):
+        return _Suffix("", None)
+    return _Suffix("", " ".join(words))
 
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:

@@ -165,8 +165,8 @@ def _rubbing(
 def _check_room(numbers: Mapping[str, Origin]) -> None:
     """Refuses more balls than there is room for."""
     D, dm, Z = _balls(numbers)
-    if Z > (most := most_balls(D, dm)):
-        allowed = f"at most {most} of {D:g} mm on a pitch circle of {dm:g} mm"
+    if Z > (limit := most_balls(D, dm)):
+        allowed = f"at most {limit} of {D:g} mm on a pitch circle of {dm:g} mm"
         raise refused_option("--balls", Z, allowed)
 
 
