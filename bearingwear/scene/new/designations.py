@@ -199,7 +199,11 @@ def _gmn_spindle(plain: str) -> Designation | None:
     if has_bearing("GMN", parts.name):
         entry, _ = entry_of("GMN", parts.name)
         return of_catalogue(entry, letters)
-    size = _size(_GMN_SIZES.get(parts.number[:-2], ""), parts.number[-2:])
+    series = _GMN_SIZES.get(parts.number[:-2])
+    if series is None:
+        similar = ", ".join(nearest_names("GMN", parts.name))
+        raise _unknown(plain, f"{similar} (GMN spindle bearings)")
+    size = _size(series, parts.number[-2:])
     if size is None:
         return None
     angle, rule = _GMN_ANGLES[parts.angle], f"GMN's suffix {parts.angle}"
