@@ -70,9 +70,9 @@ def friction_interval(scene: Scene) -> tuple[str, list[float]]:
     if distribution is None:
         return key, [nominal]
     # it loads slowly, and few scenes have a drive
-    from bearingwear.scene.distributions import possible, quantile
+    from bearingwear.scene.distributions import possible_range, quantile
 
-    ends = quantile(distribution, nominal, possible(key), np.array(_PROBABILITIES))
+    ends = quantile(distribution, nominal, possible_range(key), np.array(_PROBABILITIES))
     return key, sorted({*ends.tolist(), nominal})
 
 

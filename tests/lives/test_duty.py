@@ -31,7 +31,7 @@ from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.sampling import perturbed
+from bearingwear.studies.sampling import scene_with_values
 
 HOUR = 3600.0
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -641,12 +641,12 @@ def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
 def test_values_of_a_case_vary_with_those_of_the_scene(scene):
     made = scene("gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}}))
     own = made.friction.ball_race
-    other = perturbed(made, {"ball_race": 1.5 * own, "preload_N": 9.0})
+    other = scene_with_values(made, {"ball_race": 1.5 * own, "preload_N": 9.0})
     friction = {name: one.friction.ball_race for name, one in other.in_cases.items()}
     assert friction["hot"] == pytest.approx(1.5 * 0.05)
     assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * own)
     assert {one.operation.preload_N for one in other.in_cases.values()} == {9.0}
-    assert perturbed(made, {"ball_race": own}) == made
+    assert scene_with_values(made, {"ball_race": own}) == made
 
 
 def test_a_start_of_the_duty_is_the_ramp_of_a_warm_up(scene):

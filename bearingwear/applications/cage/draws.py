@@ -14,11 +14,11 @@ import numpy as np
 
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
-from bearingwear.scene.distributions import possible, quantile, values_at
+from bearingwear.scene.distributions import possible_range, quantile, values_at
 from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.solvers.dynamic.system import CageStart
-from bearingwear.studies.sampling import perturbed
+from bearingwear.studies.sampling import scene_with_values
 
 CLOSE = 0.95
 """Share of its clearance within which a cage starts anywhere."""
@@ -88,9 +88,9 @@ def cage_draw(
         probability = np.array(random.random())
         if name != WEAR:
             nominal, key = cage_value(scene, name), f"{UNCERTAIN_CAGE[name]}.{name}"
-            limits = (0.0, 180.0) if name == GRAVITY_ANGLE else possible(key)
+            limits = (0.0, 180.0) if name == GRAVITY_ANGLE else possible_range(key)
             cage_values[name] = float(quantile(distribution, nominal, limits, probability))
-    drawn_scene = perturbed(scene, drawn_values)
+    drawn_scene = scene_with_values(scene, drawn_values)
     if drawn_scene is not None:
         drawn_scene = worn_cage(
             _with_cage(drawn_scene, cage_values, 2.0 * math.pi * gravity_turn), plan.worn_um

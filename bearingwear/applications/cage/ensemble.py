@@ -33,7 +33,7 @@ from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.warm import warm_scene
 from bearingwear.studies.answers import PROBLEM, Tell, Workers
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 RunRow = dict[str, Any]
 """Values of `CAGE_RUN` of a run, and the values that it drew."""
@@ -253,8 +253,10 @@ def _dataset(
     runs = CAGE_RUN | ({"drawn": drawn_values} if names else {})
     stored_rows = [{name: row[name] for name in runs if name in row} for row in rows]
     axes: dict[Any, Any] = {OF_RUN: range(len(rows)), ACROSS: None}
-    run_dataset = filled(runs, axes | ({value: None} if names else {}), stored_rows)
-    summary_dataset = filled(SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)])
+    run_dataset = dataset_of_rows(runs, axes | ({value: None} if names else {}), stored_rows)
+    summary_dataset = dataset_of_rows(
+        SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)]
+    )
     met = np.int64(len(rows) > 0 and is_met(rows, plan))
     return xr.merge([run_dataset, summary_dataset], combine_attrs="override").assign_attrs(
         attributes, met=met

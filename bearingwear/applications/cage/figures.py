@@ -27,14 +27,14 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.units import digits, display
 from bearingwear.results.words import name_in_words, scene_of
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 _HIGH, _WIDE = 0.62, 0.9
 
 
 def cage_figure(motions: Path) -> Figure:
     """Draws `shares_and_work` of a file."""
-    return shares_and_work(loaded(motions, cage_friction=(), gravity=()))
+    return shares_and_work(load_with_axes(motions, cage_friction=(), gravity=()))
 
 
 def shares_and_work(motions: xr.Dataset) -> Figure:

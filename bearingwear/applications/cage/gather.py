@@ -13,7 +13,7 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import variant
-from bearingwear.studies.dataset import coordinate, stacked
+from bearingwear.studies.dataset import coordinate, stacked_dataset
 
 MAP_KIND = "cage map"
 
@@ -60,7 +60,7 @@ def gathered_ensembles(
     """
     parts = [load(path) for path in paths]
     shape = {CAGE_AXES[name][0].name: len(values) for name, values in axes.items()}
-    ensembles = stacked(parts, shape, leave_out=("run", "value", "across"))
+    ensembles = stacked_dataset(parts, shape, leave_out=("run", "value", "across"))
     counts = np.reshape([part.sizes["run"] for part in parts], tuple(shape.values()))
     attributes = {"long_name": "number of runs in the ensemble", "units": "1"}
     ensembles = ensembles.assign(runs=(tuple(shape), counts, attributes))

@@ -39,7 +39,7 @@ from bearingwear.solvers.bearing.mounted import UM
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
 from bearingwear.studies.answers import Tell
-from bearingwear.studies.dataset import filled, write_dataset
+from bearingwear.studies.dataset import dataset_of_rows, write_dataset
 from bearingwear.studies.sampling import wear_factor
 
 WEARING = ("pockets", "land")
@@ -240,7 +240,7 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
     }
     results |= _steady_life_values(scene) if with_other_parts else {}
     axes = {END: None, PART: None, NODE: range(len(turns)), OF_MOTION: None}
-    return filled(CAGE_LIFE, axes, [results], **attrs)
+    return dataset_of_rows(CAGE_LIFE, axes, [results], **attrs)
 
 
 def _film_gone_turns(film: float, depth: np.ndarray, turns: np.ndarray) -> float:

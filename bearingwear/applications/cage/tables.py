@@ -21,7 +21,7 @@ from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 
 def cage_table(motions: Path) -> str:
@@ -36,7 +36,7 @@ def cage_answer(motions: Path) -> str:
 
 def cage_document(path: Path) -> Document:
     """Reports the recommended cage, the quiet region, and every cage of a map."""
-    motions = loaded(path, cage_friction=(), gravity=())
+    motions = load_with_axes(path, cage_friction=(), gravity=())
     lines = [
         "Work is normal force times slip per shaft turn; its mean and 90 % interval are listed. "
         "The wear volume is the work multiplied by K_s/H of the cage material.",

@@ -57,7 +57,7 @@ from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.sampling import perturbed, with_wear
+from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
@@ -386,7 +386,7 @@ def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
     values = {
         name: float(value) for name, value in zip(names, row, strict=True) if name not in WORN
     }
-    changed = perturbed(scene, values)
+    changed = scene_with_values(scene, values)
     if changed is None:
         return math.nan
     try:
@@ -442,7 +442,7 @@ def _calibrated_scene(
     calibrated = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = remaining(x.deviation)
-        with_friction = perturbed(calibrated, {friction: _median_friction(x)})
+        with_friction = scene_with_values(calibrated, {friction: _median_friction(x)})
         assert with_friction is not None
         calibrated = with_friction
     return replace(calibrated, uncertainty=spread, calibrated=calibration)

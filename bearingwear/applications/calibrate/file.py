@@ -20,7 +20,7 @@ from bearingwear.applications.calibrate.posterior import (
 from bearingwear.applications.calibrate.seen import SEEN, SEEN_TORQUE
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 CALIBRATION_KIND = "calibration"
 STAGES = ("before", "after")
@@ -117,7 +117,7 @@ def calibration_dataset(
         (after.mean - before.mean) / before.deviation if before.deviation else 0.0
         for before, after in zip(prior[:2], normals[1], strict=True)
     ]
-    return filled(
+    return dataset_of_rows(
         {name: variable for name, variable in CALIBRATION_VARIABLES.items() if name in results},
         {
             _STAGE: None,

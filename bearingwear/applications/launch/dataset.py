@@ -12,7 +12,7 @@ from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import GRAVITY, LaunchLoad, LaunchResult
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 WEAR_STATE = Variable("state", ("state",), "", "state of wear", "O")
 LAUNCH_LOAD = Variable("load", ("load",), "", "direction of the load", "O")
@@ -53,7 +53,7 @@ def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Datas
     """Returns loads and gaps by the state of wear, from `lives.margin.launched_by_wear`."""
     loads = [load.name for load in next(iter(states.values())).loads]
     axes: dict[Any, Any] = {WEAR_STATE: list(states), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
-    return filled(
+    return dataset_of_rows(
         LAUNCH,
         axes,
         [_row(state) for state in states.values()],

@@ -11,7 +11,7 @@ from bearingwear.lives.margin import Corner
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.requirements import STANDARDS
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 CORNER = Variable("corner", ("corner",), "1", "index of the corner", "i8")
 
@@ -45,7 +45,7 @@ def margin_dataset(scene: Scene, corners: Sequence[Corner]) -> xr.Dataset:
         }
         for corner in corners
     ]
-    return filled(
+    return dataset_of_rows(
         CORNERS,
         {CORNER: range(len(rows))},
         rows,

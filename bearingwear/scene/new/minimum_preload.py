@@ -25,11 +25,11 @@ _OF_SKF = re.compile(r"7[23]\d\d(AC|B)")
 
 @functools.cache
 def skf_factors() -> Mapping[str, float]:
-    """Minimum axial load factor A [kN] of SKF's bearings of 25 (AC) and 40 degrees (B).
+    """Returns the minimum load factor A [kN] of SKF's bearings of 25 (AC) and 40 degrees (B).
 
-    By designation. Those whose place in the tables is unclear in the text of the catalogue are
-    left out, as is the 7205AC, whose printed factor breaks the row of its neighbours. The 40
-    degree bearings are those of design E with cages of steel or plastic.
+    The keys are designations. Those whose place in the tables is unclear in the text of the
+    catalogue are left out, as is the 7205AC, whose printed factor breaks the row of its neighbours.
+    The 40 degree bearings are those of design E with cages of steel or plastic.
     """
     with Path(__file__).with_name("skf_minimum_load.csv").open(encoding="utf-8") as file:
         return {row["designation"]: float(row["factor_kN"]) for row in csv.DictReader(file)}
@@ -48,7 +48,7 @@ class MinimumPreload(NamedTuple):
 def minimum_preload(
     bearing: Mapping[str, Any], operation: Mapping[str, Any]
 ) -> MinimumPreload | None:
-    """The least preload of a bearing at its speed by its maker; None where no number is known.
+    """Returns the maker's least preload of a bearing at its speed; None where none is published.
 
     bearing, operation: blocks of a scene as mappings.
     """
@@ -76,12 +76,12 @@ def minimum_preload(
 
 
 def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
-    """The least preload by the maker at the largest speed of the scenes; empty where not known.
+    """Names the maker's least preload at the largest speed of the scenes; "" if none is known.
 
     scenes: of one bearing; their preload need not be given.
     """
-    known = (minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes)
-    least = max(filter(None, known), key=lambda one: one.speed, default=None)
+    minima = (minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes)
+    least = max(filter(None, minima), key=lambda minimum: minimum.speed, default=None)
     if least is None:
         return ""
     maker, _, _ = least.bearing.partition(" ")

@@ -23,7 +23,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.best import QUICK_LIFE, PreloadLine, PreloadPoint, PreloadSearch
 from bearingwear.studies.design.plan import DesignLimits
 
@@ -83,7 +83,7 @@ def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
         "change", ("change",), "", "what may be otherwise than assumed", dtype="i1",
         flags=tuple(one.name for one in changes),
     )  # fmt: skip
-    return filled(CHANGES, {names: None}, [columns])
+    return dataset_of_rows(CHANGES, {names: None}, [columns])
 
 
 def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:

@@ -43,7 +43,7 @@ from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
     Everywhere,
@@ -543,8 +543,10 @@ def filled_points(
     more: Mapping[str, Variable] = MappingProxyType({}),
     **attributes: Any,
 ) -> xr.Dataset:
-    """`filled` with what `followed_point` gives, and further variables."""
+    """`dataset_of_rows` with what `followed_point` gives, and further variables."""
     points = [{name: p[name] for name in p if name not in NO_VARIABLES} for p in points]
     timed = any("time_to_slip_limit" in point for point in points)
     known = {name: one for name, one in POINT.items() if timed or name != "time_to_slip_limit"}
-    return filled({**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes)
+    return dataset_of_rows(
+        {**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes
+    )

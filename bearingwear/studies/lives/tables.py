@@ -13,7 +13,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import key_in_words
 from bearingwear.results.words import name_in_words
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 COLUMN_WORDS = (
     "The error bound allows for the finite wear steps and the scatter between the runs. Ball wear "
@@ -70,7 +70,7 @@ def _worn_volume(life: xr.Dataset, part: str) -> float:
 
 def dynamic_life(path: Path) -> xr.Dataset:
     """Returns the dataset of a life file of fidelity dynamic. Raises CaseFileError."""
-    life = loaded(path)
+    life = load_with_axes(path)
     if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
         raise CaseFileError(f"{path}: not a life file from the dynamic model")
     return life

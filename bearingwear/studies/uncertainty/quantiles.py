@@ -27,7 +27,7 @@ from bearingwear.scene.distributions import value_at, values_at
 from bearingwear.scene.read import Source
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.answers import Tell, Workers
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.sampling import (
     INDEX_SAMPLES,
     SAMPLES,
@@ -174,7 +174,7 @@ def life_quantiles(
         names = tuple(scenes[0].uncertainty or {})
         axes[Variable("quantity", ("quantity",), "", "uncertain value", "i1", flags=names)] = None
     present = {name: ANALYSED[name] for name in ANALYSED if any(name in row for row in rows)}
-    return filled(
+    return dataset_of_rows(
         present,
         axes,
         rows,

@@ -20,7 +20,7 @@ from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.answers import PROBLEM, Workers
-from bearingwear.studies.sampling import Sampling, perturbed, wear_factor
+from bearingwear.studies.sampling import Sampling, scene_with_values, wear_factor
 
 POOLED = 2**15
 """Lives that a quantile is taken from, at least: each life solved, times many wear factors."""
@@ -126,7 +126,7 @@ def quick_life_answer(
 
     The life has the grooves that `life` follows.
     """
-    changed = perturbed(scene, dict(zip(names, values, strict=True)))
+    changed = scene_with_values(scene, dict(zip(names, values, strict=True)))
     if changed is None:
         return {"status": BEYOND_GROOVE}
     life = worn_life(changed) or HertzianLives(changed, quick=True)(changed)

@@ -19,7 +19,7 @@ from bearingwear.solvers.warmup.transient import (
     WarmUp,
     warm_up,
 )
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 WARM_UP = "warm-up"
 ENDINGS = ("steady", "runaway", "no_state", "duration")
@@ -85,7 +85,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
             abs(coarse[name] - peaks[name]) / abs(peaks[name]) for name in names if peaks[name]
         ),
     }
-    over_time = filled(
+    over_time = dataset_of_rows(
         _OVER_TIME,
         {_TIME: times, _PARTS: None, "side": len(warmup.instants[0].states)},
         rows,
@@ -94,7 +94,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )
-    return over_time.merge(filled(_SUMMARY, {}, [summary]), combine_attrs="override")
+    return over_time.merge(dataset_of_rows(_SUMMARY, {}, [summary]), combine_attrs="override")
 
 
 def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:

@@ -29,7 +29,7 @@ from bearingwear.console import UsageError
 from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
 from bearingwear.scene.read import variant
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.dataset import write_dataset
 
 PLAN_FILE = ROOT / "config" / "cage.yaml"
@@ -38,7 +38,7 @@ TURNS = np.arange(200) / 20.0
 
 @pytest.fixture(scope="module")
 def plan():
-    return validated(PLAN_FILE, "cage", check_cage)
+    return validated_config(PLAN_FILE, "cage", check_cage)
 
 
 def test_plan_of_the_project(plan):
@@ -68,9 +68,9 @@ def test_a_cage_that_cannot_be_is_named(plan, key, value, told):
 def test_a_map_without_a_scene_is_refused(tmp_path):
     (tmp_path / "cage.yaml").write_text("gravity_m_s2: [0.0]\n")
     with pytest.raises(UsageError, match=r"cage.yaml: the file: 'scene' is a dependency of"):
-        validated(tmp_path / "cage.yaml", "cage", check_cage)
+        validated_config(tmp_path / "cage.yaml", "cage", check_cage)
     (tmp_path / "cage.yaml").write_text("{}")
-    nothing = validated(tmp_path / "cage.yaml", "cage", check_cage)
+    nothing = validated_config(tmp_path / "cage.yaml", "cage", check_cage)
     assert cage_points(nothing) == {} and Ensemble(**nothing["ensemble"]) == Ensemble()
 
 

@@ -25,7 +25,7 @@ from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.sampling import Sampling, perturbed
+from bearingwear.studies.sampling import Sampling, scene_with_values
 from bearingwear.studies.uncertainty.plan import OWN
 from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
@@ -137,9 +137,9 @@ def test_each_kind_of_test_finds_what_made_it(tmp_path):
         0.095,
     )
     fixed = scene.with_({"operation.preload_method": "fixed_position"})
-    batch = perturbed(scene, {"ball_race": mu})
+    batch = scene_with_values(scene, {"ball_race": mu})
     lost = batch.with_({"wear.end_of_life": {"ball_diameter_loss_um": 0.3}})
-    left = perturbed(fixed, {"ball_race": mu}).with_(
+    left = scene_with_values(fixed, {"ball_race": mu}).with_(
         {"wear.end_of_life": {"preload_fraction": 5.0 / 7.0}}
     )
     torque = 1e3 * float(solve(batch).values["shaft_torque"])
@@ -166,7 +166,7 @@ def test_two_lives_of_a_sampled_batch(tmp_path):
     """The interval of L10 shrinks from sixtyfold and more to what two lives leave."""
     scene = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})
     random, K = np.random.default_rng(3), 1.7
-    batch = replace(perturbed(scene, {"ball_race": 0.074}), uncertainty=None)
+    batch = replace(scene_with_values(scene, {"ball_race": 0.074}), uncertainty=None)
     of_bearings = [
         hours(batch.with_({"operation.preload_N": 7.0 + 0.35 * random.normal()}))
         / (K * 1.3 ** random.normal())
@@ -231,7 +231,7 @@ def l10_of_batches(scene, correlation):
     nodes = np.linspace(-4.0, 4.0, 13)
     frictions = np.exp(middle + deviation["ball_race"] * nodes)
     logs = [
-        math.log(hours(replace(perturbed(scene, {"ball_race": mu}), uncertainty=None)))
+        math.log(hours(replace(scene_with_values(scene, {"ball_race": mu}), uncertainty=None)))
         for mu in frictions
     ]
     u = np.linspace(-4.0, 4.0, 2001)
