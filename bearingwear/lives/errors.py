@@ -63,11 +63,11 @@ def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float |
         return None
     pairs = zip(nodes, others, strict=True)
     slowing = np.array([node.states[0].rate / other.rate - 1.0 for node, other in pairs])
-    change = relative_change(life, slowing, nodes, others[-1:], ends)
+    change = relative_life_change(life, slowing, nodes, others[-1:], ends)
     return None if change is None else float(change)
 
 
-def relative_change(
+def relative_life_change(
     life: Life,
     slowing: np.ndarray,
     nodes: Sequence[Node],
@@ -176,7 +176,7 @@ def _accuracy_error(wearing: _ComparedGrooves, life: Life, ends: Criteria) -> fl
     total = 0.0
     for k, weight in enumerate(WEIGHTS.values(), 1):
         slowing = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
-        change = relative_change(life, slowing, nodes, compared[-1].states[k], ends)
+        change = relative_life_change(life, slowing, nodes, compared[-1].states[k], ends)
         total += math.nan if change is None else weight * change.max()
     return total
 

@@ -16,7 +16,7 @@ from bearingwear.lives.duty.lives import (
     worn_duty_life,
 )
 from bearingwear.lives.duty.wearing import DutyCriteria, DutySurfaces
-from bearingwear.lives.errors import WEIGHTS, relative_change
+from bearingwear.lives.errors import WEIGHTS, relative_life_change
 from bearingwear.lives.follow import Life
 from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves
 from bearingwear.lives.surfaces import is_one_integral, steps_error
@@ -88,5 +88,5 @@ def _change_by_wearing(life: Life, wearing: DutySurfaces, cycle: Cycle) -> float
         for node, other in zip(nodes, others, strict=True)
     ]
     criteria = DutyCriteria(cycle)
-    change = relative_change(life, np.array(slowing), nodes, others[-1].states, criteria)
+    change = relative_life_change(life, np.array(slowing), nodes, others[-1].states, criteria)
     return math.nan if change is None else float(change)
