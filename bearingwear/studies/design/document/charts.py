@@ -16,7 +16,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spread_of
 from bearingwear.results.units import printed_unit, scale_of
 from bearingwear.results.words import methods, scene_of
-from bearingwear.studies.design.choice import at_scene, design_files, limit_margins, limits_of
+from bearingwear.studies.design.choice import design_files, limit_margins, limits_of, line_of_scene
 from bearingwear.studies.design.document.held import decides_words, worst_words
 from bearingwear.studies.design.document.sheets import NONE_VIOLATED, SAME, brief_rows
 from bearingwear.studies.design.document.words import ending_measure, limit_text
@@ -36,7 +36,7 @@ def preload_points(design: xr.Dataset, recommendation: xr.Dataset) -> PreloadPoi
     """
     chosen = dict(methods(recommendation))
     found = {}
-    for name, one in methods(at_scene(design)):
+    for name, one in methods(line_of_scene(design)):
         points = {float(p): one.isel(preload=k) for k, p in enumerate(one["preload"].values)}
         best = chosen[name]
         if np.isfinite(best["preload"]):

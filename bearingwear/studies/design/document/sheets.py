@@ -36,10 +36,10 @@ from bearingwear.studies.design.changes import (
 )
 from bearingwear.studies.design.choice import (
     ACTIVE,
-    at_scene,
     design_files,
     limit_margins,
     limits_of,
+    line_of_scene,
 )
 from bearingwear.studies.design.conditions import DECIDING
 from bearingwear.studies.design.document.held import (
@@ -332,7 +332,7 @@ def _over_preload(design: xr.Dataset) -> Block:
     points = [
         (float(preload), method, one.isel(preload=k))
         for k, preload in enumerate(design["preload"].values)
-        for method, one in methods(at_scene(design))
+        for method, one in methods(line_of_scene(design))
     ]
     names = tuple(method_words(scene_of(design), method) for _, method, _ in points)
     rows = [

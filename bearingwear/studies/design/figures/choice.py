@@ -30,10 +30,10 @@ from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
     UNLIMITED,
-    at_scene,
-    front,
     limit_margins,
     limits_of,
+    line_of_scene,
+    pareto_front,
     stiffness_of,
 )
 from bearingwear.studies.design.document.sentences import headline
@@ -68,13 +68,13 @@ def design_figure(
     area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
     figure, panels = new_figure(2 if area else 1, 2, 7.2, 7.4 if area else 4.2)
     limits = limits_of(design)
-    line = at_scene(design)
+    line = line_of_scene(design)
     followed = bool((line["groove"] == WORN_GROOVE).any())
     over_preload, over_stiffness = panels[0]
     failed = False
     for name, one in methods(line) if followed else ():
         _hertzian(over_preload, name, one)
-    best = front(line)
+    best = pareto_front(line)
     for k, (name, one) in enumerate(methods(line)):
         allowed = (one["status"] == OK) & (one["impractical"] == 0)
         for margin in limit_margins(one, limits):
