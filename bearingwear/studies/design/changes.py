@@ -95,7 +95,8 @@ def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -
     if not max(lives) > 0.0:
         return []
     better = int(np.argmax(lives))
-    movable = [name for name, value in search.limits.given.items() if value > 0.0]  # by factors
+    # zero cannot be multiplied by a factor
+    movable = [name for name, value in search.limits.given.items() if value > 0.0]
     changes = [_limit_change(search, name, better) for name in movable]
     points = [point for point in best if point is not None]
     if len(points) == len(search.lines):
@@ -125,15 +126,15 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
     if is_looser:  # preloads that are not allowed now come in
         loosest = _with_limit(limits, name, farthest)
         search.solve(partial(_newly_allowed, limits=limits, looser=loosest), QUICK_LIFE, loosest)
-    held = 1.0
+    previous = 1.0  # an advantage: positive now
     for value in np.geomspace(now, farthest, _MOVES + 1)[1:].tolist():
         advantage = _advantage(search.lines, _with_limit(limits, name, value), better)
         if math.isnan(advantage):
             return math.nan
         if advantage <= 0.0:
             step = (farthest / now) ** (1.0 / _MOVES)
-            return value * step ** (_share_to_zero(held, advantage) - 1.0)
-        held = advantage
+            return value * step ** (_share_to_zero(previous, advantage) - 1.0)
+        previous = advantage
     return math.nan
 
 
@@ -200,9 +201,9 @@ def interpolated_best_life(line: PreloadLine, limits: DesignLimits) -> float:
 
 
 def _allowed_shares(start: np.ndarray, end: np.ndarray) -> tuple[float, float]:
-    """Returns between which shares of the way from margins to others all are positive.
+    """Returns between which shares of the way from margins to others none is negative.
 
-    At least at one end, all of them are.
+    None is negative at one end at least.
     """
     step = end - start
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -334,9 +335,9 @@ class _Assumption:
 
 
 def _groove_change(best: Sequence[PreloadPoint], better: int) -> list[Change]:
-    """Returns whether the other method is better with Hertzian grooves: 1 where it is, as a share.
+    """Returns whether the other method is better with Hertzian grooves, as a value of 1 if it is.
 
-    Empty where the lives are those with Hertzian grooves.
+    Empty where the lives are not those with worn grooves.
     """
     lives = [point.values["hertzian_life"] for point in best]
     if not all(point.values.get("groove") for point in best) or not np.isfinite(lives).all():

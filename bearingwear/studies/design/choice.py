@@ -95,9 +95,9 @@ def limits_of(design: xr.Dataset) -> DesignLimits:
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
     """Returns the relative margin of each limit; negative where it is violated.
 
-    In the order of `limits.held`; `values` is a Dataset or a dict of what `life_point` finds.
+    In the order of `limits.effective`; `values` is a Dataset or a dict of what `life_point` finds.
     """
-    return [LIMITED[name].margins(values, limit) for name, limit in limits.held.items()]
+    return [LIMITED[name].margins(values, limit) for name, limit in limits.effective.items()]
 
 
 class _LineOfMap(NamedTuple):
@@ -145,7 +145,7 @@ def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray,
     lives = design["life"].transpose(*order).values
     margins = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
     margins.append(np.where(design["impractical"].transpose(*order).values, -1.0, 1.0))
-    names = [*limits.held, ACTIVE[NOT_PRACTICAL]]
+    names = [*limits.effective, ACTIVE[NOT_PRACTICAL]]
     index = np.full(is_solved.shape[:-1], -1)
     active = np.full(is_solved.shape[:-1], NO_PRELOAD, dtype=np.int8)
     for place in np.ndindex(index.shape):

@@ -90,7 +90,7 @@ def is_warm(scene: Scene) -> bool:
 
 
 def lower_speed_shares(scene: Scene) -> list[float]:
-    """Returns the speeds below the full one at which limits apply, over it, from the lowest."""
+    """Returns shares of the full speed at which limits apply as well, from the lowest speed up."""
     lowest = lowest_share(scene)
     if not scene.operation.fastest_rpm or lowest >= 1.0:
         return []
@@ -98,15 +98,16 @@ def lower_speed_shares(scene: Scene) -> list[float]:
 
 
 def cold_conditions(scene: Scene) -> list[OperatingCondition]:
-    """Returns rest and slow speeds at mounting temperature; none of a scene that is no warmer."""
+    """Returns rest and slow speeds at mounting temperature; none if nothing is warmer than that."""
     if not is_warm(scene):
         return []
-    shares = [share for share in lower_speed_shares(scene) if share <= SLOW_SHARE][
-        :_MOST_COLD_SPEEDS
+    shares = [1.0]  # at rest
+    if scene.operation.fastest_rpm:
+        shares = [share for share in lower_speed_shares(scene) if share <= SLOW_SHARE]
+    return [
+        OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING)
+        for share in shares[:_MOST_COLD_SPEEDS]
     ]
-    if not scene.operation.fastest_rpm:
-        shares = [1.0]  # at rest
-    return [OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING) for share in shares]
 
 
 def conditions_of(

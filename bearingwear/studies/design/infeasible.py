@@ -75,7 +75,7 @@ def least_violations(
     nearest = margins.argmax(axis=0)
     never_met = {
         name: usable[nearest[k]]
-        for k, name in enumerate(limits.held)
+        for k, name in enumerate(limits.effective)
         if -np.inf < margins[nearest[k], k] < 0.0
     }
     if never_met:
@@ -84,7 +84,9 @@ def least_violations(
     candidates = worn or [*range(len(usable))]
     best = candidates[int(margins[candidates].min(axis=1).argmax())]
     violated = {
-        name: usable[best] for k, name in enumerate(limits.held) if -np.inf < margins[best, k] < 0.0
+        name: usable[best]
+        for k, name in enumerate(limits.effective)
+        if -np.inf < margins[best, k] < 0.0
     }
     return violated, True
 
@@ -96,7 +98,7 @@ def _may_live(point: PreloadPoint) -> bool:
 
 def _required_text(name: str, limits: DesignLimits) -> str:
     """Returns a requirement in words, and what for if nobody asked for it."""
-    text = limit_text(name, limits.held[name])
+    text = limit_text(name, limits.effective[name])
     return text if name in limits.given else f"no bearing lifts off ({text})"
 
 

@@ -83,7 +83,7 @@ class DesignLimits(_LIMITS):
         return {name: limit for name in LIMITED if (limit := getattr(self, name)) is not None}
 
     @property
-    def held(self) -> dict[str, float]:
+    def effective(self) -> dict[str, float]:
         """Returns the limits that apply, by their keys: those given, and that no bearing lifts off.
 
         Lift-off is not looked for at the speed of each case alone.

@@ -384,7 +384,7 @@ def violated_words(point: xr.Dataset) -> str:
     if int(point["status"]) != OK:
         return f"not solved: {name_in_words(STATUS_NAMES[int(point['status'])])}"
     limits = limits_of(point)
-    margins = zip(limits.held, limit_margins(point, limits), strict=True)
+    margins = zip(limits.effective, limit_margins(point, limits), strict=True)
     violated = [LIMITED[name].words for name, margin in margins if not margin >= -SAME]
     if number := int(point["impractical"]):
         violated.append(f"impractical design: {name_in_words(IMPRACTICAL[number - 1])}")

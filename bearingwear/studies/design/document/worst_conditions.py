@@ -178,7 +178,7 @@ def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns what limits a recommended preload, `20 N/µm is just met at 3000 r/min, new`."""
     name = ACTIVE[int(point["active_limit"])]
     limits = limits_of(recommendation)
-    if name not in limits.held:
+    if name not in limits.effective:
         return ""
     where = decides_words(recommendation, point, name)
     where = f" {where}" if where.startswith(("at ", "during ")) else where and f" ({where})"
