@@ -13,7 +13,7 @@ from bearingwear.studies.design.document.sentences import none_title
 from bearingwear.studies.design.document.words import NONE_BECAUSE
 from bearingwear.studies.design.document.worst_conditions import (
     conditions_words,
-    life_words,
+    life_condition_words,
     limit_met_words,
     stated_warnings,
 )
@@ -86,8 +86,8 @@ def test_the_headline_names_where_a_requirement_is_just_met(scene):
 def test_a_life_says_whose_it_is(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
     one = alone.isel(preload_method=0)
-    assert life_words(alone, one).startswith("at 3000 r/min")
-    assert "case fast, the shortest of 3" in life_words(both, one)
+    assert life_condition_words(alone, one).startswith("at 3000 r/min")
+    assert "case fast, the shortest of 3" in life_condition_words(both, one)
 
 
 def test_warnings_are_those_of_the_cases_that_have_them(scene):

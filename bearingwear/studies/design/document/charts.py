@@ -25,7 +25,10 @@ from bearingwear.studies.design.document.sheets import (
     recommended_spreads,
 )
 from bearingwear.studies.design.document.words import ending_measure, limit_text
-from bearingwear.studies.design.document.worst_conditions import decides_words, worst_words
+from bearingwear.studies.design.document.worst_conditions import (
+    critical_condition_words,
+    extent_words,
+)
 from bearingwear.studies.design.recommend import best_method
 
 X_LABEL = "initial preload (N)"
@@ -75,7 +78,7 @@ def design_charts(
     question = "Which preload and preload method give the longest life?"
     if limits_of(lives).given:
         requirements = _achieved_requirements(recommended)
-        question = f"User requirements, {worst_words(recommended)}: {requirements}."
+        question = f"User requirements, {extent_words(recommended)}: {requirements}."
     bands = {
         method: (life_spread.bearings.low, life_spread.bearings.high)
         for method, life_spread in recommended_spreads(recommended, sampled).items()
@@ -96,8 +99,9 @@ def _achieved_requirements(recommendation: xr.Dataset) -> str:
         measure = LIMITED[name]
         achieved = f"{measure.shown(float(measure.worst(point))):.3g} {printed_unit(measure.unit)}"
         margin = f"margin {100.0 * abs(float(measure.margins(point, value))):.0f} %"
-        where = decides_words(recommendation, point, name)
-        where = f" {where}" if where.startswith("at ") else where and f", {where}"
+        where = critical_condition_words(recommendation, point, name)
+        if where:
+            where = f" {where}" if where.startswith("at ") else f", {where}"
         texts[k] += f" (achieved: {achieved}{where}; {margin})"
     return "; ".join(texts)
 

@@ -27,7 +27,10 @@ from bearingwear.studies.design.document.words import (
     ending_measure,
     without_limits,
 )
-from bearingwear.studies.design.document.worst_conditions import life_words, limit_met_words
+from bearingwear.studies.design.document.worst_conditions import (
+    life_condition_words,
+    limit_met_words,
+)
 
 TAKE = {
     "constant_force": "a spring preload of {} N (constant force)",
@@ -129,7 +132,7 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
     spreads: of the life, by method; None where it was not sampled.
     """
     method, point, life = recommended_points(recommendation)[0]
-    scene, where = scene_of(recommendation), life_words(recommendation, point)
+    scene, where = scene_of(recommendation), life_condition_words(recommendation, point)
     text = f"The computed life{f' {where}' if where else ''} is {Rough(life).text} h"
     if spread := spreads[method]:
         text += f" ({BEARINGS_BETWEEN}: {spread.bearings.text} h)"

@@ -64,13 +64,13 @@ from bearingwear.studies.design.document.words import (
     limit_text,
 )
 from bearingwear.studies.design.document.worst_conditions import (
-    brief_extreme_words,
+    brief_condition_words,
     conditions_words,
     critical_extreme,
     deciding_by_method,
-    lives_words,
+    extent_words,
+    lives_condition_words,
     stated_warnings,
-    worst_words,
 )
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES
@@ -167,8 +167,8 @@ def _facts(recommendation: xr.Dataset, stated: Sequence[Mapping[str, Any]]) -> d
         "limits": [ascii_text(limit_text(name, value)) for name, value in limits.items()],
         NONE_BECAUSE: json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}")),
         "conditions": conditions_words(recommendation),
-        "worst": worst_words(recommendation),
-        "life_at": lives_words(recommendation),
+        "worst": extent_words(recommendation),
+        "life_at": lives_condition_words(recommendation),
         DECIDING: deciding_by_method(recommendation),
         "warnings": [warning_line(warning).removeprefix(WARNING) for warning in stated],
     }
@@ -318,7 +318,7 @@ def _worst_note(recommendation: xr.Dataset, name: str) -> str:
         active = ACTIVE[int(point["active_limit"])]
         is_of_limit = name == "active_limit" and active in LIMITED
         extreme = critical_extreme(point, active) if is_of_limit else name
-        words.append(brief_extreme_words(recommendation, point, extreme))
+        words.append(brief_condition_words(recommendation, point, extreme))
     return " / ".join(dict.fromkeys(filter(None, words)))
 
 

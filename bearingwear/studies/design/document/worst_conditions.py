@@ -37,7 +37,7 @@ _JUST_MET = 0.01
 _OVER_DUTY = "over the duty"
 
 
-def range_words(dataset: xr.Dataset) -> str:
+def _speed_and_warm_up_words(dataset: xr.Dataset) -> str:
     """Returns the speeds at which the requirements of a file apply, and whether in a warm-up."""
     words, seconds = _speed_range_words(dataset), limits_of(dataset).warmup_s
     if seconds is None:
@@ -66,14 +66,14 @@ def conditions_words(dataset: xr.Dataset) -> str:
     """Returns cases and speeds of a file: `worst of 2: nominal, fast; from rest to 9000 r/min`."""
     cases = scenes_by_case(scene_of(dataset))
     phrases = [worst_case_phrase(cases)] if len(cases) > 1 else []
-    return "; ".join([*phrases, range_words(dataset)])
+    return "; ".join([*phrases, _speed_and_warm_up_words(dataset)])
 
 
-def worst_words(dataset: xr.Dataset) -> str:
-    """Returns speeds, cases and wear of a file as a part of a sentence."""
+def extent_words(dataset: xr.Dataset) -> str:
+    """Returns where the values of a file are worst: speeds, cases and wear, within a sentence."""
     cases = scenes_by_case(scene_of(dataset))
     case_words = f" in {len(cases)} cases" if len(cases) > 1 else ""
-    return f"{range_words(dataset)}{case_words}, from new to the end of life"
+    return f"{_speed_and_warm_up_words(dataset)}{case_words}, from new to the end of life"
 
 
 def deciding_by_method(recommendation: xr.Dataset) -> list[Mapping[str, Any]]:
@@ -103,12 +103,12 @@ def critical_extreme(point: xr.Dataset, name: str) -> str:
     return extreme
 
 
-def decides_words(recommendation: xr.Dataset, point: xr.Dataset, name: str) -> str:
+def critical_condition_words(recommendation: xr.Dataset, point: xr.Dataset, name: str) -> str:
     """Returns the condition in which a limited measure is the worst; empty where not known."""
-    return extreme_words(recommendation, point, critical_extreme(point, name))
+    return extreme_condition_words(recommendation, point, critical_extreme(point, name))
 
 
-def extreme_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
+def extreme_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
     """Returns the condition in which an extreme is the worst, `at 3000 r/min, at the end of life`.
 
     Empty where that is not known.
@@ -122,7 +122,7 @@ def extreme_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -
     return condition_words(where, has_cases)
 
 
-def brief_extreme_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
+def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
     """Returns the condition in which an extreme is the worst for a table, `3000 r/min, worn`.
 
     Empty where that is not known.
@@ -152,7 +152,7 @@ def _is_resting(extreme: str) -> bool:
     return any(measure.resting and extreme in measure.extremes for measure in LIMITED.values())
 
 
-def life_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
+def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the speed, and the case if there are several, of a method's life; or the duty."""
     if scene_of(recommendation).get("duty"):
         return _OVER_DUTY
@@ -164,7 +164,7 @@ def life_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     return f"{words} (case {where['case']}, the shortest of {cases})" if cases > 1 else words
 
 
-def lives_words(dataset: xr.Dataset) -> str:
+def lives_condition_words(dataset: xr.Dataset) -> str:
     """Returns the speed or the case of the lives of a map or a recommendation; or the duty."""
     scene = scene_of(dataset)
     if scene.get("duty"):
@@ -180,8 +180,9 @@ def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     limits = limits_of(recommendation)
     if name not in limits.effective:
         return ""
-    where = decides_words(recommendation, point, name)
-    where = f" {where}" if where.startswith(("at ", "during ")) else where and f" ({where})"
+    where = critical_condition_words(recommendation, point, name)
+    if where:
+        where = f" {where}" if where.startswith(("at ", "during ")) else f" ({where})"
     if name not in limits.given:
         return f"below that, a bearing lifts off{where}"
     measure, limit = LIMITED[name], limits.given[name]

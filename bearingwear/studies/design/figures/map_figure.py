@@ -16,7 +16,7 @@ from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.results.words import methods, scene_of
-from bearingwear.studies.design.document.worst_conditions import lives_words, worst_words
+from bearingwear.studies.design.document.worst_conditions import extent_words, lives_condition_words
 from bearingwear.studies.design.figures.choice import set_preload_scale
 
 
@@ -67,8 +67,8 @@ def map_overview(design: xr.Dataset) -> Figure:
     grey = [Patch(color="0.87", label="slip limit not reached before the end of life")]
     frame(
         figure,
-        f"{scene['name']}: life {lives_words(design)} and the worst values {worst_words(design)}, "
-        f"against preload and friction; wear of {counted_words(scene)}",
+        f"{scene['name']}: life {lives_condition_words(design)} and the worst values "
+        f"{extent_words(design)}, against preload and friction; wear of {counted_words(scene)}",
         [
             *(blank if has_zero else []),
             *(grey if has_infinite else []),

@@ -34,10 +34,10 @@ from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.document.worst_conditions import (
-    brief_extreme_words,
+    brief_condition_words,
     critical_extreme,
-    lives_words,
-    worst_words,
+    extent_words,
+    lives_condition_words,
 )
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
 from bearingwear.studies.design.figures.uncertainty_figure import (
@@ -67,9 +67,9 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
         start_at_zero(panel)
     frame(
         figure,
-        f"{scene['name']}, friction {float(design['friction'][0]):g}: life {lives_words(design)}, "
-        f"and the worst values {worst_words(design)}, against preload; wear of "
-        f"{counted_words(scene)}",
+        f"{scene['name']}, friction {float(design['friction'][0]):g}: life "
+        f"{lives_condition_words(design)}, and the worst values {extent_words(design)}, against "
+        f"preload; wear of {counted_words(scene)}",
         [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(has_failed)],
         columns=3,
     )
@@ -130,8 +130,8 @@ def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     limit, life = LIMIT_WORDS[active], float(point["life"])
     if not np.isfinite(life):
         return limit
-    where = ""
+    text = f"{Rough(life).text} h at {preload_text(point)} N, limited by\n{limit}"
     if active in LIMITED:
-        where = brief_extreme_words(recommendation, point, critical_extreme(point, active))
-    where = where and f"\n({where})"
-    return f"{Rough(life).text} h at {preload_text(point)} N, limited by\n{limit}{where}"
+        where = brief_condition_words(recommendation, point, critical_extreme(point, active))
+        text += f"\n({where})" if where else ""
+    return text
