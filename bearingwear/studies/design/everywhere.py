@@ -28,9 +28,9 @@ from bearingwear.studies.design.conditions import (
     BETWEEN,
     NEW,
     OperatingCondition,
-    cold_places,
+    cold_conditions,
+    lower_speed_shares,
     lowest_share,
-    shares_beside,
 )
 
 UNLOADED = (code.CONTACT_LOST, code.PRELOAD_GONE, code.LIFTED_OFF, code.RACE_UNSEATED)
@@ -180,7 +180,7 @@ class Everywhere(NamedTuple):
         """Extremes of the bearings in one state of wear, from those at the scene's own speed."""
         found = _Speeds(self, solve, wear, {1.0: own})
         try:
-            for share in shares_beside(self.scene):
+            for share in lower_speed_shares(self.scene):
                 if found.is_lost:
                     break
                 found.add(share)
@@ -194,7 +194,7 @@ class Everywhere(NamedTuple):
                     break
                 for share in between:
                     found.add(share)
-            for place in cold_places(self.scene):
+            for place in cold_conditions(self.scene):
                 if not found.is_lost:
                     found.add_place(place)
         except _Unsolved as lost:

@@ -334,7 +334,7 @@ def _everywhere(
     worn = len(life.nodes) > 1
     each = [own]
     if not limits.at_speed_only and (worn or "life" not in values or values["life"] > 0.0):
-        looked = Everywhere(scene, limits.held, exactly)
+        looked = Everywhere(scene, limits.effective, exactly)
         sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
         sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
         for solve, wear, node in sides:
@@ -361,7 +361,7 @@ def _is_broken(extremes: Extremes, limits: DesignLimits) -> bool:
     """Whether a requirement on states is broken."""
     return any(
         LIMITED[key].margin(extremes[name]["value"], limit) < 0.0
-        for key, limit in limits.held.items()
+        for key, limit in limits.effective.items()
         for name in LIMITED[key].extremes
         if name in extremes
     )

@@ -190,7 +190,7 @@ def test_the_case_that_forbids_every_preload_is_named(spindle):
 
 def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
     limits = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
-    assert limits.held == limits.given and STIFF.held["preload_kept"] == LEAST_KEPT
+    assert limits.effective == limits.given and STIFF.effective["preload_kept"] == LEAST_KEPT
     point = followed_point(held_by(spindle, "fixed_position", 20.0), limits)
     assert {one["speed_rpm"] for one in point[DECIDING].values()} == {18000.0}
     assert conditions_of(spindle, at_speed_only=True) == [
@@ -211,7 +211,7 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
-    looked = Everywhere(spindle, STIFF.held, exactly=False)
+    looked = Everywhere(spindle, STIFF.effective, exactly=False)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
     from bearingwear.solvers.state import State
