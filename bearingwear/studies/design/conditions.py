@@ -5,7 +5,7 @@ Nothing heavy is imported: sheets name conditions by this file.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -16,6 +16,10 @@ from bearingwear.scene.slip import at_share
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Speeds at which limits apply beside the full one, as shares of the way to it from the lowest."""
+
+FINE_SHARES = tuple(k / 16.0 for k in range(16))
+"""The same for exact lives worn: slip has a peak where the balls change over from one motion to
+another, which may hide between two eighths."""
 
 SLOW_SHARE = 0.125
 """Share of the full speed up to which limits apply at mounting temperature, too."""
@@ -89,12 +93,15 @@ def is_warm(scene: Scene) -> bool:
     return bool(scene.temperature or scene.thermal) or any(map(_is_of_warmth, second))
 
 
-def lower_speed_shares(scene: Scene) -> list[float]:
-    """Returns shares of the full speed at which limits apply as well, from the lowest speed up."""
+def lower_speed_shares(scene: Scene, shares: Sequence[float] = SPEED_SHARES) -> list[float]:
+    """Returns shares of the full speed at which limits apply as well, from the lowest speed up.
+
+    shares: of the way from the lowest speed to the full one.
+    """
     lowest = lowest_share(scene)
     if not scene.operation.fastest_rpm or lowest >= 1.0:
         return []
-    return [lowest + share * (1.0 - lowest) for share in SPEED_SHARES]
+    return [lowest + share * (1.0 - lowest) for share in shares]
 
 
 def cold_conditions(scene: Scene) -> list[OperatingCondition]:
