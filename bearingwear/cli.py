@@ -21,7 +21,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
 
 from bearingwear.arguments import command_parser
-from bearingwear.console import BAD_INPUT, SUCCESS, UsageError, one_line
+from bearingwear.console import (
+    BAD_INPUT,
+    NOT_SOLVED,
+    SUCCESS,
+    ProcessEnded,
+    UsageError,
+    one_line,
+)
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
@@ -178,6 +185,9 @@ def _run(args: argparse.Namespace) -> int:
         else:
             problem = f"{args.scene}: {problem}"
         sys.stderr.write(one_line(problem))
+    except ProcessEnded as error:
+        sys.stderr.write(one_line(str(error)))
+        return NOT_SOLVED
     except (SceneError, CaseFileError, OutputError, UsageError) as error:
         for one in (error, *getattr(error, "further", ())):
             sys.stderr.write(one_line(str(one)))

@@ -186,6 +186,58 @@ def test_hours_follow_from_the_histories_of_the_phases(scene, phases, method):
     assert found.last.time == pytest.approx(expected, rel=1e-3)
 
 
+def temperatures(inner_ring_C, balls_C, outer_ring_C):
+    return {
+        "temperature.inner_ring_C": inner_ring_C,
+        "temperature.balls_C": balls_C,
+        "temperature.outer_ring_C": outer_ring_C,
+    }
+
+
+@pytest.mark.parametrize(
+    ("changes", "phases", "loss_um"),
+    [
+        (POSITION, {"crawl": {"hours": 95.0}, "sprint": {"hours": 5.0}}, 0.15),
+        # until it is worn through, which depends on the way there
+        (POSITION | FILM, {"cold": {"hours": 3.0}, "warm": {"hours": 1.0}}, 0.01),
+        (
+            RIGID,
+            {"nominal": {"hours": 0.05, "starts": 1.0}, "crawl": {"hours": 0.2, "starts": 2.0}},
+            0.15,
+        ),
+    ],
+    ids=["seldom fast", "cold and warm with a film", "pair that starts"],
+)
+def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_um):
+    """As above, with each start as the mean over histories at many speeds."""
+    cases = {
+        "crawl": {"operation.shaft_speed_rpm": 3000.0},
+        "sprint": {"operation.shaft_speed_rpm": 42000.0},
+        "cold": {"operation.shaft_speed_rpm": 6000.0} | temperatures(-20.8, -20.4, -20.0),
+        "warm": temperatures(71.5, 71.0, 70.0),
+    }
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": loss_um}}
+    full = {"friction.slip_regularisation_m_s": 1e-4}
+    mix = {"cases": cases} | duty(phases, start_s=60.0, stop_s=120.0)
+    made = scene("gyro_s1", HERTZ | changes | end | full | mix)
+    parts = []
+    for name, phase in phases.items():
+        alone = made.in_cases[name]
+        parts.append((HOUR * phase["hours"], alone))
+        speeds = (np.arange(20) + 0.5) / 20.0 if "starts" in phase else ()
+        parts += [(phase["starts"] * 180.0 / 20.0, at_speed(alone, s)) for s in speeds]
+    slopes = []
+    for span, alone in parts:
+        own = surface_life(alone, solver_of(alone))
+        time_of_loss = CubicSpline([node.states[0].loss for node in own.nodes], own.times)
+        slopes.append((span, time_of_loss.derivative()))
+    T = sum(span for span, _ in parts)
+    losses = np.linspace(0.0, loss_um * 1e-6, 2001)
+    expected = np.trapezoid(T / sum(span / slope(losses) for span, slope in slopes), losses)
+    found, _ = even_life(made)
+    assert found.last.time == pytest.approx(expected, rel=1e-3)
+
+
 def test_any_phase_may_end_the_life(scene):
     """The preload at fixed position is least at rest: the slow phase ends the life of all."""
     made = scene("gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty(MIXED))
@@ -479,10 +531,11 @@ def test_shares_of_wear_and_time_are_whole(lived, contact, kind):
     result = lived(contact | kind)
     values = result.values
     assert result.status == "ok" and values["phase_time_share"].sum() == pytest.approx(1.0)
-    sums = (values["phase_wear_share"] + values["start_wear_share"]).sum(axis=-2)
-    assert_allclose(sums, 1.0, rtol=1e-12)
+    shares, of_starts = values["phase_wear_share"], values["start_wear_share"]
+    assert_allclose(shares.sum(axis=-2), 1.0, rtol=1e-12)
+    assert (0.0 <= of_starts).all() and (of_starts < shares).all() and of_starts.any()
     worn = values["history_phase_worn_share"]
-    assert_allclose(worn[..., -1, :].sum(axis=-1), 1.0, rtol=1e-12)
+    assert_allclose(worn[..., -1, :], shares[..., -1], rtol=1e-12)
     assert (np.diff(worn, axis=-2) >= 0.0).all()
     assert values["life_cycles"] == pytest.approx(values["life"] / (7.5 * HOUR + 80.0))
     assert result.attrs["ended_in"] == "phase idle" and values["ending_phase"] == 0

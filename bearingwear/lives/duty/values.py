@@ -76,7 +76,13 @@ def worst_of_phases(found: DutyLife) -> dict[str, np.ndarray]:
     for name, measure in WORST.items():
         worst = [[measure.extreme(s[name]) for s in states if name in s.values] for states in each]
         if all(worst):
-            values[f"worst_{name}"] = np.array([measure.extreme(np.array(one)) for one in worst])
+            # what is not known between is what is known
+            values[f"worst_{name}"] = np.array(
+                [
+                    measure.extreme(np.array([one[0], *(v for v in one[1:-1] if v == v), one[-1]]))
+                    for one in worst
+                ]
+            )
     preloads = [[state["residual_preload"] for state in states] for states in each]
     values["history_phase_residual_preload"] = np.array(preloads).T
     return values
@@ -123,13 +129,13 @@ def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 
 def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
-    """Shares of the wear by phase and surface, at speed and on the way there, and over time."""
+    """Shares of the wear by phase and surface, of its starts and stops alone, and over time."""
     surfaces = np.concatenate([worn, worn.sum(axis=-1, keepdims=True)], axis=-1)
     whole = np.einsum("c,cs->s", cycle.shares, surfaces[-1])
     whole = np.where(whole > 0.0, whole, math.nan)
     both = cycle.running + cycle.starting
     return {
-        "phase_wear_share": cycle.running @ surfaces[-1] / whole,
+        "phase_wear_share": both @ surfaces[-1] / whole,
         "start_wear_share": cycle.starting @ surfaces[-1] / whole,
         "history_phase_worn_share": np.einsum("pc,nc->np", both, surfaces[..., -1]) / whole[-1],
     }

@@ -234,7 +234,11 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, kind))
     rows = [row._replace(note=_where_worst(found, row.name)) for row in rows]
     rows = [row for row in rows if row.name != "spacer_offset" or np.isfinite(row.values).any()]
-    return Block("recommended", tuple(method_names(found)), tuple(rows), place="open")
+    names = method_names(found)
+    notes = "worst condition"
+    if any(" / " in row.note for row in rows):
+        notes += f" ({' / '.join(names)})"
+    return Block("recommended", tuple(names), tuple(rows), place="open", notes=notes)
 
 
 def _lives(found: xr.Dataset) -> tuple[float, ...]:
