@@ -183,7 +183,8 @@ def _run(args: argparse.Namespace) -> int:
         elif at_fault:
             problem = f"--set {problem}"
         else:
-            problem = f"{args.scene}: {problem}"
+            file = args.name if args.command == "study" else args.scene
+            problem = f"{file}: {problem}"
         sys.stderr.write(one_line(problem))
     except ProcessEnded as error:
         sys.stderr.write(one_line(str(error)))

@@ -120,7 +120,10 @@ class Workers:
         if kind is not None and issubclass(kind, BrokenProcessPool):
             problem = f"{self._label}: a process ended unexpectedly, as when memory runs out"
             if multiprocessing.get_start_method() != "fork":
-                problem += "; a script has to call this under `if __name__ == '__main__':`"
+                problem += (
+                    "; a script has to call this under `if __name__ == '__main__':`, "
+                    "or with workers=1"
+                )
             raise ProcessEnded(problem) from None
 
 

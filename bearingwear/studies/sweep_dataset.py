@@ -76,7 +76,8 @@ class Kept:
     def of_result(self, scene: Scene, result: Result) -> Answer:
         """The answer of a solve or a life of a scene."""
         values = {n: v for n, v in result.values.items() if self._has(n)}
-        attrs = {name: result.attrs[name] for name in ("fidelity", "warnings")}
+        names = ("fidelity", "warnings", "phases")
+        attrs = {name: result.attrs[name] for name in names if name in result.attrs}
         about = {  # of its scene, what decides the layout of a file
             "arrangement": scene.arrangement and {"kind": scene.arrangement.kind},
             "model": {"strips": scene.model.strips},
@@ -142,9 +143,12 @@ def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
     if kept.what == "life":
         refused["end_criterion"] = len(CRITERIA) - 1
     about = next(one["scene"] for one in answers if "scene" in one)
+    phases = {one["attrs"].get("phases") for one in answers if "attrs" in one}
+    same = {"phases": name} if len(phases) == 1 and (name := phases.pop()) else {}
     results = []
     for one in answers:
-        result = Result(one.get("values", refused), dict(one.get("attrs", {})))
+        attrs = {name: value for name, value in one.get("attrs", {}).items() if name != "phases"}
+        result = Result(one.get("values", refused), attrs | same)
         result.scene = one.get("scene", about)
         results.append(result)
     made = stacked(stacked_datasets(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)

@@ -656,6 +656,8 @@ def test_phases_have_names_in_python_and_files(scene, tmp_path):
         assert float(one["phase_time_share"].sel(phase="nominal")) > 0.8
     other = bearingwear.life(made.with_(duty({"fast": {"hours": 1.0}, "nominal": {"hours": 1.0}})))
     assert other["phase"].values.tolist() == ["fast", "nominal"]
+    swept = bearingwear.sweep(made, {"operation.preload_N": [7.0, 8.0]}, what="life")
+    assert swept["phase"].values.tolist() == ["idle", "nominal"]
 
 
 def test_a_pair_with_a_duty_is_checked_and_solved(scene, tmp_path, capsys):
