@@ -13,6 +13,7 @@ from support import only_line
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.document.document import load_document
 from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed, cycle_of, ramp_points
 from bearingwear.lives.duty.lives import DutyLife, hertzian_duty_life, worn_duty_life
@@ -31,6 +32,7 @@ from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.lives.duty_report import duty_report
 from bearingwear.studies.sampling import perturbed
 
 HOUR = 3600.0
@@ -639,6 +641,26 @@ def test_the_sheet_and_the_figure_name_the_phases(scene, tmp_path, capsys):
     assert "13.6 % of time" in (tmp_path / "life.svg").read_text()
     assert main(["life", str(path), "--case", "idle"]) == 0
     assert "phases of the duty" not in capsys.readouterr().out
+
+
+def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
+    path = tmp_path / "gyro.yaml"
+    made = scene("gyro_s1", SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    bearingwear.save(made, path)
+    lived, stored, figure = duty_report(path)
+    (tmp_path / "duty.json").write_text(stored)
+    answer = load_document(tmp_path / "duty.json")
+    assert answer.facts["scene"] == made.name and "in phase idle" in answer.title
+    assert {"phases of the duty", "each phase alone, without starts"} <= {
+        block.title for block in answer.placed("open")
+    }
+    assert "phase idle meets its criterion" in str(answer.placed("lead"))
+    assert float(lived["life_cycles"]) > 0.0 and len(figure.axes) == 2
+    bare = {"cases": {"bare": {"friction.ball_race": 0.0}}}
+    phases = duty({"still": {"hours": 1.0, "case": "bare"}})
+    bearingwear.save(scene("gyro_s1", HERTZ | bare | phases), path)
+    _, stored, _ = duty_report(path)
+    assert "no life over the duty: in phase still" in stored
 
 
 def test_both_bearings_share_what_a_duty_asks_of_them():
