@@ -30,6 +30,7 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.sides import SHARED
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
+from bearingwear.studies.design import map as design_map
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.lives.duty_report import duty_report
@@ -700,8 +701,16 @@ def test_requirements_hold_in_every_phase_along_one_life(scene):
     worst = values["worst_system_quasistatic_axial_stiffness"].min()
     assert point["system_quasistatic_axial_stiffness"] == pytest.approx(worst, rel=1e-3)
     assert set(point["points"]) == {"idle", "nominal"}
+    assert point["deciding"]["life"]["case"] == "idle"  # which ends it
     kept = values["worst_residual_preload"].min() / made.operation.preload_N
     assert point["preload_kept"] == pytest.approx(kept, rel=1e-3)
+
+
+def test_a_phase_that_is_not_solved_at_some_speed_leaves_no_preload(scene, monkeypatch):
+    made = scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    unsolved = {"status": code.NOT_CONVERGED, "unsolved": {"case": "nominal"}}
+    monkeypatch.setattr(design_map, "_everywhere", lambda *_, **__: dict(unsolved))
+    assert followed_point(made, DesignLimits())["status"] == code.NOT_CONVERGED
 
 
 def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):

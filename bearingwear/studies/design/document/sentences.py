@@ -20,7 +20,7 @@ from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
-from bearingwear.studies.design.document.held import life_words, limit_met_words
+from bearingwear.studies.design.document.held import deciding, life_words, limit_met_words
 from bearingwear.studies.design.document.words import (
     LIMIT_WORDS,
     NONE_BECAUSE,
@@ -118,6 +118,8 @@ def life_sentence(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> str
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"
         text += f"; it ends when the {end.words} {reaches} {printed_unit(limit)}"
+        if scene.get("duty") and (ending := deciding(found, one).get("life")):
+            text += f" in the case {ending['case']}"
     return f"{text}."
 
 
