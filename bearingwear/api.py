@@ -110,7 +110,7 @@ def solve(
     from bearingwear.solvers.solve import solve as solved
 
     state = None if restart is None else restart_from(restart, checked)
-    return _made(solved(checked, fidelity, state, progress), checked)
+    return _with_warnings(solved(checked, fidelity, state, progress), checked)
 
 
 def life(
@@ -118,7 +118,7 @@ def life(
     fidelity: str | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
-    """Wear life of one scene.
+    """Compute the wear life of one scene.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def life(
     checked = for_life(as_scene(scene))
     from bearingwear.lives.life import life as lived
 
-    return _made(lived(checked, fidelity, progress), checked)
+    return _with_warnings(lived(checked, fidelity, progress), checked)
 
 
 def uncertainty(
@@ -160,7 +160,7 @@ def uncertainty(
     seed: int = 1,
     workers: int = 1,
 ) -> xr.Dataset:
-    """Spread in the life due to uncertain values of a scene, like `bearingwear uncertainty`.
+    """Compute the spread in life due to uncertain values, like `bearingwear uncertainty`.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def uncertainty(
 
 
 def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Dataset:
-    """The preload with the longest life that satisfies requirements, like `bearingwear recommend`.
+    """Find the preload of the longest life within requirements, like `bearingwear recommend`.
 
     Parameters
     ----------
@@ -228,18 +228,18 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     from bearingwear.studies.design.recommend import best_method, recommended
     from bearingwear.studies.solve import life_scene
 
-    keys = {_argument(one.option): key for key, one in LIMITED.items()}
+    keys = {_argument(measure.option): key for key, measure in LIMITED.items()}
     keys |= {"at_speed_only": "at_speed_only", "warmup": "warmup_s"}
     if unknown := sorted(requirements.keys() - keys):
         raise TypeError(f"recommend: got {unknown[0]!r}, expected {', '.join(sorted(keys))}")
-    given = {keys[name]: value for name, value in requirements.items() if value is not None}
-    limits = record(DesignLimits, given, "recommend")
+    limits_given = {keys[name]: value for name, value in requirements.items() if value is not None}
+    limits = record(DesignLimits, limits_given, "recommend")
     checked = life_scene(scene, films=True)
-    found, lives = recommended(checked, limits, checked.name, workers)
-    if limits.given and best_method(found) is None:
+    recommendation, lives = recommended(checked, limits, checked.name, workers)
+    if limits.given and best_method(recommendation) is None:
         text = f"{checked.name}: no preload satisfies all requirements"
         warnings.warn(text, stacklevel=2)
-    return labelled(found if lives is None else lives)
+    return labelled(recommendation if lives is None else lives)
 
 
 def warmup(
@@ -248,7 +248,7 @@ def warmup(
     course: Sequence[tuple[float, float]] | None = None,
     duration: float | None = None,
 ) -> xr.Dataset:
-    """Temperatures, preload and contact pressure on the way to speed, like `bearingwear warmup`.
+    """Compute temperatures, preload and pressure during a warm-up, like `bearingwear warmup`.
 
     Parameters
     ----------
@@ -284,8 +284,8 @@ def warmup(
     from bearingwear.studies.warmup.result import warm_up_dataset
 
     ramp_s = checked.start_s if seconds is None else seconds
-    way = ramp(ramp_s) if course is None else course_of(checked, course)
-    warmed = labelled(warm_up_dataset(checked, way, duration))
+    shaft_course = ramp(ramp_s) if course is None else course_of(checked, course)
+    warmed = labelled(warm_up_dataset(checked, shaft_course, duration))
     if (status := str(warmed["status"].item())) != "ok":
         end = float(warmed["end_time"])
         text = f"{checked.name}: {warmed['ending'].item()} after {end:.4g} s ({status})"
@@ -293,16 +293,16 @@ def warmup(
     return warmed
 
 
-def _made(result: Result, scene: Scene) -> xr.Dataset:
-    """What `solve` and `life` return, and the warnings that go with it."""
-    made = dataset(result, by_name=True)
-    made.attrs["message"] = STATUS_SENTENCES[result.status]
+def _with_warnings(result: Result, scene: Scene) -> xr.Dataset:
+    """Return the dataset of a result, and issue its warnings."""
+    result_dataset = dataset(result, by_name=True)
+    result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
         text = f"{scene.name}: {result.status}: {STATUS_SENTENCES[result.status]}"
         warnings.warn(text, stacklevel=3)
-    for one in warnings_in(made.attrs):
-        warnings.warn(f"{scene.name}: {one['sentence']}; {one['advice']}", stacklevel=3)
-    return made
+    for warning in warnings_in(result_dataset.attrs):
+        warnings.warn(f"{scene.name}: {warning['sentence']}; {warning['advice']}", stacklevel=3)
+    return result_dataset
 
 
 def load(path: str | os.PathLike[str] | xr.Dataset) -> xr.Dataset | Any:
@@ -328,10 +328,10 @@ def load(path: str | os.PathLike[str] | xr.Dataset) -> xr.Dataset | Any:
         return labelled(path)
     if Path(path).suffix in SCENE_SUFFIXES:
         return load_scene(path)
-    found = labelled(read_file(path))
-    if kind_of(found) in (CASE_KIND, LIFE_KIND):
-        found.attrs["message"] = STATUS_SENTENCES[found["status"].item()]
-    return found
+    contents = labelled(read_file(path))
+    if kind_of(contents) in (CASE_KIND, LIFE_KIND):
+        contents.attrs["message"] = STATUS_SENTENCES[contents["status"].item()]
+    return contents
 
 
 def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
@@ -354,11 +354,9 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
     from bearingwear.atomic import OutputError, write_text
 
     if isinstance(data, Scene) != (Path(path).suffix in SCENE_SUFFIXES):
-        given, allowed = (
-            ("a scene", "with") if isinstance(data, Scene) else ("a dataset", "without")
-        )
+        got, allowed = ("a scene", "with") if isinstance(data, Scene) else ("a dataset", "without")
         raise OutputError(
-            f"{path}: got {given}, expected a file name {allowed} the suffix "
+            f"{path}: got {got}, expected a file name {allowed} the suffix "
             f"{' or '.join(SCENE_SUFFIXES)}"
         )
     if isinstance(data, Scene):
@@ -370,7 +368,7 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
 
 
 def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False) -> Document:
-    """The sheet of `bearingwear show`, for `print(show(case))` or display in a notebook.
+    """Make the sheet of `bearingwear show`, for `print(show(case))` or display in a notebook.
 
     Parameters
     ----------
@@ -405,7 +403,7 @@ def new(
     name: str = "bearing",
     **known: float | str,
 ) -> Scene:
-    """A scene from a few catalogue numbers, like `bearingwear new`.
+    """Make a scene from a few catalogue numbers, like `bearingwear new`.
 
     Parameters
     ----------
@@ -439,8 +437,8 @@ def new(
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     if designation is not None and not isinstance(designation, str):
         raise TypeError(f"new: got {designation!r}, expected a designation such as '7008C'")
-    own = inspect.signature(scene_text).parameters.keys() - {"given", *_OF_NEW}
-    allowed = [*own, *keys, RADIAL_CLEARANCE]
+    text_options = inspect.signature(scene_text).parameters.keys() - {"given", *_OF_NEW}
+    allowed = [*text_options, *keys, RADIAL_CLEARANCE]
     if unknown := sorted(known.keys() - allowed):
         raise TypeError(f"new: got {unknown[0]!r}, expected {', '.join(sorted(allowed))}")
     for option, choices in CHOICES.items():
@@ -452,23 +450,23 @@ def new(
         if "clearance" in known:
             raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected only one of them")
         known["clearance"] = known.pop(RADIAL_CLEARANCE)
-    given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
-    others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
-    others |= {"bore": bore, "outside": outside, "designation": designation}
+    numbers: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
+    options: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
+    options |= {"bore": bore, "outside": outside, "designation": designation}
     try:
-        text, assumed = scene_text(name, given=given, **others)
+        text, assumed = scene_text(name, given=numbers, **options)
         return checked_scene(text, f"Assumed or catalogue values: {'; '.join(assumed)}.")
     except SceneError as error:
         raise error.in_source(_argument(error.source)) from None
 
 
 def _argument(option: str) -> str:
-    """`--ball-diameter` as Python has it."""
+    """Return the Python name of an option such as `--ball-diameter`."""
     return option.replace("--", "").replace("-", "_")
 
 
 def example() -> Scene:
-    """The scene `gyro_s1`, an instrument bearing with 2 mm balls at 30 000 r/min."""
+    """Load the scene `gyro_s1`, an instrument bearing with 2 mm balls at 30 000 r/min."""
     from bearingwear.studies.launch import snakefile
 
     return load_scene(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
@@ -489,7 +487,7 @@ class Plot:
     def __call__(
         self, data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None
     ) -> Figure:
-        """The figure of a result, as `bearingwear plot` draws it.
+        """Draw the figure of a result, like `bearingwear plot`.
 
         Parameters
         ----------
@@ -504,7 +502,7 @@ class Plot:
             A ValueError with a one-line message: the file cannot be read, or its kind cannot be
             drawn.
         """
-        return self._drawn(data, STUDY_PLOTS, bearing)
+        return self._figure(data, STUDY_PLOTS, bearing)
 
     def __getattr__(self, name: str) -> Callable[..., Figure]:
         kinds = {kind.replace(" ", "_"): kind for kind in STUDY_PLOTS}
@@ -514,7 +512,7 @@ class Plot:
         drawing = function(STUDY_PLOTS[kind])
 
         def figure(data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None) -> Figure:
-            return self._drawn(data, {kind: STUDY_PLOTS[kind]}, bearing)
+            return self._figure(data, {kind: STUDY_PLOTS[kind]}, bearing)
 
         figure.__name__, figure.__doc__ = name, drawing.__doc__
         return figure
@@ -523,9 +521,10 @@ class Plot:
         return [*super().__dir__(), *(kind.replace(" ", "_") for kind in STUDY_PLOTS)]
 
     @staticmethod
-    def _drawn(
+    def _figure(
         data: str | os.PathLike[str] | xr.Dataset, figures: Registry, bearing: str | None
     ) -> Figure:
+        """Draw a file or a dataset by the function of its kind in `figures`."""
         import matplotlib
         import xarray as xr
 

@@ -43,7 +43,7 @@ MODELS = ("steady", "worn", "dynamic")
 
 
 _EXPECTED = {r"int value: '(.+)'": "a whole number", r"float value: '(.+)'": "a number"}
-"""Messages of argparse, and what is expected instead."""
+"""Expected values in words, by patterns of argparse's messages."""
 
 _CHOICE = re.compile(r"invalid choice: '(.+?)' \(choose from (.+)\)")
 
@@ -52,27 +52,29 @@ class _Parser(argparse.ArgumentParser):
     """A parser whose errors take one line."""
 
     def error(self, message: str) -> NoReturn:
-        for said, expected in _EXPECTED.items():
-            if found := re.search(f"invalid {said}", message):
-                hint = number_hint(found[1])
+        """Exits with one line that says what was given and what is expected."""
+        for pattern, expected in _EXPECTED.items():
+            if match := re.search(f"invalid {pattern}", message):
+                hint = number_hint(match[1])
                 hint = f" ({hint})" if hint else ""
-                message = f"{message[: found.start()]}got {found[1]!r}, expected {expected}{hint}"
-        if found := _CHOICE.search(message):
-            choices = found[2].replace("'", "").split(", ")
+                message = f"{message[: match.start()]}got {match[1]!r}, expected {expected}{hint}"
+        if match := _CHOICE.search(message):
+            choices = match[2].replace("'", "").split(", ")
             by_letters = {choice.lower(): choice for choice in choices}
-            near = difflib.get_close_matches(found[1].lower(), by_letters, n=2, cutoff=0.7)
-            meant = f"; did you mean {' or '.join(by_letters[name] for name in near)}"
+            similar = difflib.get_close_matches(match[1].lower(), by_letters, n=2, cutoff=0.7)
+            advice = f"; did you mean {' or '.join(by_letters[name] for name in similar)}"
             message = (
-                f"{message[: found.start()]}got {found[1]!r}, expected {', '.join(choices)}"
-                f"{meant if near else ''}"
+                f"{message[: match.start()]}got {match[1]!r}, expected {', '.join(choices)}"
+                f"{advice if similar else ''}"
             )
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
 def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
-    """The parser of every command; `run` is the dotted name of the handler.
+    """Returns the parser of every command; `run` is the dotted name of the handler.
 
-    typed: the command to parse, where that is known: other applications then have no options.
+    typed: the command to parse, where that is known; applications with another command then get no
+        options.
     """
     parser = _Parser(
         prog="bearingwear",
@@ -127,24 +129,25 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
     _add_plot(command("plot", "plot a result file"))
     _add_study(command("study", "run the study of a scene, or a study in the current folder"))
     _add_many(command)
-    for one in applications():
-        sub = command(one.command, one.description, one.handler)
-        if typed in (None, one.command):
-            one.add_options(sub)
+    for application in applications():
+        sub = command(application.command, application.description, application.handler)
+        if typed in (None, application.command):
+            application.add_options(sub)
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
 
 # fmt: off
 def _add_sweep(sweep: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `sweep`."""
     sweep.add_argument("scenes", nargs="+", metavar="SCENE.yaml",
         help="a scene file, or several, whose results lie along the dimension scene")
-    changed = sweep.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+    set_option = sweep.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
         help="replace a value in every scene; may be repeated")
-    along = sweep.add_argument("--axis", action="append", default=[], metavar="KEY=VALUES",
+    axis_option = sweep.add_argument("--axis", action="append", default=[], metavar="KEY=VALUES",
         help="values of a key, separated by commas, or LOW:HIGH:COUNT; may be repeated, and every "
         "combination is a point")
-    for option in (changed, along):
+    for option in (set_option, axis_option):
         option.completer = scene_keys  # type: ignore[attr-defined]
     sweep.add_argument("--rows", metavar="FILE.csv", type=Path,
         help="a table instead of axes: its header has keys, and each row is a point")
@@ -166,21 +169,24 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
 
 
 def _add_step(step: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `step`."""
     step.add_argument("function", metavar="FUNCTION")
     step.add_argument("words", nargs="*", metavar="NAME=VALUE")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     step.set_defaults(run="bearingwear.commands:step")
 
 
-def _add_many(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
-    _add_sweep(command("sweep", "solve scenes or their lives at many values of their keys"))
-    _add_gather(command("gather", "gather case files of one scene over their grid, or parts of a "
-        "sweep, into one file"))
-    _add_page(command("page", "write the report page of a study"))
-    _add_compile(command("compile", "compile the solver, which the first solve does otherwise"))
+def _add_many(add_command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    """Adds the commands for many cases."""
+    _add_sweep(add_command("sweep", "solve scenes or their lives at many values of their keys"))
+    _add_gather(add_command("gather", "gather case files of one scene over their grid, or parts "
+        "of a sweep, into one file"))
+    _add_page(add_command("page", "write the report page of a study"))
+    _add_compile(add_command("compile", "compile the solver, which the first solve does otherwise"))
 
 
 def _add_gather(gather: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `gather`."""
     gather.add_argument("files", nargs="+", metavar="CASE.nc", type=Path,
         help="case files that together fill a grid of preload methods, friction coefficients and "
         "wear states, or all parts of a sweep")
@@ -189,6 +195,7 @@ def _add_gather(gather: argparse.ArgumentParser) -> None:
 
 
 def _add_page(page: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `page`."""
     page.add_argument("results", nargs="*", metavar="FILE", type=Path,
         help="results of a study (.nc), tables (.md) and figures (.svg, .png)")
     for name, words in (
@@ -197,16 +204,19 @@ def _add_page(page: argparse.ArgumentParser) -> None:
         ("scenes", "scene files, for their descriptions and the values that they assume"),
     ):
         page.add_argument(f"--{name}", nargs="*", default=[], metavar="FILE", type=Path, help=words)
-    page.add_argument("-o", "--output", required=True, metavar="FILE.html", type=Path,
-        help="the file to write; its links assume that it lies two folders below the study")
+    page.add_argument("-o", "--output", default="results/report/index.html", metavar="FILE.html",
+        type=Path, help="the file to write (default: %(default)s); its links assume that it lies "
+        "two folders below the study")
 
 
 def _add_compile(compiling: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `compile`."""
     compiling.add_argument("models", nargs="*", metavar="MODEL", choices=[[], *MODELS],
         help=f"{', '.join(MODELS)} (default: all)")
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `new`."""
     new.add_argument("names", nargs="*", metavar="[MYBEARING.yaml] DESIGNATION",
         help="the scene file to write (default: named after the designation); an existing file is "
         "never overwritten. Designations: 70xx, 72xx, 73xx or 719xx with the suffix C, AC, A5, E, "
@@ -242,19 +252,21 @@ def _add_new(new: argparse.ArgumentParser) -> None:
 
 
 def _add_fidelity(sub: argparse.ArgumentParser) -> None:
+    """Adds the scene and `--fidelity`."""
     add_scene(sub)
     sub.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
 
 
 def _add_limits(sub: argparse.ArgumentParser) -> None:
-    for key, one in LIMITED.items():
-        text = one.limit[0][0].lower() + one.limit[0][1:]
-        unit, metavar = f", {one.unit}", one.unit.upper().replace("/", "_")
-        if one.unit == "%":
+    """Adds the requirements of a preload."""
+    for key, measure in LIMITED.items():
+        text = measure.limit[0][0].lower() + measure.limit[0][1:]
+        unit, metavar = f", {measure.unit}", measure.unit.upper().replace("/", "_")
+        if measure.unit == "%":
             unit, metavar = "", "SHARE"
-        if one.unit == "1":
+        if measure.unit == "1":
             unit, metavar = "", "RATIO"
-        sub.add_argument(one.option, dest=key, type=not_negative if one.base else positive,
+        sub.add_argument(measure.option, dest=key, type=not_negative if measure.base else positive,
             metavar=metavar, help=f"{text}{unit}")
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
@@ -264,6 +276,7 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
+    """Adds the options for a result file, or for `several` files."""
     if several:
         sub.add_argument("--each", metavar="KEY=VALUE,VALUE...",
             help="solve a case for each value of a key in the scene; -o then names a file for each")
@@ -277,6 +290,7 @@ def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
 
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `uncertainty`."""
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     sub.add_argument("--friction", nargs="+", type=float, default=[], metavar="MU",
         help="ball-race friction coefficients (default: the value in the scene)")
@@ -296,6 +310,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `study`."""
     study.add_argument("name", nargs="?", default="all",
         metavar="SCENE.yaml | NAME | FILE",
         help="a scene to study (wear states, life and its spread, recommended preload, page), "
@@ -313,6 +328,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
 
 
 def _add_warmup(sub: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `warmup`."""
     add_scene(sub)
     add_case(sub)
     ramp = sub.add_mutually_exclusive_group()
@@ -332,7 +348,7 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
 
 
 def _limit_of_ramp(text: str) -> tuple[str, float]:
-    """The name and the value of a limit on the way to speed."""
+    """Reads the name and the value of a limit during a warm-up."""
     name, _, value = text.partition("=")
     if name not in ("pressure", "preload"):
         raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
@@ -340,7 +356,7 @@ def _limit_of_ramp(text: str) -> tuple[str, float]:
 
 
 def _course(text: str) -> list[tuple[float, float]]:
-    """Times [s] and shaft speeds [r/min]."""
+    """Reads times [s] and shaft speeds [r/min]."""
     try:
         pairs = [tuple(map(float, pair.split(":"))) for pair in text.split(",")]
         if not all(len(pair) == 2 for pair in pairs):
@@ -356,6 +372,7 @@ def _course(text: str) -> list[tuple[float, float]]:
 
 
 def _add_show(sub: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `show`."""
     sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
     sub.add_argument("second", nargs="?", metavar="B.nc",
         help="a second result file of the same kind, to print beside the first with the "
@@ -366,6 +383,7 @@ def _add_show(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_plot(sub: argparse.ArgumentParser) -> None:
+    """Adds the arguments of `plot`."""
     sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
     sub.add_argument("-o", "--output", nargs="+", default=[], metavar="FIGURE", type=Path,
         help="figure file; its suffix determines the format (SVG, PNG or PDF); default: FILE.svg "
@@ -378,16 +396,18 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
 
 
 def is_result(text: str) -> bool:
-    """Whether the name of a study is rather that of one of its results."""
+    """Whether the name of a study is that of one of its results."""
     return Path(text).parts[:1] == ("results",)
 
 
 def _names(text: str) -> list[str]:
+    """Splits names at commas."""
     return text.split(",")
 
 
 def _part(text: str) -> tuple[int, int]:
-    number, _, parts = text.partition("/")
-    if not (number.isdecimal() and parts.isdecimal()):
+    """Reads the number of a part and the number of all parts from K/N."""
+    part, _, parts = text.partition("/")
+    if not (part.isdecimal() and parts.isdecimal()):
         raise argparse.ArgumentTypeError(f"got {text!r}, expected K/N such as 3/10")
-    return int(number), int(parts)
+    return int(part), int(parts)

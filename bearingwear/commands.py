@@ -1,4 +1,4 @@
-"""What each command does. Exit statuses: `cli`.
+"""Handlers of the commands. Exit statuses: `cli`.
 
 A handler takes the parsed arguments and returns the exit status. Only what a command needs is
 imported, when it runs: `solve` shall not wait for xarray, nor `show` for numba.
@@ -51,29 +51,30 @@ NEXT = (
     ("recommend", ""),
     ("study", ""),
 )
-"""What is typed after `new`: the command, and how the name of its output ends."""
+"""Commands that `new` suggests next, each with the end of the name of its output."""
 
 TO_CHOOSE_BY = ("recommend", "study")
-"""Those of them that need a limit, which `new` takes from the bearing at rest."""
+"""Those of them that need limits, which `new` estimates from the bearing at rest."""
 
 
 def new(args: argparse.Namespace) -> int:
+    """Writes a scene file and suggests the next commands."""
     from bearingwear.scene.new.scene_file import usual_stiffness, write_scene
 
     if args.list is not None:
-        return _list(args.list)
+        return _print_bearings(args.list)
     path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
-    known = {key: value for key, value in values.items() if value is not None}
+    given_values = {key: value for key, value in values.items() if value is not None}
     names = "bore outside clearance ball_material preload_method preload_class maker lubrication"
-    others = {name: getattr(args, name) for name in names.split()}
+    options = {name: getattr(args, name) for name in names.split()}
     check_folder(Path(path))
     tell_of_new_folder(Path(path))
-    lines = write_scene(path, given=known, designation=designation, **others)
+    lines = write_scene(path, given=given_values, designation=designation, **options)
     print(f"{path}: written; values assumed or taken from a catalogue, as marked in the file:")
     for line in lines:
         print(f"  {line}")
-    for line in _tried(path):
+    for line in _trial_lines(path):
         print(line)
     print("next:")
     limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
@@ -84,21 +85,21 @@ def new(args: argparse.Namespace) -> int:
     return SUCCESS
 
 
-def _list(words: list[str]) -> int:
-    """The bearings of a maker."""
+def _print_bearings(words: list[str]) -> int:
+    """Prints the bearings of a maker."""
     from bearingwear.scene.checking.errors import shown
-    from bearingwear.scene.new.catalogue import MAKERS, listed
+    from bearingwear.scene.new.catalogue import MAKERS, bearings_table
 
     maker = words[0].upper()
     if maker not in MAKERS:
         problem = f"got {shown(words[0])}, expected {', '.join(MAKERS)}"
         raise SceneError("", problem, source="--list")
-    print_text("\n".join(listed(maker, " ".join(words[1:]))))
+    print_text("\n".join(bearings_table(maker, " ".join(words[1:]))))
     return SUCCESS
 
 
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
-    """The scene's file and the designation, of words that are typed; SEA 60 is two."""
+    """Splits typed words into the scene's file and the designation, which may have spaces."""
     if not names:
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
@@ -110,6 +111,7 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
 
 
 def check(args: argparse.Namespace) -> int:
+    """Prints the model and the table of effects of a scene."""
     from bearingwear.document.effects import check_document
     from bearingwear.solvers.effects.choice import choice
 
@@ -124,6 +126,7 @@ def check(args: argparse.Namespace) -> int:
 
 
 def solve(args: argparse.Namespace) -> int:
+    """Solves a scene, or a case for each value of `--each`."""
     if args.each is not None:
         return _solve_each(args)
     args.output = _only_output(args.output)
@@ -137,17 +140,17 @@ def solve(args: argparse.Namespace) -> int:
 
 
 def _only_output(paths: list[str] | None) -> str | None:
-    """The one file that a solve writes."""
+    """Returns the file that a solve writes; refuses several."""
     if paths is None or len(paths) == 1:
         return paths[0] if paths else None
     raise UsageError(f"-o: got {len(paths)} files, expected one, or --each KEY=VALUE,VALUE...")
 
 
 def _solve_each(args: argparse.Namespace) -> int:
-    """A case for each value of `--each`, in a file of its own."""
-    key, _, values = args.each.partition("=")
-    each, outputs = values.split(","), args.output or []
-    if not (key and values) or len(outputs) != len(each):
+    """Solves a case for each value of `--each`, and writes each to its own file."""
+    key, _, values_text = args.each.partition("=")
+    values, outputs = values_text.split(","), args.output or []
+    if not (key and values_text) or len(outputs) != len(values):
         raise UsageError(
             f"--each: got {args.each} with {len(outputs)} files after -o, expected KEY=VALUE,VALUE "
             "and a file for each value"
@@ -160,7 +163,7 @@ def _solve_each(args: argparse.Namespace) -> int:
     from bearingwear.scene.changes import changes_of
     from bearingwear.studies.solve import solved_variants
 
-    variants = [changes_of([*args.set, f"{key}={value}"]) for value in each]
+    variants = [changes_of([*args.set, f"{key}={value}"]) for value in values]
     solved = solved_variants(args.scene, variants, args.fidelity, args.case)
     status = SUCCESS
     for result, path in zip(solved, outputs, strict=True):
@@ -173,41 +176,43 @@ def _solve_each(args: argparse.Namespace) -> int:
 
 
 def sweep(args: argparse.Namespace) -> int:
+    """Solves scenes at many values of their keys and writes a dataset."""
     args.scene = args.scenes[0]  # which errors name
     part = "-{}of{}".format(*args.part) if args.part else ""
     args.output = output_of(args, f"-sweep{part}.nc")
     from bearingwear.scene.changes import changes_of
     from bearingwear.scene.read import variant
-    from bearingwear.studies.points_given import points_given
     from bearingwear.studies.sweep import Sweep
+    from bearingwear.studies.typed_points import typed_points
 
     changes = changes_of(args.set)
     scenes = [variant(path, changes) for path in args.scenes]
     keep = args.keep[0] if args.keep is not None and len(args.keep) == 1 else args.keep
-    points = points_given(args.axis, args.rows)
-    asked = Sweep.of(scenes, points, args.what, args.fidelity, keep)
+    points = typed_points(args.axis, args.rows)
+    planned = Sweep.of(scenes, points, args.what, args.fidelity, keep)
     if args.dry_run:
         from bearingwear.studies.sweep_cost import cost_lines
 
-        print("\n".join(cost_lines(asked, args.jobs, args.part[1] if args.part else 1)))
+        print("\n".join(cost_lines(planned, args.jobs, args.part[1] if args.part else 1)))
         return SUCCESS
     for path in args.scenes:
         check_output(args.output, path)
     tell_of_new_folder(args.output)
     with ProgressLines() as tell:
-        made = asked.dataset(args.jobs, tell, args.part)
+        results = planned.dataset(args.jobs, tell, args.part)
     from bearingwear.results.labels import coded
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.sweep_dataset import sweep_warnings
 
-    write_dataset(coded(made), args.output)
+    write_dataset(coded(results), args.output)
     tell_of_file(args)
-    for text in sweep_warnings(made):
+    for text in sweep_warnings(results):
         sys.stderr.write(one_line(f"{args.output}: {text}"))
-    return SUCCESS if args.record_failures or (made["status"] == "ok").any() else NOT_SOLVED
+    return SUCCESS if args.record_failures or (results["status"] == "ok").any() else NOT_SOLVED
 
 
 def gather(args: argparse.Namespace) -> int:
+    """Joins case files, or parts of a sweep, to one file."""
     from bearingwear.results.netcdf import header
     from bearingwear.studies.dataset import write_dataset
 
@@ -224,6 +229,7 @@ def gather(args: argparse.Namespace) -> int:
 
 
 def page(args: argparse.Namespace) -> int:
+    """Writes the report page of a study."""
     from bearingwear.atomic import write_text
     from bearingwear.page.page import page as written
 
@@ -232,6 +238,7 @@ def page(args: argparse.Namespace) -> int:
 
 
 def compile(args: argparse.Namespace) -> int:
+    """Compiles the kernels of models."""
     from bearingwear.arguments import MODELS
     from bearingwear.studies.compile_model import compile_model
 
@@ -242,6 +249,7 @@ def compile(args: argparse.Namespace) -> int:
 
 
 def life(args: argparse.Namespace) -> int:
+    """Computes the life of a scene."""
     with ProgressLines(args.scene) as tell:
         from bearingwear.scene.read import for_life
 
@@ -253,6 +261,7 @@ def life(args: argparse.Namespace) -> int:
 
 
 def uncertainty(args: argparse.Namespace) -> int:
+    """Computes the spread in life and writes a file."""
     args.output = output_of(args, "-uncertainty.nc")
     check_output(args.output, args.scene)
     with ProgressLines(args.scene) as tell:
@@ -260,7 +269,7 @@ def uncertainty(args: argparse.Namespace) -> int:
         from bearingwear.studies.sampling import SAMPLES, usable_cores
         from bearingwear.studies.uncertainty.quantiles import uncertain_lives
 
-        found = uncertain_lives(
+        spread = uncertain_lives(
             args.scene,
             frictions=args.friction,
             methods=args.method,
@@ -270,9 +279,9 @@ def uncertainty(args: argparse.Namespace) -> int:
             tell=tell,
         )
     tell_of_new_folder(args.output)
-    write_dataset(found, args.output)
+    write_dataset(spread, args.output)
     tell_of_file(args)
-    if not (found["solved_share"] > 0.0).any():
+    if not (spread["solved_share"] > 0.0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed (see {args.output})"))
         return SUCCESS if args.record_failures else NOT_SOLVED
     if not args.quiet:
@@ -281,6 +290,7 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
+    """Prints the recommended preload of a scene."""
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene
 
@@ -290,19 +300,20 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.sampling import usable_cores
 
         limits = _limits(args, scene)
-        found, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
-        sheet = preload_document(found, lives)
+        recommendation, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
+        sheet = preload_document(recommendation, lives)
     if lives is not None and not (lives["status"] == 0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
         return NOT_SOLVED
     print_sheet(sheet, args)
-    if not limits.given or best_method(found) is not None:
+    if not limits.given or best_method(recommendation) is not None:
         return SUCCESS
     sys.stderr.write(one_line(f"{args.scene}: no preload satisfies all requirements"))
     return INFEASIBLE
 
 
 def warmup(args: argparse.Namespace) -> int:
+    """Computes a warm-up and writes a file."""
     args.output = output_of(args, "-warmup.nc")
     scene = given_scene(args)
     from bearingwear.solvers.warmup.transient import course_of, ramp
@@ -320,16 +331,17 @@ def warmup(args: argparse.Namespace) -> int:
                 return NOT_SOLVED
             seconds = shortest
         course = course_of(scene, args.course) if args.course else ramp(seconds)
-        found = warm_up_dataset(scene, course, args.duration)
+        warmed = warm_up_dataset(scene, course, args.duration)
     tell_of_new_folder(args.output)
-    write_dataset(found, args.output)
+    write_dataset(warmed, args.output)
     tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
-    return SUCCESS if found["status"] == 0 else NOT_SOLVED
+    return SUCCESS if warmed["status"] == 0 else NOT_SOLVED
 
 
 def show(args: argparse.Namespace) -> int:
+    """Prints the sheet of a file or a scene, or compares two files."""
     if args.second is not None:
         from bearingwear.document.comparison import comparison_sheet
         from bearingwear.studies import STUDY_SHEETS
@@ -346,6 +358,7 @@ def show(args: argparse.Namespace) -> int:
 
 
 def plot(args: argparse.Namespace) -> int:
+    """Draws a result file."""
     from bearingwear.plotting.plot import plot as draw
     from bearingwear.studies import STUDY_PLOTS
 
@@ -359,14 +372,15 @@ def plot(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
+    """Runs a study of the workflow, or that of one scene."""
     from bearingwear.arguments import is_result
     from bearingwear.studies.launch import DRY_RUN, run_own_study, run_study
     from bearingwear.studies.sampling import usable_cores
 
     jobs = args.jobs or usable_cores()
     if not args.name.endswith(SCENE_SUFFIXES):
-        again = ["--force"] if is_result(args.name) else []
-        return run_study(args.name, jobs, [*args.more, *again, "--rerun-incomplete"])
+        force_options = ["--force"] if is_result(args.name) else []
+        return run_study(args.name, jobs, [*args.more, *force_options, "--rerun-incomplete"])
     from bearingwear.scene.read import load_scene
     from bearingwear.studies.own_study import write_study
 
@@ -385,7 +399,7 @@ def study(args: argparse.Namespace) -> int:
 
 
 def step(args: argparse.Namespace) -> int:
-    """Call a function for a rule of the workflow."""
+    """Calls a function for a rule of the workflow."""
     from bearingwear.studies.run_step import NotSolved, run_step
 
     try:
@@ -396,8 +410,8 @@ def step(args: argparse.Namespace) -> int:
     return SUCCESS
 
 
-def _tried(path: str) -> list[str]:
-    """How the scene that was written solves: its status, and what is to be warned of."""
+def _trial_lines(path: str) -> list[str]:
+    """Solves the written scene and returns lines on its status, stiffness and warnings."""
     from bearingwear.kernels.project import PROJECT
     from bearingwear.results.warnings import warning_lines
     from bearingwear.solvers.effects.choice import LARGEST_KERNEL
@@ -420,7 +434,7 @@ def _tried(path: str) -> list[str]:
         from bearingwear.solvers.bearing.at_rest import RestingPair
 
         pair = RestingPair.of(scene)
-        axial, radial = (1e-6 * one for one in pair.rigidity)
+        axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)
         lines.append(
             f"stiffness of a rigid pair of these bearings at rest: {axial:.3g} N/um axial, "
             f"{radial:.3g} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
@@ -430,23 +444,23 @@ def _tried(path: str) -> list[str]:
 
 
 def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
-    """The limits that are given for a scene, by the options of the table of measures."""
+    """Returns the limits that the options give for a scene."""
     from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
 
-    given = {name: getattr(args, name) for name in LIMITED}
+    values = {name: getattr(args, name) for name in LIMITED}
     warmup_s = scene.start_s if args.warmup_s is AS_IN_DUTY else args.warmup_s
-    given |= {"at_speed_only": args.at_speed_only, "warmup_s": warmup_s}
+    values |= {"at_speed_only": args.at_speed_only, "warmup_s": warmup_s}
     try:
-        return record(DesignLimits, {k: v for k, v in given.items() if v is not None})
+        return record(DesignLimits, {k: v for k, v in values.items() if v is not None})
     except SceneError as error:
         option = LIMITED[error.key].option if error.key in LIMITED else "limits"
         raise SceneError("", error.problem, source=option) from None
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
-    """The file of `--restart`; first checks that the scene is solved by the dynamic model."""
+    """Reads the file of `--restart`, for a scene that the dynamic model solves."""
     from bearingwear.results.restart import restart_from
     from bearingwear.solvers.effects.choice import choice
     from bearingwear.solvers.solve import check_restart
@@ -456,8 +470,7 @@ def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:
-    """Write the file, print the sheet; say so if the solver failed."""
-
+    """Writes the file, prints the sheet, reports a failure and returns the exit status."""
     if args.record_timing:
         result.attrs["wall_time_s"] = float(result.wall_time_s)
     if args.output is not None:
@@ -473,6 +486,6 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
         print_sheet(sheet(args.output) if args.output else sheet_of_result(result), args)
     if result.status == "ok":
         return SUCCESS
-    where = f" (see {args.output})" if args.output else ""
-    sys.stderr.write(one_line(f"{args.scene}: {result.status}: {result.reason}{where}"))
+    file_note = f" (see {args.output})" if args.output else ""
+    sys.stderr.write(one_line(f"{args.scene}: {result.status}: {result.reason}{file_note}"))
     return SUCCESS if args.record_failures else NOT_SOLVED

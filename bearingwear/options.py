@@ -120,7 +120,7 @@ def positive_count(text: str) -> int:
 
 def scene_keys(**_: Any) -> list[str]:
     """Keys of `--set`, for completion in a shell."""
-    from bearingwear.scene.checking.records import keys, whole
+    from bearingwear.scene.checking.records import file_part, keys
     from bearingwear.scene.scene import Scene
 
-    return [f"{key}=" for key, part in keys(whole(Scene)) if part.kind != "block"]
+    return [f"{key}=" for key, part in keys(file_part(Scene)) if part.kind != "block"]

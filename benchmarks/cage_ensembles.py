@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.applications.cage.ensemble import half_interval, is_met, kept_in
+from bearingwear.applications.cage.ensemble import half_interval, is_met, resumed_ensemble
 from bearingwear.applications.cage.plan import FEWEST, Ensemble
 from bearingwear.applications.cage.show import shares_in_words
 from bearingwear.scene.read import variant
@@ -34,7 +34,9 @@ PARTS = ("work", "pocket_work", "land_work")
 def made(folder: Path, name: str, changes: dict, **plan) -> xr.Dataset:
     """An ensemble and its file; prints what it found and the CPU time of new runs."""
     begun = resource.getrusage(resource.RUSAGE_SELF).ru_utime
-    with kept_in(folder / f"{name}.nc", variant(SCENE, changes), Ensemble(**plan)) as found:
+    with resumed_ensemble(
+        folder / f"{name}.nc", variant(SCENE, changes), Ensemble(**plan)
+    ) as found:
         write_dataset(found, folder / f"{name}.nc")
     spent = resource.getrusage(resource.RUSAGE_SELF).ru_utime - begun
     turns = float(found["mean_turns"][0])

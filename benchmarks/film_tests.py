@@ -169,7 +169,8 @@ the two-disc test [6], K_s/H was {MOS2_WEAR[1]:.2g} m²/N during running-in, con
 pressure, {running_in} times the bound from [1]. The 90 % interval of K_s/H in the table of
 coefficients extends from one of these values to the other, so the run-out lies at the lower end of
 the interval. In air [7], K_s/H was at most 6.2e-16 m²/N at 660 MPa and 30 °C; the median there is
-{wear.median * table().factor(660e6, 30.0):.2g} m²/N.
+{wear.median * table().factor(660e6, 30.0):.2g} m²/N. At 100 °C, the track in [7] may show bare
+metal, so its film may have been worn through.
 
 **Cause.** A transferred and compacted film, in which patches of material move back and forth, wears
 much more slowly than a film in its first thousand cycles. A single value of K_s/H cannot describe
@@ -193,8 +194,9 @@ wear coefficient of the nearest row is used there, with a warning.
    (2018), p. 141
 8. ESTL, same volume, p. 151
 
-Only the abstracts of references 1 to 6 were read. The numbers of 7 and 8 come from an excerpt of \
-the proceedings; the papers themselves were not opened for this page.
+Only the abstracts of references 1 to 6 were read; 7 and 8 were read without their figures, in a \
+[copy of the text](https://github.com/dan-s-mueller/aerospace_chatbot/tree/8d6a2a98/data/AMS) of \
+the proceedings.
 """
     blocks = text.rstrip("\n").split("\n\n")
     return "\n\n".join(_wrapped(block) for block in blocks) + "\n"

@@ -18,7 +18,7 @@ import yaml
 from scene_schema import default
 
 from bearingwear.scene.checking.errors import yaml_number
-from bearingwear.scene.checking.records import Part, keys, whole
+from bearingwear.scene.checking.records import Part, file_part, keys
 from bearingwear.scene.scene import Scene
 
 LINE_LENGTH = 100
@@ -34,7 +34,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def key_list(record_type: type = Scene) -> str:
     """Markdown list: key, unit, meaning, what is allowed, default."""
-    return "\n".join(_item(path, part) for path, part in keys(whole(record_type)))
+    return "\n".join(_item(path, part) for path, part in keys(file_part(record_type)))
 
 
 def _item(path: str, part: Part) -> str:
@@ -55,10 +55,10 @@ def schema_list(path: str) -> str:
     return "\n".join(_schema_items(schema, schema, ""))
 
 
-def _schema_items(schema: dict, whole: dict, path: str) -> Iterator[str]:
-    """Items of the keys below a part of a schema, whose references are in `whole`."""
+def _schema_items(schema: dict, file_schema: dict, path: str) -> Iterator[str]:
+    """Items of the keys below a part of a schema, whose references are in `file_schema`."""
     for name, given in schema.get("properties", {}).items():
-        part = _resolved(given, whole)
+        part = _resolved(given, file_schema)
         required = name in schema.get("required", ())
         default = "required" if required else f"default: {json.dumps(part.get('default'))}"
         key, choices = f"{path}{name}", part.get("enum") or part.get("items", {}).get("enum")
@@ -68,13 +68,13 @@ def _schema_items(schema: dict, whole: dict, path: str) -> Iterator[str]:
         for below, suffix in ((part, "."), (part.get("items"), "[]."),
                               (part.get("additionalProperties"), ".NAME.")):  # fmt: skip
             if isinstance(below, dict):
-                yield from _schema_items(_resolved(below, whole), whole, key + suffix)
+                yield from _schema_items(_resolved(below, file_schema), file_schema, key + suffix)
 
 
-def _resolved(part: dict, whole: dict) -> dict:
+def _resolved(part: dict, file_schema: dict) -> dict:
     if "$ref" not in part:
         return part
-    return whole["$defs"][part["$ref"].rpartition("/")[2]] | part
+    return file_schema["$defs"][part["$ref"].rpartition("/")[2]] | part
 
 
 def _wrapped(text: str) -> str:

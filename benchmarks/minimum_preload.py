@@ -311,7 +311,7 @@ def drawn() -> Figure:
     ]
     frame(
         figure,
-        "At two makers' least preloads, a friction of 0.02 to 0.05 holds the balls",
+        "At two makers' least preloads, a friction of about 0.02 to 0.05 holds the balls",
         handles,
         4,
     )

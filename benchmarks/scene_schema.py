@@ -9,7 +9,7 @@ import functools
 import json
 from typing import Any
 
-from bearingwear.scene.checking.records import NAME, Part, whole
+from bearingwear.scene.checking.records import NAME, Part, file_part
 from bearingwear.scene.scene import Scene
 
 
@@ -20,7 +20,7 @@ def schema(record_type: type = Scene) -> dict[str, Any]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": f"bearingwear {record_type.__name__.lower()}",
         "description": "Each key's description reads: meaning; unit; what is allowed.",
-        **_block(whole(record_type)),
+        **_block(file_part(record_type)),
     }
 
 

@@ -33,7 +33,7 @@ from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.plan import (
     base_scene,
     draw_blocks,
-    drawn,
+    drawn_values,
     draws,
     read_robustness,
 )
@@ -121,7 +121,7 @@ def main():
     for name in ("steady", "steady_stress"):
         ends, spent = Counter(), np.zeros(2)
         draw = draws(draw_blocks(plan, name))
-        for k, values in enumerate(drawn(draw, seed, count)):
+        for k, values in enumerate(drawn_values(draw, seed, count)):
             try:
                 scene = drawn_scene(base, values)
             except SceneError:

@@ -11,7 +11,7 @@ from bearingwear.results.warnings import warning_line
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.effects.choice import Choice, accuracy_sentence, effort
+from bearingwear.solvers.effects.choice import Choice, accuracy_sentence, effort_sentence
 from bearingwear.solvers.effects.sizes import effect_sizes
 from bearingwear.solvers.effects.table import EFFECTS
 from bearingwear.solvers.effects.warnings import warnings_of
@@ -75,7 +75,7 @@ def _model_lines(scene: Scene, scene_data: Mapping[str, Any], chosen: Choice) ->
     lines = [
         line for effect in EFFECTS if effect.id in WITH_SENTENCE for line in effect.modelled(chosen)
     ]
-    lines += [accuracy_sentence(scene, chosen), effort(scene, chosen)]
+    lines += [accuracy_sentence(scene, chosen), effort_sentence(scene, chosen)]
     if scene.cases:
         names = ", ".join(scene.in_cases)
         lines.append(

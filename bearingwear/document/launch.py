@@ -6,31 +6,43 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from bearingwear.results.units import digits
-from bearingwear.solvers.bearing.launch import Launched
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.launch import LaunchResult
 
 _UM, _GPA = 1e6, 1e-9
 NEW_AND_WORN = 2
 """States of one case."""
 
+SOFT_PAIR_GAPS = (
+    "a spring-loaded pair that gaps strikes back: its loads may be 2 to 4 times those of three "
+    "sigma, as measured (docs/launch.md)"
+)
 
-def state_suffix(state: str, states: Mapping[str, Launched]) -> str:
+
+def state_suffix(state: str, states: Mapping[str, LaunchResult]) -> str:
     """Returns the words that add a state to a text, if there are several states."""
     return f", {state}" if len(states) > 1 else ""
 
 
-def state_of_largest_gap(states: Mapping[str, Launched]) -> str:
+def state_of_largest_gap(states: Mapping[str, LaunchResult]) -> str:
     """Returns the name of the state in which a bearing gaps most."""
     return max(states, key=lambda state: states[state].gap)
 
 
-def state_of_largest_pressure(states: Mapping[str, Launched]) -> str:
+def state_of_largest_pressure(states: Mapping[str, LaunchResult]) -> str:
     """Returns the name of the state whose pressure is the largest share of that which dents."""
     return max(states, key=lambda state: states[state].pressure_share)
 
 
-def launch_verdict(states: Mapping[str, Launched]) -> list[str]:
+def launch_verdict(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
     """States whether a bearing gaps and whether one dents, in sentences that name the state."""
-    return _gap_sentences(states) + _dent_sentences(states)
+    return _gap_sentences(states) + _dent_sentences(states) + _soft_pair_sentences(scene, states)
+
+
+def _soft_pair_sentences(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
+    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
+    has_spring = scene.operation.preload_method == "constant_force"
+    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
 
 
 class _OpenBearing(NamedTuple):
@@ -42,7 +54,7 @@ class _OpenBearing(NamedTuple):
     leaves_its_groove: bool
 
 
-def _gap_sentences(states: Mapping[str, Launched]) -> list[str]:
+def _gap_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
     """States by how much a bearing gaps in the worst state, or that none does."""
     worst = state_of_largest_gap(states)
     loads, suffix = states[worst].loads, state_suffix(worst, states)
@@ -80,7 +92,7 @@ def _gap_sentences(states: Mapping[str, Launched]) -> list[str]:
     return sentences
 
 
-def _dent_sentences(states: Mapping[str, Launched]) -> list[str]:
+def _dent_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
     """States the largest peak pressure as a share of that which dents; empty without loads."""
     worst = state_of_largest_pressure(states)
     state = states[worst]

@@ -32,6 +32,7 @@ from bearingwear.results.quantiles import (
     uncertainties_at,
 )
 from bearingwear.results.units import Rough, display
+from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 
 MOST_LISTED = 8
 """Most values of a coordinate that are listed; of more, only the first and the last are."""
@@ -58,7 +59,10 @@ def study_document(file: Any) -> Document:
         ranges = tuple(_range_row(file, name) for name in names)
         blocks.append(Block("variable", ("least", "most"), ranges))
     blocks += _life_blocks(file)
-    return Document((title,), {"kind": kind_of(file), "title": title}, tuple(blocks))
+    heading = [title]
+    if kind_of(file) == KIND and "preload_N" in stored_scene(file)["operation"]:
+        heading += minimum_preload_lines(stored_scene(file))
+    return Document(tuple(heading), {"kind": kind_of(file), "title": title}, tuple(blocks))
 
 
 def _status_rows(file: Any) -> Iterator[Row]:

@@ -28,61 +28,74 @@ _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 
 
 def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
-    """Wear life of a scene with a dynamic run at every step, and the steady life beside it.
+    """Returns values and attributes of a life with a dynamic run at every step.
 
-    Returns values and attributes of a life file.
+    They include the steady life beside it.
     """
     values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
     method = Trapezoid(_MOST_STEPS * wearing.steps)
     life = follow(wearing, Criteria(scene), method)
     values |= {"status": life.status, "end_criterion": life.criterion}
-    left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
+    left_out = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     attrs = {
-        "solves": len(life.tried),
-        "steady_life_of": f"the scene without {', '.join(left)}" if left else "the scene",
-        "residual": f"last run: {run_at(life.tried[-1]).residual}",
+        "solves": len(life.tried_nodes),
+        "steady_life_of": f"the scene without {', '.join(left_out)}" if left_out else "the scene",
+        "residual": f"last run: {run_at(life.tried_nodes[-1]).residual}",
     }
     if life.nodes[0].status == code.OK:
-        values |= ends(life) | life_histories(life)
+        values |= length_and_errors(life) | life_histories(life)
         values |= steady_time_to_loss(scene, values["loss_at_end"])
     return values, attrs
 
 
-def ends(life: Life) -> dict:
-    """Life and its errors; the life is a lower bound where no criterion was met."""
-    wearing: Motion = life.wearing
-    last, error, estimate = life.last, math.nan, math.nan
-    values: dict[str, Any] = {"loss_at_end": float(wearing.parts.loss(last.worn).mean())}
+def length_and_errors(life: Life) -> dict:
+    """Returns the life, a lower bound where no criterion was met, its errors and its last loss."""
+    wearing, last = life.wearing, life.last
+    error, estimate = math.nan, math.nan
     if life.status == code.OK and last.x > 0.0:
-        time = np.array([node.x for node in life.nodes])
-        error = life.error
-        # each film's end, then that of the life
-        begun = [0, *(np.flatnonzero(np.diff(time) == 0.0) + 1).tolist()]
-        ends = [*begun[1:], time.size]
-        for first, end, film in zip(begun, ends, [*wearing.gone, None], strict=True):
-            if end - first > 1:
-                nodes = life.nodes[first:end]
-                rate = np.array([wearing.end_rate(node, life.criterion, film) for node in nodes])
-                at_end = 0.5 * (rate[-2] + rate[-1])
-                error += integration_error(time[first:end], rate) / at_end
-        by_runs = [
-            run_at(node).values.get("wear_rate_error_estimate", math.nan) for node in life.nodes
-        ]
+        error = _error_bound(life)
         # No run estimates the error of a clearance's growth.
         if not wearing.is_of_cage(life.criterion):
-            mean = float(np.trapezoid(by_runs, time)) / last.x
-            estimate = ROUNDING + error / last.x + mean
+            run_errors = [
+                run_at(node).values.get("wear_rate_error_estimate", math.nan) for node in life.nodes
+            ]
+            time = np.array([node.x for node in life.nodes])
+            mean_run_error = float(np.trapezoid(run_errors, time)) / last.x
+            estimate = ROUNDING + error / last.x + mean_run_error
     factor, _ = parameters.wear_factors(wearing.scene)
-    values |= {"life": last.time, "normalised_life": last.time * factor}
-    values["life_error_bound"] = error
+    values: dict[str, Any] = {
+        "loss_at_end": float(wearing.parts.loss(last.worn).mean()),
+        "life": last.time,
+        "normalised_life": last.time * factor,
+        "life_error_bound": error,
+    }
     return values | ({"life_error_estimate": estimate} if math.isfinite(estimate) else {})
 
 
-def life_histories(life: Life) -> dict:
-    """Wear and results at each node; NaN where a node was not solved."""
+def _error_bound(life: Life) -> float:
+    """Returns a bound on the error of a life [s]: of the time of its end, and by its steps.
+
+    Steps make the end of each film and that of the life uncertain.
+    """
     wearing: Motion = life.wearing
-    p, nodes = wearing.parts.layout, life.tried
+    time = np.array([node.x for node in life.nodes])
+    starts = [0, *(np.flatnonzero(np.diff(time) == 0.0) + 1).tolist()]
+    ends = [*starts[1:], time.size]
+    error = life.error
+    for start, end, film in zip(starts, ends, [*wearing.films_gone, None], strict=True):
+        if end - start > 1:
+            nodes = life.nodes[start:end]
+            rate = np.array([wearing.end_rate(node, life.criterion, film) for node in nodes])
+            rate_at_end = 0.5 * (rate[-2] + rate[-1])
+            error += integration_error(time[start:end], rate) / rate_at_end
+    return error
+
+
+def life_histories(life: Life) -> dict:
+    """Returns wear and results at each node; NaN where a node was not solved."""
+    wearing: Motion = life.wearing
+    p, nodes = wearing.parts.layout, life.tried_nodes
     runs = [run_at(node) for node in nodes]
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)
@@ -111,12 +124,12 @@ def life_histories(life: Life) -> dict:
         "history_land_worn_volume": worn[:, p.land],
         "history_pocket_wear_rate": rates[:, p.pocket],
         "history_land_wear_rate": rates[:, p.land],
-        **history_values(states, wearing.parts.of_cage(nodes[0].worn)),
+        **history_values(states, wearing.parts.cage_values(nodes[0].worn)),
     }
 
 
 def steady_life(scene: Scene) -> Life:
-    """Steady life under the thrust alone, without cage, with the mean loss on every ball."""
+    """Returns the steady life under thrust alone, without cage, with the mean loss on all balls."""
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
     reduced = thrust_alone(scene).without_cage
     reduced = replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
@@ -124,7 +137,7 @@ def steady_life(scene: Scene) -> Life:
 
 
 def steady_life_values(scene: Scene) -> dict:
-    """Life, end and loss at the end by the steady model."""
+    """Returns the life, the criterion and the loss at the end by the steady model."""
     life = steady_life(scene)
     values: dict = {"steady_status": life.status, "steady_end_criterion": life.criterion}
     if life.status == code.OK:
@@ -136,7 +149,7 @@ def steady_life_values(scene: Scene) -> dict:
 
 
 def steady_time_to_loss(scene: Scene, loss: float) -> dict:
-    """Time that the steady model takes to lose what the dynamic life lost in all."""
+    """Returns the time that the steady model takes to reach a loss [m]; empty where it does not."""
     end = EndOfLife(ball_diameter_loss_um=loss / parameters.UM)
     if not loss > float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM:
         return {}

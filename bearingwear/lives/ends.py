@@ -1,4 +1,4 @@
-"""How far a bearing is from what ends its life."""
+"""End-of-life criteria, and the margin that a bearing has left to each."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,11 +11,11 @@ from bearingwear.solvers.bearing.mounted import MM
 from bearingwear.solvers.state import State
 
 NO_CRITERION = len(ENDS)
-"""Index of no criterion in `CRITERIA`."""
+"""Index that stands for no criterion, after those in `CRITERIA`."""
 
 
 def largest_loss(scene: Scene) -> float:
-    """Loss of ball diameter of a bearing beyond which no life is followed [m]."""
+    """Returns the loss of ball diameter [m] beyond which no life of a bearing is followed."""
     return LARGEST_LOSS * (scene.bearing.ball_diameter_mm * MM)
 
 
@@ -25,25 +25,25 @@ class Criteria:
     def __init__(self, scene: Scene):
         self.preloads_N = [side.operation.preload_N for side in scene.one_of_alike.sides]
         end = scene.wear.end_of_life or EndOfLife()
-        self._asked = [
+        self._limits = [
             (k, measure, limit)
             for k, (name, measure) in enumerate(ENDS.items())
             if (limit := getattr(end, name)) is not None
         ]
 
     def margins(self, states: Sequence[State]) -> np.ndarray:
-        """Margin of the nearest bearing to each criterion of `CRITERIA`.
+        """Returns the margin of the nearest bearing to each criterion of `CRITERIA`.
 
-        Positive before, zero or below where it is met; infinite where it is not asked for, or the
-        state does not know its measure.
+        A margin is positive before the criterion is met, and zero or below from then on. It is
+        infinite where the scene has no such criterion, or a state does not know its measure.
         """
-        found = np.full(NO_CRITERION, np.inf)
+        margins = np.full(NO_CRITERION, np.inf)
         for state, preload in zip(states, self.preloads_N, strict=True):
-            for k, measure, limit in self._asked:
+            for k, measure, limit in self._limits:
                 margin = measure.margin(measure.critical(state.__getitem__, preload)[0], limit)
-                if margin < found[k]:  # which none is that is not known
-                    found[k] = margin
-        return found
+                if margin < margins[k]:  # False for NaN, a measure that is not known
+                    margins[k] = margin
+        return margins
 
 
 def with_end(scene: Scene, end: EndOfLife) -> Scene:

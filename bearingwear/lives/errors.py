@@ -1,8 +1,11 @@
-"""Numerical errors of lives, estimated by lives with other settings (see `solvers.estimates`)."""
+"""Estimates of the numerical errors of lives, by lives with other settings.
+
+The weights of the settings are those of `solvers.estimates`.
+"""
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,163 +33,173 @@ WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
 def surface_error(scene: Scene, life: Life) -> dict:
-    """Estimate for a steady life whose contacts stay Hertzian; none without an end of its own."""
-    now = life.last.time
-    if life.status != code.OK or not now > 0.0:
+    """Returns the estimated relative error of a steady life whose contacts stay Hertzian.
+
+    The dictionary is empty where the life has no end of its own, or cannot be compared.
+    """
+    length = life.last.time
+    if life.status != code.OK or not length > 0.0:
         return {}
-    total = ROUNDING + life.error / now
+    estimate = ROUNDING + life.error / length
     for accuracy, weight in WEIGHTS.items():
-        states = solver_of(scene, "steady", accuracy)
+        solver = solver_of(scene, "steady", accuracy)
         if is_one_integral(scene):
-            change = _changed_along(life, states, Criteria(scene))
+            change = _change_by_solver(life, solver, Criteria(scene))
         else:
-            other = surface_life(scene, states, quick=True)
-            is_alike = (other.status, other.criterion) == (life.status, life.criterion)
-            change = abs(other.last.time - now) / now if is_alike else None
+            other = surface_life(scene, solver, quick=True)
+            change = abs(other.last.time - length) / length if other.ends_like(life) else None
         if change is None:
             return {}
-        total = total + weight * change
-    return {"life_error_estimate": total}
+        estimate = estimate + weight * change
+    return {"life_error_estimate": estimate}
 
 
-def _changed_along(life: Life, states: Remembered, ends: Criteria) -> float | None:
-    """Relative change of a life by other states at its start, middle and end."""
-    nodes = [life.nodes[k] for k in (0, len(life.nodes) // 2, -1)]
-    states.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
-    others = [states.at(node.x) for node in nodes]
-    if not all(one.is_solved for one in others):
+def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float | None:
+    """Returns the relative change of a life by another solver of its start, middle and end."""
+    nodes = life.three_nodes()
+    solver.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
+    others = [solver.at(node.x) for node in nodes]
+    if not all(other.is_solved for other in others):
         return None
-    each = zip(nodes, others, strict=True)
-    longer = np.array([node.states[0].rate / one.rate - 1.0 for node, one in each])
-    change = changed_by(life, longer, nodes, others[-1:], ends)
+    pairs = zip(nodes, others, strict=True)
+    slowing = np.array([node.states[0].rate / other.rate - 1.0 for node, other in pairs])
+    change = relative_life_change(life, slowing, nodes, others[-1:], ends)
     return None if change is None else float(change)
 
 
-def changed_by(
+def relative_life_change(
     life: Life,
-    longer: np.ndarray,
+    slowing: np.ndarray,
     nodes: Sequence[Node],
     other_end: Sequence[State],
     ends: Criteria,
 ) -> Any:
-    """Relative change of a life by other states; None if it would end by another criterion.
+    """Returns the relative change of a life by other states; None if another criterion ends it.
 
-    `longer` is the relative change of the inverse rates of one bearing or more at some nodes
-    (nodes, ...), which is integrated; the margin of the other state at the end shifts the end, by
-    its last slope.
+    `slowing` (nodes, ...) is the relative change of the inverse wear rates of one bearing or more
+    at some nodes. It is integrated over time. The margin of the other state at the end shifts the
+    end, by the last slope of that margin.
     """
     times = np.array([node.time for node in nodes])
-    before, left = life.nodes[-2], ends.margins(other_end)
-    if np.delete(left, life.criterion).min() <= 0.0:
+    before, margins = life.nodes[-2], ends.margins(other_end)
+    if np.delete(margins, life.criterion).min() <= 0.0:
         return None
-    shift = left[life.criterion] / ends.margins(before.states)[life.criterion]
-    change = np.trapezoid(longer, times, axis=0) + shift * (times[-1] - before.time)
+    shift = margins[life.criterion] / ends.margins(before.states)[life.criterion]
+    change = np.trapezoid(slowing, times, axis=0) + shift * (times[-1] - before.time)
     return np.abs(change) / times[-1]
 
 
-class _Compared(Grooves):
+class _ComparedNode(NamedTuple):
+    """A node of a life with worn grooves, and other states of its bearings with the same wear."""
+
+    node: Node
+    states: list[States]  # solved again, then with each accuracy of `WEIGHTS`
+
+
+class _ComparedGrooves(Grooves):
     """Grooves of which every few states are solved again, and with other accuracies.
 
-    Again, because the cells lie otherwise then: that alone changes a state by up to 2 %.
+    They are solved again because the cells lie otherwise then: that alone changes a state by up
+    to 2 %.
     """
 
     def __init__(self, scene: Scene):
         super().__init__(scene, QUICK_GROOVES)
-        self._kept = 0
-        self.compared: list[tuple[Node, list[States]]] = []
+        self._node_count = 0
+        self.compared: list[_ComparedNode] = []
 
     def completed(self, node: Node) -> Node:
-        if self._kept % EVERY == 0:
+        if self._node_count % EVERY == 0:
             self.compare(node)
-        self._kept += 1
+        self._node_count += 1
         return node
 
     def compare(self, node: Node) -> None:
-        own = [side.problem for side in self.sides]
-        other = [side.problem.perturbed(side.scene) for side in self.sides]
-        found = []
-        for problems in (own, *zip(*other, strict=True)):
-            self._solve_with(problems)
-            found.append(self.state(node.worn))
-        self._solve_with(own)
-        self.compared.append((node, found))
+        """Solves the bearings of a node again, and with each other accuracy."""
+        problems = [side.problem for side in self.sides]
+        others = [side.problem.perturbed(side.scene) for side in self.sides]
+        states = []
+        for of_sides in (problems, *zip(*others, strict=True)):
+            self._set_problems(of_sides)
+            states.append(self.state(node.worn))
+        self._set_problems(problems)
+        self.compared.append(_ComparedNode(node, states))
 
-    def _solve_with(self, problems: Sequence[ThrustProblem]) -> None:
+    def _set_problems(self, problems: Sequence[ThrustProblem]) -> None:
         for side, problem in zip(self.sides, problems, strict=True):
             side.problem = problem
 
-    def worn_off(self, states: States) -> np.ndarray:
-        """Rate of loss of each bearing, from mean depths over the width when new [m/s]."""
-        each, share = zip(self.sides, states, strict=True), 0.5 * ARC_STEP
-        rates = [side.rate(state.answer) for side, state in each]
-        return np.array([w.ball + share * w.grooves.sum() for w in rates])
+    def loss_rates(self, states: States) -> np.ndarray:
+        """Returns each bearing's rate of loss [m/s], by mean depths over the width when new."""
+        rates = [side.rate(state.answer) for side, state in zip(self.sides, states, strict=True)]
+        return np.array([rate.ball + 0.5 * ARC_STEP * rate.grooves.sum() for rate in rates])
 
 
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
-    """Bound on the error of the steps, and the estimate of all; by lives in longer steps.
+    """Returns a bound on the error of the steps, and an estimate of all errors of a groove life.
 
-    That of the steps is at most twice what steps half as long again change. That of the cells is
-    taken from a life with fewer cells; along that, states with half of v_r and with twice the
-    points change its rates and its end.
+    Steps half as long again show the error of the steps, of which the bound is twice the change.
+    A life with fewer cells shows the error of the cells. Along that life, half of v_r and twice
+    the points change its rates and its end.
 
     length, criterion: of the life [s], and what ended it.
     """
     if not length > 0.0:
         return {}
-    wearing = _Compared(scene)
-    lives = [
-        follow_grooves(Grooves(scene, QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells))),
-        follow_grooves(wearing),
-    ]
-    coarse, few = (
-        one.last.time if (one.status, one.criterion) == (code.OK, criterion) else math.nan
-        for one in lives
+    wearing = _ComparedGrooves(scene)
+    coarse_life = follow_grooves(Grooves(scene, QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells)))
+    few_cells_life = follow_grooves(wearing)
+    coarse, few_cells = (
+        other.last.time if (other.status, other.criterion) == (code.OK, criterion) else math.nan
+        for other in (coarse_life, few_cells_life)
     )
     bound = 2.0 * abs(coarse - length)
     values = {"life_error_bound": bound}
-    estimate = ROUNDING + (bound + abs(few - coarse)) / length
+    estimate = ROUNDING + (bound + abs(few_cells - coarse)) / length
     if math.isfinite(estimate):
-        estimate += _of_accuracies(wearing, lives[1], Criteria(scene))
+        estimate += _accuracy_error(wearing, few_cells_life, Criteria(scene))
     if math.isfinite(estimate):
         values["life_error_estimate"] = estimate
     return values
 
 
-def _of_accuracies(wearing: _Compared, life: Life, ends: Criteria) -> float:
-    """Error of a life by v_r and by points, from the states compared; NaN where it is not known."""
-    if wearing.compared[-1][0] is not life.last:
+def _accuracy_error(wearing: _ComparedGrooves, life: Life, ends: Criteria) -> float:
+    """Returns the relative error of a life by v_r and by points; NaN where it is not known."""
+    if wearing.compared[-1].node is not life.last:
         wearing.compare(life.last)
-    nodes, found = zip(*wearing.compared, strict=True)
-    if not all(one.is_solved for each in found for states in each for one in states):
+    compared = wearing.compared
+    if not all(state.is_solved for entry in compared for sides in entry.states for state in sides):
         return math.nan
-    rates = np.array([[wearing.worn_off(states) for states in each] for each in found])
+    # (nodes, solved again and with each accuracy, bearings)
+    rates = np.array([[wearing.loss_rates(sides) for sides in entry.states] for entry in compared])
+    nodes = [entry.node for entry in compared]
     total = 0.0
     for k, weight in enumerate(WEIGHTS.values(), 1):
-        longer = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
-        change = changed_by(life, longer, nodes, found[-1][k], ends)
+        slowing = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
+        change = relative_life_change(life, slowing, nodes, compared[-1].states[k], ends)
         total += math.nan if change is None else weight * change.max()
     return total
 
 
 def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
-    """Bound on the error of a trapezoidal integral by steps and by scatter of the runs.
+    """Returns a bound on the error of a trapezoidal integral by steps and by scatter of the runs.
 
-    A third of the change by steps twice as long, plus twice the standard error of the sum. The
-    latter comes from the scatter of the nodes about parabolas through their neighbours.
+    It is a third of the change by steps twice as long, plus twice the standard error of the sum.
+    The latter comes from the scatter of the nodes about parabolas through their neighbours.
     """
     last = len(time) - 1
     if last < 2:
         return math.nan
-    kept = np.r_[0:last:2, last] if last % 2 == 0 else np.r_[0 : last - 2 : 2, last]
-    coarse = np.trapezoid(rate[kept], time[kept])
-    steps = abs(float(np.trapezoid(rate, time) - coarse)) / 3.0
-    left = []
+    every_other = np.r_[0:last:2, last] if last % 2 == 0 else np.r_[0 : last - 2 : 2, last]
+    coarse = np.trapezoid(rate[every_other], time[every_other])
+    step_error = abs(float(np.trapezoid(rate, time) - coarse)) / 3.0
+    scatter = []
     for k in range(last - 2):
         t = (time[k : k + 4] - time[k]) / (time[k + 3] - time[k])
-        apart = t[:, None] - t + np.eye(4)
-        weights = 1.0 / apart.prod(axis=1)  # blind to parabolas
-        left.append(weights @ rate[k : k + 4] / np.linalg.norm(weights))
+        distances = t[:, None] - t + np.eye(4)
+        coefficients = 1.0 / distances.prod(axis=1)  # of a third difference: blind to parabolas
+        scatter.append(coefficients @ rate[k : k + 4] / np.linalg.norm(coefficients))
     h = np.diff(time)
-    shares = 0.5 * (np.append(h, 0.0) + np.append(0.0, h))
-    deviation = math.sqrt(np.mean(np.square(left))) if left else 0.0
-    return steps + SCATTER * deviation * float(np.linalg.norm(shares))
+    weights = 0.5 * (np.append(h, 0.0) + np.append(0.0, h))  # of the nodes in the integral
+    deviation = math.sqrt(np.mean(np.square(scatter))) if scatter else 0.0
+    return step_error + SCATTER * deviation * float(np.linalg.norm(weights))

@@ -4,7 +4,7 @@ A way to wear (`Wearing`) says what wears, the state of the bearings with it, an
 A method (`bearingwear.lives.methods`) takes steps over the loss or over the time.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -20,17 +20,25 @@ from kerneljit.interrupt import check_interrupt
 _MET = 0.02  # margin left where a criterion counts as met, over that at the last node before
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
+"""Statuses without a physical reason for the end of a life."""
 
 
 class Node(NamedTuple):
+    """A state of wear along a life, when it is reached, and the bearings with it."""
+
     x: float  # what steps go along: the counted loss [m] or the time [s]
-    worn: Any  # as its way to wear has it
+    worn: Any  # in the form that the way to wear uses
     states: States
     time: float  # [s]
 
     @property
     def status(self) -> int:
-        return next((one.status for one in self.states if one.status != code.OK), code.OK)
+        """Status of the first bearing that is not solved; OK if all are."""
+        return next((state.status for state in self.states if state.status != code.OK), code.OK)
+
+
+Margins = Callable[[Node], np.ndarray]
+"""Margins of a node to each criterion, then to each event of a way to wear."""
 
 
 class Wearing(Protocol):
@@ -44,7 +52,7 @@ class Wearing(Protocol):
     def rates(self, node: Node) -> Any: ...  # wear per second
     def wears(self, node: Node) -> bool: ...  # whether anything that counts does
     def events(self, node: Node) -> np.ndarray: ...  # distance to each change of the way
-    def passes(self, event: int, node: Node) -> bool: ...  # change it; False if the life ends
+    def pass_event(self, event: int, node: Node) -> bool: ...  # False if the life ends there
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,35 +66,37 @@ class LifeStep:
 
 
 class Method:
+    """A method that takes the steps of a life."""
+
     most_steps = 2000
-    root = 1e-9  # of the step in which an end is met
-    shorter = 0.0  # a step after one that failed, over that; 0 where there is none
+    root_tolerance = 1e-9  # of the step in which an end is met
+    shortening = 0.0  # length of a step after one that failed, over that; 0: no such step
     shortest = 0.0  # step, and what may be left of the way to an end
-    length = tried = 0.0  # of the next step, and of the last one
+    length = tried_length = 0.0  # of the next step, and of the last one
     wearing: Any
 
     def first(self, wearing: Wearing) -> Node:
-        """The node that a life begins with."""
+        """Returns the node that a life begins with."""
         self.wearing = wearing
         return self.node(wearing.origin, wearing.start, 0.0)
 
-    def again(self, node: Node) -> Node:
-        """The last node, where the way has changed."""
+    def node_after_event(self, node: Node) -> Node:
+        """Returns the last node solved again, as its way to wear has changed."""
         return node._replace(states=self.wearing.state(node.worn))
 
     def node(self, x: float, worn: Any, time: float) -> Node:
         return Node(x, worn, self.wearing.state(worn), time)
 
     def step(self, life: "Life", bound: float) -> LifeStep:
-        """A step from the end of a life, not beyond a bound."""
+        """Returns a step from the end of a life that does not pass a bound."""
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
-        """A node within the last step."""
+        """Returns a node within the last step."""
         raise NotImplementedError
 
     def solved_at(self, *places: float) -> list[Node]:
-        """Nodes within the last step, up to the first that was not solved."""
+        """Returns nodes within the last step, up to the first that was not solved."""
         nodes: list[Node] = []
         for x in places:
             nodes.append(self.at(x))
@@ -94,27 +104,27 @@ class Method:
                 break
         return nodes
 
-    def kept(self, step: LifeStep) -> Sequence[Node]:
-        """Nodes of a step that is taken."""
+    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
+        """Returns the nodes of a finished step that its life keeps."""
         return step.nodes
 
     def shorten(self) -> bool:
-        """Take a shorter step next; False where it would be too short."""
-        self.length = self.shorter * min(self.length, self.tried)
+        """Makes the next step shorter; returns False where it would be too short."""
+        self.length = self.shortening * min(self.length, self.tried_length)
         return self.length > self.shortest
 
-    def zero(self, value: Any, a: Node, b: Node) -> float:
-        """Root of a margin between two nodes."""
-        least = self.root * value(a.x)
+    def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
+        """Returns where a margin is zero between two nodes."""
+        negligible = self.root_tolerance * margin(a.x)
 
-        def left(x: float) -> float:
-            found = value(x)
-            return found if abs(found) > least else 0.0
+        def rounded(x: float) -> float:
+            value = margin(x)
+            return value if abs(value) > negligible else 0.0
 
-        return brent_root(left, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15)
+        return brent_root(rounded, a.x, b.x, xtol=self.root_tolerance * (b.x - a.x), rtol=1e-15)
 
     def error_of_end(self, life: "Life") -> float:
-        """Error of the time at which a criterion is reached or a way changes [s]."""
+        """Returns the error of the time at which a criterion or an event is reached [s]."""
         return 0.0
 
 
@@ -128,32 +138,42 @@ class Life:
     status: int = code.CRITERION_NOT_REACHED
     error: float = 0.0  # of the last time, by the steps [s]
     solves: int = 0
-    beyond: Node | None = None
+    beyond: Node | None = None  # the node that could not be solved
 
     @property
     def last(self) -> Node:
         return self.nodes[-1]
 
     @property
-    def tried(self) -> list[Node]:
-        """The nodes, and what could not be solved."""
+    def tried_nodes(self) -> list[Node]:
+        """The nodes, and the one that could not be solved."""
         return self.nodes if self.beyond is None else [*self.nodes, self.beyond]
 
     @property
     def times(self) -> np.ndarray:
-        """When the nodes are reached (nodes,) [s]."""
+        """Times at which the nodes are reached (nodes,) [s]."""
         return np.array([node.time for node in self.nodes])
 
     @property
     def bearings(self) -> list[list[State]]:
-        return [list(one) for one in zip(*(node.states for node in self.nodes), strict=True)]
+        """States along the life, of each bearing."""
+        return [list(states) for states in zip(*(node.states for node in self.nodes), strict=True)]
 
     @property
     def states(self) -> list[State]:
+        """States along the life of its first bearing."""
         return [node.states[0] for node in self.nodes]
 
-    def first(self, ends: Criteria) -> float:
-        """When it first meets other ends [s]; NaN if it does not.
+    def ends_like(self, other: "Life") -> bool:
+        """Returns whether two lives have the same status and criterion."""
+        return (self.status, self.criterion) == (other.status, other.criterion)
+
+    def three_nodes(self) -> list[Node]:
+        """Returns the nodes at the start, in the middle and at the end."""
+        return [self.nodes[k] for k in (0, len(self.nodes) // 2, -1)]
+
+    def time_to(self, ends: Criteria) -> float:
+        """Returns the time at which the life first meets other criteria [s]; NaN if it does not.
 
         Between the nodes, margins are monotone cubics of time.
         """
@@ -161,25 +181,28 @@ class Life:
             return np.nan
         from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are asked this
 
-        times, first = self.times, np.inf
+        times, earliest = self.times, np.inf
         for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
             met = np.flatnonzero(margin <= 0.0)
             if met.size and met[0] == 0:
                 return 0.0
             if met.size:
                 a, b = times[met[0] - 1], times[met[0]]
-                first = min(first, brent_root(PchipInterpolator(times, margin), a, b))
-        return first if np.isfinite(first) else np.nan
+                earliest = min(earliest, brent_root(PchipInterpolator(times, margin), a, b))
+        return earliest if np.isfinite(earliest) else np.nan
 
-    def fails(self, beyond: Node) -> None:
-        """What ends the range of a solver; a physical reason says more than rounding does."""
+    def fail(self, beyond: Node) -> None:
+        """Ends the life before a node that is not solved.
+
+        Its status is that of the node, unless the life has one with a physical reason.
+        """
         self.beyond = beyond
         if self.status in REASONLESS:
             self.status = beyond.status
 
 
 def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
-    """The life from the present wear to the first criterion, or to where solver or range ends."""
+    """Returns the life from the present wear to a criterion, or to where solver or range ends."""
 
     def margins(node: Node) -> np.ndarray:
         return np.concatenate([ends.margins(node.states), wearing.events(node)])
@@ -190,47 +213,57 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
         return life
     while True:
         met = np.flatnonzero(margins(life.last)[:NO_CRITERION] <= 0.0)
-        end = int(met[0]) if met.size else None
-        if end is None and wearing.wears(life.last):
-            end = _steps(life, method, margins, wearing.origin + wearing.range)
-        if end is None or (
-            end >= NO_CRITERION and not wearing.passes(end - NO_CRITERION, life.last)
-        ):
+        if met.size:  # at the start, or as an event has changed the state
+            life.criterion, life.status = int(met[0]), code.OK
             return life
-        if not met.size:
-            life.error = life.error + method.error_of_end(life)
-        if end < NO_CRITERION:
-            life.criterion, life.status = end, code.OK
+        if not wearing.wears(life.last):
             return life
-        node = method.again(life.last)
+        index = _step_to_zero(life, method, margins, wearing.origin + wearing.range)
+        if index is None:
+            return life
+        is_event = index >= NO_CRITERION
+        if is_event and not wearing.pass_event(index - NO_CRITERION, life.last):
+            return life
+        life.error = life.error + method.error_of_end(life)
+        if not is_event:
+            life.criterion, life.status = index, code.OK
+            return life
+        node = method.node_after_event(life.last)
         if node.status != code.OK:
-            life.fails(node)
+            life.fail(node)
             return life
         life.nodes.append(node)
 
 
-def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None:
-    """Take steps until something is met: its index in the margins, None where nothing is."""
-    met: int | None = None
-    lost: Node | None = None
+class _Zero(NamedTuple):
+    """A place at which a margin falls to zero."""
+
+    x: float
+    margin_index: int
+    failed: Node | None  # on which the bracket closed, if the margin is not zero there
+
+
+def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) -> int | None:
+    """Takes steps until a margin is zero, and returns its index; None where none is."""
+    zero: _Zero | None = None
     before = margins(life.last)
     for _ in range(method.most_steps):
         check_interrupt()
         if bound - life.last.x <= method.shortest:
             break
         step = method.step(life, bound)
-        failed = _failed(step.nodes)
-        if met is None:
+        failed = _first_failed(step.nodes)
+        if zero is None:
             solved = step.nodes[:-1] if failed else step.nodes
-            found, after = _first_zero([life.last, *solved], before, method, margins)
-            if found is not None:
-                bound, met, lost = found  # up to there and no further
+            zero, after = _first_zero([life.last, *solved], before, method, margins)
+            if zero is not None:
+                bound = zero.x  # up to there and no further
                 if bound < step.end:
                     continue
-        kept = [] if failed or step.is_rough else method.kept(step)
-        failed = failed or _failed(kept)
+        kept = [] if failed or step.is_rough else method.nodes_kept(step)
+        failed = failed or _first_failed(kept)
         if failed:
-            life.fails(failed)
+            life.fail(failed)
         elif kept:
             life.nodes += kept
             life.error = life.error + step.error
@@ -238,57 +271,60 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
             continue
         if not method.shorten():
             break
-    if lost:
-        life.fails(lost)
+    if zero is None:
         return None
-    return met
+    if zero.failed:
+        life.fail(zero.failed)
+        return None
+    return zero.margin_index
 
 
-def _failed(nodes: Iterable[Node]) -> Node | None:
+def _first_failed(nodes: Iterable[Node]) -> Node | None:
     return next((node for node in nodes if node.status != code.OK), None)
 
 
 @dataclass
-class _Left:
-    """A margin over the way; a solve that fails counts as beyond the criterion."""
+class _Margin:
+    """One margin within a step; a solve that fails counts as beyond the criterion."""
 
-    k: int  # index of the margin
+    index: int
     method: Method
-    margins: Any
-    known: dict[float, float]  # at nodes that were solved
+    margins: Margins
+    values: dict[float, float]  # at nodes that were solved
     failed: Node | None = None  # the last one that was not
 
     def __call__(self, x: float) -> float:
-        if x not in self.known:
+        """Returns the margin at a place; -1 where it is not solved."""
+        if x not in self.values:
             node = self.method.at(x)
             if node.status != code.OK:
                 self.failed = node
                 return -1.0
-            self.known[x] = float(self.margins(node)[self.k])
-        return self.known[x]
+            self.values[x] = float(self.margins(node)[self.index])
+        return self.values[x]
 
-    def lost(self, start: float, root: float) -> Node | None:
-        """The node on which a bracket closed, if the criterion is not met there."""
-        last = max(x for x in self.known if x <= root)
-        return self.failed if self.known[last] > _MET * self.known[start] else None
+    def failed_at(self, root: float, start: float) -> Node | None:
+        """Returns the node on which a bracket closed, if the criterion is not met there."""
+        last = max(x for x in self.values if x <= root)
+        return self.failed if self.values[last] > _MET * self.values[start] else None
 
 
 def _first_zero(
-    nodes: Iterable[Node], before: np.ndarray, method: Method, margins: Any
-) -> tuple[tuple[float, int, Node | None] | None, np.ndarray]:
-    """Where the first margin falls to zero along solved nodes, and which; and the last margins.
+    nodes: Iterable[Node], before: np.ndarray, method: Method, margins: Margins
+) -> tuple[_Zero | None, np.ndarray]:
+    """Returns the first zero of a margin along solved nodes, and the margins of the last node.
 
-    Those of the first node are given. The bracket closes on a solve that fails in between. If
-    nothing is met there, the third is that node, which ends what can be solved.
+    `before` are the margins of the first node. The bracket of a zero closes on a solve that fails
+    in between.
     """
     a, *others = nodes
     for b in others:
         after, zeros = margins(b), []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
-            left = _Left(int(k), method, margins, {a.x: before[k], b.x: after[k]})
-            root = method.zero(left, a, b)
-            zeros.append((root, int(k), left.lost(a.x, root)))
+            margin = _Margin(int(k), method, margins, {a.x: before[k], b.x: after[k]})
+            root = method.root(margin, a, b)
+            zeros.append(_Zero(root, int(k), margin.failed_at(root, a.x)))
         if zeros:
-            return min(zeros, key=lambda zero: zero[:2]), after
+            return min(zeros, key=lambda zero: (zero.x, zero.margin_index)), after
         a, before = b, after
     return None, before

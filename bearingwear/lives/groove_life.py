@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,22 +27,24 @@ from bearingwear.solvers.worn.solver import Worn
 
 REQUIRED = FLAT_GROOVE  # above which the grooves have to be followed
 SHOWN = 5  # states whose profiles are kept
-DEEP = 1e-2  # of the deepest place, at the edge of what counts as the width of a groove
+EDGE_DEPTH = 1e-2  # of a groove, over its deepest place, at the edges of its width
 
 
 def wear_over_gap(scene: Scene) -> float:
-    """Loss at the end of life over the gap A a^2 at the edge of the contact, before any solve.
+    """Returns the loss at the end of life over the gap A a^2 at the edge of the contact.
 
-    Static, at the free contact angle; the loss is the limit of the scene, or what takes so much of
-    the preload at fixed position. Infinite where the scene says nothing of the loss.
+    The contact is static, at the free contact angle, so that nothing is solved. The loss is the
+    limit of the scene, or what takes so much of the preload at fixed position. The ratio is
+    infinite where the scene has no limit of the loss.
     """
     g, end, operation = parameters.geometry(scene), scene.wear.end_of_life, scene.operation
     sine = math.sin(g.alpha0)
     if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
         return math.inf
-    Q, gaps, approaches = operation.preload_N / (g.n_balls * sine), [], []
-    for side in (INNER, OUTER):
-        hertz = race_contact(g, side, g.D0, math.cos(g.alpha0), math.nan)
+    Q = operation.preload_N / (g.n_balls * sine)
+    approaches, gaps = [], []
+    for race in (INNER, OUTER):
+        hertz = race_contact(g, race, g.D0, math.cos(g.alpha0), math.nan)
         approaches.append(contact_approach(hertz.K, Q))
         gaps.append(elliptic_integrals(math.exp(-hertz.log_kappa))[2] * approaches[-1])
     losses = [math.inf]
@@ -53,95 +56,110 @@ def wear_over_gap(scene: Scene) -> float:
     return min(losses) / min(gaps)
 
 
-def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
-    """The scene whose grooves a life follows, one of two identical ones; None without; and why.
+class GrooveChoice(NamedTuple):
+    """Whether a life follows the grooves as they wear, and why."""
 
-    Refuses what is impossible.
-    """
+    scene: Scene | None  # whose grooves are followed: one of two identical sides; None without
+    sentence: str = ""
+
+    @property
+    def follows(self) -> bool:
+        return self.scene is not None
+
+
+def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
+    """Returns whether a life of a scene follows the grooves; NotAvailable where it cannot."""
     scene = scene.one_of_alike
-    obstacles = {
-        f"model.fidelity {fidelity}": fidelity != "steady",
-        "wear.counts ball": scene.wear.counts != "ball_and_races",
-        "model.slip_over line": scene.model.slip_is_over == "line",
-    }
-    found = [name for name, stands in obstacles.items() if stands]
+    obstacle = None
+    if fidelity != "steady":
+        obstacle = f"model.fidelity {fidelity}"
+    elif scene.wear.counts != "ball_and_races":
+        obstacle = "wear.counts ball"
+    elif scene.model.slip_is_over == "line":
+        obstacle = "model.slip_over line"
     if scene.model.contact == "worn":
-        if found:
+        if obstacle:
             raise NotAvailable(
-                f"{scene.name}: model.contact: got worn with {found[0]}, expected the steady "
+                f"{scene.name}: model.contact: got worn with {obstacle}, expected the steady "
                 f"model with wear.counts ball_and_races and slip evaluated over the ellipse"
             )
-        return scene, "grooves: worn profile, as requested by model.contact"
-    if scene.model.contact != "auto" or found:
-        return None, ""
+        return GrooveChoice(scene, "grooves: worn profile, as requested by model.contact")
+    if scene.model.contact != "auto" or obstacle:
+        return GrooveChoice(None)
     end = scene.wear.end_of_life
     if end is not None and end.groove_depth_um is not None:
-        return scene, "grooves: worn profile, because groove depth is an end-of-life criterion"
-    share = max(wear_over_gap(one) for one in scene.sides)
-    size = f"the wear at the end of life is about {share:.2g} times the gap at the contact edge"
-    if math.isinf(share):
+        reason = "because groove depth is an end-of-life criterion"
+        return GrooveChoice(scene, f"grooves: worn profile, {reason}")
+    ratio = max(wear_over_gap(side) for side in scene.sides)
+    size = f"the wear at the end of life is about {ratio:.2g} times the gap at the contact edge"
+    if math.isinf(ratio):
         size = "the wear at the end of life is not known in advance"
-    if share > REQUIRED:
-        return scene, f"grooves: worn profile; {size}"
-    return None, f"grooves: Hertzian contact; {size}"
+    if ratio > REQUIRED:
+        return GrooveChoice(scene, f"grooves: worn profile; {size}")
+    return GrooveChoice(None, f"grooves: Hertzian contact; {size}")
 
 
-def met_when_new(scene: Scene) -> Life | None:
-    """The life of a scene that meets a criterion before any wear; None of any other one.
+def life_if_ended_when_new(scene: Scene) -> Life | None:
+    """Returns the life of a scene that meets a criterion before any wear; None of any other.
 
     It is zero, whether or not the grooves can be followed.
     """
-    states = solver_of(scene)
-    found = states(states.bearings.start)
-    if any(one.status != code.OK for one in found) or Criteria(scene).margins(found).min() > 0.0:
+    solver = solver_of(scene)
+    states = solver(solver.bearings.start)
+    is_solved = all(state.status == code.OK for state in states)
+    if not is_solved or Criteria(scene).margins(states).min() > 0.0:
         return None
-    return surface_life(scene, states)
+    return surface_life(scene, solver)
 
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:
-    """Values and attributes of a life with worn grooves, of one bearing or of two."""
+    """Returns values and attributes of a life with worn grooves, of one bearing or of two."""
     life = follow_grooves(StiffGrooves(scene))
-    if life.nodes[0].status != code.OK and (ended := met_when_new(scene)):
+    if life.nodes[0].status != code.OK and (ended := life_if_ended_when_new(scene)):
         return life_values(scene, ended), {"solves": life.solves + ended.solves, "contact": "hertz"}
     values = life_values(scene, life)
     if life.status == code.OK:
         values |= groove_errors(scene, life.last.time, life.criterion)
     if life.nodes[0].status == code.OK:
-        each = zip(life.wearing.sides, life.bearings, strict=True)
-        values |= joined([groove_values(side, states) for side, states in each])
+        values |= life_groove_values(life)
     return values, {"solves": life.solves, "contact": "worn"}
 
 
+def life_groove_values(life: Life) -> dict:
+    """Returns the result variables of the grooves along a life, of one bearing or of two."""
+    pairs = zip(life.wearing.sides, life.bearings, strict=True)
+    return joined([groove_values(side, states) for side, states in pairs])
+
+
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
-    """Wear, and the profiles of a few states."""
+    """Returns the wear of one bearing along a life, and the groove profiles of a few states."""
     points, bearing = [point_of(state) for state in states], side.bearing
-    D = np.array([bearing.D - p.wear.ball for p in points])  # as new, less what is worn
-    depth = np.array([p.wear.grooves for p in points])  # (steps, race, arcs)
-    track = np.array([p.track for p in points])
+    D = np.array([bearing.D - point.wear.ball for point in points])  # worn diameter
+    depth = np.array([point.wear.grooves for point in points])  # (steps, race, arcs)
+    track = np.array([point.track for point in points])
     area = depth.sum(axis=2) * bearing.arc_step
-    volume = np.zeros_like(area)
-    volume[1:] = np.cumsum(np.diff(area, axis=0) * np.pi * (track[1:] + track[:-1]), axis=0)
+    race_volume = np.zeros_like(area)
+    race_volume[1:] = np.cumsum(np.diff(area, axis=0) * np.pi * (track[1:] + track[:-1]), axis=0)
     deepest = depth.max(axis=2)
-    wide = depth > DEEP * np.maximum(deepest, 1e-300)[:, :, None]
-    ball = np.pi / 6.0 * (bearing.D**3 - D**3)
-    kept = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
+    is_groove = depth > EDGE_DEPTH * np.maximum(deepest, 1e-300)[:, :, None]
+    shown = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
     return {
-        "history_approach_loss": np.array([side.approach_loss(p) for p in points]),
+        "history_approach_loss": np.array([side.approach_loss(point) for point in points]),
         "history_equivalent_loss": np.array([state.loss for state in states]),
         "history_deepest_groove": deepest,
-        "history_groove_width": wide.sum(axis=2) * bearing.arc_step,
-        "history_contact_half_length": np.array([half_lengths(p) for p in points]),
-        "history_race_worn_volume": volume,
-        "history_one_ball_worn_volume": ball,
-        "groove_step": kept,
+        "history_groove_width": is_groove.sum(axis=2) * bearing.arc_step,
+        "history_contact_half_length": np.array([half_lengths(point) for point in points]),
+        "history_race_worn_volume": race_volume,
+        "history_one_ball_worn_volume": np.pi / 6.0 * (bearing.D**3 - D**3),
+        "groove_step": shown,
         "groove_arc": bearing.arc,
-        "groove_depth": depth[kept],
-        "groove_pressure": np.array([pressures(bearing, points[k]) for k in kept]),
+        "groove_depth": depth[shown],
+        "groove_pressure": np.array([pressures(bearing, points[k]) for k in shown]),
     }
 
 
 def half_lengths(point: WornPoint) -> np.ndarray:
-    """Half of the length of both contacts (2,) [m]."""
+    """Returns half of the length of both contacts (2,) [m]."""
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):
         first, last = x[loaded_ends(pressure)]
@@ -150,10 +168,10 @@ def half_lengths(point: WornPoint) -> np.ndarray:
 
 
 def pressures(bearing: WornBearing, point: WornPoint) -> np.ndarray:
-    """Pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
-    g, rows = point.problem.g, []
+    """Returns the pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
+    on_arcs = []
     for k, force in enumerate(point.forces):
-        places = point.x[k] + bearing.shift(k, force.alpha, g)
-        middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
-        rows.append(np.interp(bearing.arc[k], places, middle, left=0.0, right=0.0))
-    return np.array(rows)
+        places = point.x[k] + bearing.shift(k, force.alpha, point.problem.g)
+        in_middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
+        on_arcs.append(np.interp(bearing.arc[k], places, in_middle, left=0.0, right=0.0))
+    return np.array(on_arcs)

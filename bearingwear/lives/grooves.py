@@ -25,10 +25,10 @@ from bearingwear.solvers.worn.solver import Worn
 
 STEP = 0.24  # deepest wear of an exact step, over the gap A a^2
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
-LEAST_FILM_STEP = 0.125  # over a step without a film, where one goes on to go
+LEAST_FILM_STEP = 0.125  # shortest step while a film wears through, over one without a film
 ROUGHLY_BALANCED = 1e-4  # force left on a rotor where states are rough, over the larger one
 _ROUGH_END = 1e-2  # of the last step, to which the end of a rough life is found
-_SHORT = 0.3  # of the step before
+_SHORT = 0.3  # last step, over the step before
 
 Wears = tuple[WornDepths, ...]
 
@@ -47,11 +47,12 @@ QUICK_GROOVES = GrooveMode(cells=(32, 8), step=1.5 * STEP, rough=True)
 
 
 def point_of(state: State) -> WornPoint:
+    """Returns the solved contacts and the wear behind a state of a life with worn grooves."""
     return state.answer.answer
 
 
 class Grooves:
-    """The wear of the grooves and balls of a bearing, or of two on a rotor.
+    """A way to wear: the grooves and balls of a bearing, or of two on a rotor.
 
     States have no stiffness unless the life ends by it.
     """
@@ -68,94 +69,99 @@ class Grooves:
         if self.status == code.OK:
             self.sides = tuple(map(innermost, self.bearings.sides))
         self.start: Wears = tuple(side.bearing.unworn() for side in self.sides)
-        self.last: States = ()  # solved, not in the middle of a step
+        self.last: States = ()  # solved at the end of a step, not in its middle
 
     def state(self, worn: Wears) -> States:
-        """The bearings with some wear."""
+        """Returns the bearings with some wear, or why they are not solved."""
         if self.status != code.OK:
-            return self.new_states()
-        found = self._solved(worn, self.mode.rough)
-        if found.status != code.OK:
-            return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
-        self._found = found
+            return self.unsolved_states()
+        rotor = self._solve(worn, self.mode.rough)
+        if rotor.status != code.OK:
+            return tuple(State.unsolved(rotor.status, math.nan) for _ in self.sides)
+        self._last_rotor = rotor
         conditions = tuple(map(Worn.condition, worn))
-        self.last = states_of(self.bearings, conditions, found)
+        self.last = states_of(self.bearings, conditions, rotor)
         if self.by_stiffness:
             self.last = self.with_stiffness()
         return self.last
 
-    def new_states(self) -> States:
-        """Whether the new bearings are solved, and no more."""
+    def unsolved_states(self) -> States:
+        """Returns why the new bearings are not solved."""
         losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
     def middle_state(self, worn: Wears) -> States:
-        """Rough answers of the bearings in the middle of a step, without values."""
-        found = self._solved(worn, True)
-        if found.status != code.OK:
-            return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
-        return tuple(State(found.status, {}, one) for one in found.sides)
+        """Returns rough answers of the bearings in the middle of a step, without values."""
+        rotor = self._solve(worn, True)
+        if rotor.status != code.OK:
+            return tuple(State.unsolved(rotor.status, math.nan) for _ in self.sides)
+        return tuple(State(rotor.status, {}, solved) for solved in rotor.sides)
 
-    def _solved(self, worn: Wears, rough: bool) -> RotorState:
+    def _solve(self, worn: Wears, rough: bool) -> RotorState:
+        """Solves the bearings with some wear; roughly in the middle of a step."""
         self.solves += 1
         for side in self.sides:
             side.bearing.on_the_way = rough
         tolerance = ROUGHLY_BALANCED if rough else None
-        found = self.bearings.solve(tuple(map(Worn.condition, worn)), tolerance=tolerance)
-        if found.status == code.OK:
-            for side, one in zip(self.sides, found.sides, strict=True):
-                side.bearing.count_from(one.answer)
-        return found
+        rotor = self.bearings.solve(tuple(map(Worn.condition, worn)), tolerance=tolerance)
+        if rotor.status == code.OK:
+            for side, solved in zip(self.sides, rotor.sides, strict=True):
+                side.bearing.count_from(solved.answer)
+        return rotor
 
-    def elsewhere(self, scene: Scene, worn: Wears) -> States:
-        """The bearings with some wear at another speed or temperature, with their stiffnesses.
+    def states_elsewhere(self, scene: Scene, worn: Wears) -> States:
+        """Returns the bearings with some wear at another speed or temperature, with stiffnesses.
 
         Nothing can be followed further afterwards.
         """
         other = copy.copy(self)
         other.scene, other.bearings = scene, worn_elsewhere(self.bearings, scene)
         other.sides = tuple(map(innermost, other.bearings.sides))
-        found = other.state(worn)
-        solved = all(state.is_solved for state in found)
-        return other.with_stiffness() if solved and not self.by_stiffness else found
+        states = other.state(worn)
+        solved = all(state.is_solved for state in states)
+        return other.with_stiffness() if solved and not self.by_stiffness else states
 
     def with_stiffness(self) -> States:
-        """The states found last, with both stiffnesses."""
-        each = zip(self.sides, self._found.sides, strict=True)
-        sides = tuple(side.with_stiffness(one) for side, one in each)
-        of_rotor = self.bearings.arranged(sides, self._found).values
+        """Returns the last states with both stiffnesses."""
+        rotor = self._last_rotor
+        pairs = zip(self.sides, rotor.sides, strict=True)
+        sides = tuple(side.with_stiffness(solved) for side, solved in pairs)
+        of_rotor = self.bearings.with_sides(sides, rotor).values
         return tuple(
-            replace(state.with_values(one.stiffnesses | of_rotor), answer=one)
-            for state, one in zip(self.last, sides, strict=True)
+            replace(state.with_values(solved.stiffnesses | of_rotor), answer=solved)
+            for state, solved in zip(self.last, sides, strict=True)
         )
 
     def completed(self, node: Node) -> Node:
-        """A node that a life keeps."""
+        """Returns a node with all the values that a life keeps."""
         return node
 
     def rates(self, node: Node) -> Wears:
-        """Wear per second of each bearing."""
-        each = zip(self.sides, node.states, strict=True)
-        return tuple(side.rate(state.answer) for side, state in each)
+        """Returns the wear per second of each bearing."""
+        pairs = zip(self.sides, node.states, strict=True)
+        return tuple(side.rate(state.answer) for side, state in pairs)
 
     def worn_on(self, worn: Wears, spans: Sequence[tuple[float, Wears]]) -> Wears:
-        """Wear after some times at a rate each."""
+        """Returns the wear after spans of time [s], each with its own rates."""
         for dt, rates in spans:
             worn = tuple(wear.plus(dt, rate) for wear, rate in zip(worn, rates, strict=True))
         return worn
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
-        """Start the next solves so many times the last step ahead."""
-        for side, was, state in zip(self.sides, before.states, now.states, strict=True):
-            side.bearing.start_ahead(point_of(was), point_of(state), share)
+        """Starts the next solves ahead of the last node, by a share of the last step."""
+        for side, earlier, state in zip(self.sides, before.states, now.states, strict=True):
+            side.bearing.start_ahead(point_of(earlier), point_of(state), share)
 
     def longest_step(self, now: Node, rates: Wears) -> float:
-        """Time in which the deepest place wears by a part of the gap at the edge [s]."""
+        """Returns the time [s] in which the deepest place wears by a part of the gap at the edge.
+
+        Where a film still covers, it is at most that in which a part of the film wears.
+        """
         lengths = []
         for side, state, rate in zip(self.sides, now.states, rates, strict=True):
-            deepest = rate.grooves.max(axis=1) + 0.5 * rate.ball
+            deepest_rate = rate.grooves.max(axis=1) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
-            fastest = (deepest / gap).max()  # 0 at rest
+            fastest = (deepest_rate / gap).max()  # 0 at rest
             length = self.mode.step / fastest if fastest else math.inf
             if (films := side.bearing.films) is not None:
                 share, least = FILM_STEP * self.mode.step / STEP, LEAST_FILM_STEP * length
@@ -165,13 +171,13 @@ class Grooves:
         return float(min(lengths))
 
     def bares(self, before: Node, now: Node) -> bool:
-        """Whether a film has begun to leave its deepest place between two nodes, or has left it.
+        """Returns whether a film begins to leave its deepest place between two nodes, or has left.
 
         Rates have a kink there.
         """
         return any(
-            (films.bare_parts(was) != films.bare_parts(wear)).any()
-            for side, was, wear in zip(self.sides, before.worn, now.worn, strict=True)
+            (films.bare_parts(earlier) != films.bare_parts(wear)).any()
+            for side, earlier, wear in zip(self.sides, before.worn, now.worn, strict=True)
             if (films := side.bearing.films) is not None
         )
 
@@ -179,13 +185,14 @@ class Grooves:
         return max(max(side.factors) for side in self.sides) > 0.0
 
     def events(self, node: Node) -> np.ndarray:
-        left = [
+        """Returns the share of the largest loss that is left to the nearest bearing (1,)."""
+        shares_left = [
             1.0 - state.loss / largest_loss(side.scene)
             for side, state in zip(self.sides, node.states, strict=True)
         ]
-        return np.array([min(left)])
+        return np.array([min(shares_left)])
 
-    def passes(self, event: int, node: Node) -> bool:
+    def pass_event(self, event: int, node: Node) -> bool:
         return False
 
 
@@ -201,35 +208,42 @@ class StiffGrooves(Grooves):
 
 
 def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
-    """The life with grooves as they wear, and the rates at which its even losses grow.
+    """Returns the life with grooves as they wear, and the rates at which its even losses grow.
 
-    It ends by the criteria of the scene if there are no others.
+    It ends by the criteria of the scene if no others are given.
     """
     method = Adams()
     if wearing.mode.rough:
-        method.root = _ROUGH_END
+        method.root_tolerance = _ROUGH_END
     life = follow(wearing, ends or Criteria(wearing.scene), method)
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
-        each = zip(wearing.sides, life.bearings, strict=True)
-        rates = [_loss_rates(side, states, life.times) for side, states in each]
-        for k, of_node in enumerate(zip(*rates, strict=True)):
-            found = zip(life.nodes[k].states, of_node, strict=True)
-            states = (one.with_values({"ball_diameter_loss_rate": rate}) for one, rate in found)
-            life.nodes[k] = life.nodes[k]._replace(states=tuple(states))
+        pairs = zip(wearing.sides, life.bearings, strict=True)
+        rates = [_loss_rates(side, states, life.times) for side, states in pairs]
+        for k, node in enumerate(life.nodes):
+            states = (
+                state.with_values({"ball_diameter_loss_rate": of_side[k]})
+                for state, of_side in zip(node.states, rates, strict=True)
+            )
+            life.nodes[k] = node._replace(states=tuple(states))
     return life
 
 
 def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[float]:
-    """Rates at which the even loss of a bearing grows, of each state [m/s]."""
+    """Returns the rate at which the even loss of a bearing grows, at each state [m/s]."""
     if len(states) < 2:
         first, point = states[0], point_of(states[0])
-        worn_by = first["qv"][None], first["semi_major_axis"][None], point.track[None]
-        values = wear_values(first.answer.scene, np.array([point.D]), *worn_by)
+        values = wear_values(
+            first.answer.scene,
+            np.array([point.D]),
+            first["qv"][None],
+            first["semi_major_axis"][None],
+            point.track[None],
+        )
         return [float(values["ball_diameter_loss_rate"])]
     loss = np.array([state.loss for state in states])
-    # A last step that is short says nothing of a rate.
     steps = np.diff(times)
-    n = len(times) - (len(times) > 2 and steps[-1] < _SHORT * steps[-2])
+    is_last_short = len(times) > 2 and steps[-1] < _SHORT * steps[-2]
+    n = len(times) - is_last_short  # a short last step says nothing of a rate
     rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
     return np.append(rates, rates[-1:])[: len(times)].tolist()

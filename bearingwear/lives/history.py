@@ -15,13 +15,13 @@ from bearingwear.solvers.state import State, history_values
 
 
 def life_values(scene: Scene, life: Life) -> dict:
-    """Result variables of a life; both bearings of an unlike pair are along `bearing`."""
+    """Returns the result variables of a life; bearings of an unlike pair are along `bearing`."""
     values: dict = {"status": life.status, "end_criterion": life.criterion}
     start = life.nodes[0]
     if start.status != code.OK:
         return values
     wears = all(state.rate > 0.0 for state in start.states)
-    if not wears and life.status != code.OK:  # no time is a lower bound of it
+    if not wears and life.status != code.OK:  # the life has not even a lower bound
         return values
     factor, _ = parameters.wear_factors(scene)
     times = life.times
@@ -31,24 +31,33 @@ def life_values(scene: Scene, life: Life) -> dict:
         "life_error_bound": life.error,
         "history_time": times,
     }
-    each = []
-    for side, states in zip(scene.sides, life.bearings, strict=True):
-        histories = history_values(states) | film_values(side, states, times)
-        each.append(histories | {"loss_at_end": states[-1].loss})
-    return values | joined(each)
+    of_bearings = [
+        history_values(states) | film_values(side, states, times) | {"loss_at_end": states[-1].loss}
+        for side, states in zip(scene.sides, life.bearings, strict=True)
+    ]
+    return values | joined(of_bearings)
 
 
-def joined(each: Sequence[dict]) -> dict:
-    """Values of one bearing; of two those of the pair, and what they share from the first."""
-    if len(each) == 1:
-        return each[0]
-    shared = {name: value for name, value in each[0].items() if name in SHARED}
-    own = [{n: v for n, v in one.items() if n not in SHARED} for one in each]
-    return shared | stacked_sides(own)
+def joined(of_bearings: Sequence[dict]) -> dict:
+    """Returns the values of one bearing, or those of two as values of a pair.
+
+    Values that the bearings of a pair share are those of the first.
+    """
+    if len(of_bearings) == 1:
+        return of_bearings[0]
+    shared = {name: value for name, value in of_bearings[0].items() if name in SHARED}
+    of_sides = [
+        {name: value for name, value in values.items() if name not in SHARED}
+        for values in of_bearings
+    ]
+    return shared | stacked_sides(of_sides)
 
 
 def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:
-    """Friction coefficients, films left and when each is worn through; empty without any film."""
+    """Returns friction coefficients, films left, and times at which films are worn through.
+
+    The dictionary is empty without any film.
+    """
     films = Films.of(scene)
     values: dict = {}
     if scene.friction.film is not None:
@@ -56,7 +65,7 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
     if not films.wear_through:
         return values
     left = history_values(states, ["film_left"])["history_film_left"]  # (steps, 3)
-    wear_through_times = [_time_of_nothing(times, part) for part in left.T]
+    wear_through_times = [_time_worn_through(times, part) for part in left.T]
     left = np.maximum(left, 0.0)
     values |= history_values(states, ["film_worn_share"])
     if films.race.film is not None:
@@ -68,10 +77,10 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
     return values
 
 
-def _time_of_nothing(time: np.ndarray, left: np.ndarray) -> float:
-    """When a film is gone, between the steps about it; NaN where it is not."""
-    gone = np.flatnonzero(left <= 0.0)
-    if not gone.size:
+def _time_worn_through(time: np.ndarray, left: np.ndarray) -> float:
+    """Returns the time at which a film is gone, between two steps; NaN where it is not."""
+    without = np.flatnonzero(left <= 0.0)
+    if not without.size:
         return float("nan")
-    about = slice(max(gone[0] - 1, 0), gone[0] + 1)
-    return float(np.interp(0.0, -left[about], time[about]))
+    around = slice(max(without[0] - 1, 0), without[0] + 1)
+    return float(np.interp(0.0, -left[around], time[around]))

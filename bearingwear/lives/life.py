@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from bearingwear.lives.duty.result import life_over_duty
 from bearingwear.lives.errors import surface_error
-from bearingwear.lives.groove_life import groove_life, grooves_followed
+from bearingwear.lives.groove_life import groove_choice, groove_life
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life, surface_steps_error
 from bearingwear.scene.read import for_life
@@ -23,7 +23,7 @@ from kerneljit.interrupt import Interrupt
 def life(
     scene: Scene, fidelity: str | None = None, progress: Callable[[str], None] | None = None
 ) -> Result:
-    """Wear life of a scene from its present loss of ball diameter on, over its duty if it has one.
+    """Returns the wear life of a scene from its present loss on, over its duty if it has one.
 
     Where no criterion was met, `status` says so and the life is a lower bound. `progress` is given
     one line of text at each step of a dynamic life. Raises SceneError where the scene has no
@@ -31,36 +31,36 @@ def life(
     """
     if for_life(scene, scene.name).duty is not None:
         return life_over_duty(scene, fidelity)
-    chosen = choice_for_life(scene, fidelity)
+    choice = choice_for_life(scene, fidelity)
     started = time.perf_counter()
-    followed, why = grooves_followed(scene, chosen.fidelity)
-    if chosen.fidelity == "dynamic":
+    grooves = groove_choice(scene, choice.fidelity)
+    if choice.fidelity == "dynamic":
         # its kernels take long to load, and the other models need none of them
         from bearingwear.lives.dynamic_life import motion_life
 
-        values, attrs = motion_life(chosen.reduced(scene), progress)
+        values, attrs = motion_life(choice.reduced(scene), progress)
     else:
-        chosen = replace(chosen, grooves=why)
+        choice = replace(choice, grooves=grooves.sentence)
         with Interrupt():
-            if followed is not None:
-                values, attrs = groove_life(followed)
+            if grooves.scene is not None:
+                values, attrs = groove_life(grooves.scene)
             else:
-                values, attrs = hertzian_life(scene.one_of_alike, chosen.fidelity)
+                values, attrs = hertzian_life(scene.one_of_alike, choice.fidelity)
         if scene.one_of_alike is not scene:
             values = joined([values, values])
     elapsed = time.perf_counter() - started
     values |= lasting_growth(scene)
     attrs |= {"wear_counts": scene.wear.counts}
-    return result_of(scene, chosen, values, attrs | end_attribute(scene, values), elapsed)
+    return result_of(scene, choice, values, attrs | end_attribute(scene, values), elapsed)
 
 
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
-    """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
-    states = solver_of(scene, fidelity)
-    found = surface_life(scene, states)
-    found.error = surface_steps_error(scene, states, found)
-    attrs = {"solves": states.solves}
-    values = life_values(scene, found)
+    """Returns values and attributes of a life whose contacts stay Hertzian; its error if steady."""
+    solver = solver_of(scene, fidelity)
+    followed = surface_life(scene, solver)
+    followed.error = surface_steps_error(scene, solver, followed)
+    attrs = {"solves": solver.solves}
+    values = life_values(scene, followed)
     if fidelity == "steady":
-        values |= surface_error(scene, found)
+        values |= surface_error(scene, followed)
     return values, attrs

@@ -1,4 +1,4 @@
-"""Many lives of a scene: with different ends, quickly, and of the worse bearing of a pair."""
+"""Many lives of a scene: quick ones, with different ends, by case, and of the worse bearing."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ from bearingwear.lives.duty.lives import (
 )
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.follow import Life
-from bearingwear.lives.groove_life import grooves_followed, met_when_new
+from bearingwear.lives.groove_life import groove_choice, life_if_ended_when_new
 from bearingwear.lives.grooves import (
     EXACT_GROOVES,
     QUICK_GROOVES,
@@ -37,7 +37,7 @@ from bearingwear.solvers.state import OF_EACH_CONTACT, State
 
 
 class HertzianLives:
-    """Lives of a scene with different ends; known states are not solved again.
+    """Lives of a scene with different ends, for which each state is solved only once.
 
     Quick ones have longer steps: 95 in 100 are known to 1e-4. Where a life is no integral of the
     loss alone, it is always quick: it has the same length.
@@ -45,22 +45,24 @@ class HertzianLives:
 
     def __init__(self, scene: Scene, quick: bool = False):
         self.quick = quick or not is_one_integral(scene)
-        self.states = solver_of(scene, tolerance=WELL_BALANCED)
-        self._of_duty: list[Remembered] = []
+        self.solver = solver_of(scene, tolerance=WELL_BALANCED)
+        self._duty_solvers: list[Remembered] = []
         if scene.duty is not None:
             cycle = cycle_with_enough_points(scene)
             self._points = cycle.points
-            self._of_duty = [solver_of(one, tolerance=WELL_BALANCED) for one in cycle.scenes]
+            self._duty_solvers = [
+                solver_of(condition, tolerance=WELL_BALANCED) for condition in cycle.scenes
+            ]
 
     def __call__(self, scene: Scene) -> Life:
-        """The life of the scene, which may have another end; over its duty if it has one."""
+        """Returns the life of the scene, which may have another end; over its duty if any."""
         if scene.duty is not None:
-            return hertzian_duty_life(cycle_of(scene, self._points), self._of_duty, self.quick)
-        return surface_life(scene, self.states, quick=self.quick)
+            return hertzian_duty_life(cycle_of(scene, self._points), self._duty_solvers, self.quick)
+        return surface_life(scene, self.solver, quick=self.quick)
 
 
 def worn_life(scene: Scene, quick: bool = True) -> Life | None:
-    """The life with grooves as they wear, where `life` follows them; None where it does not.
+    """Returns the life with grooves as they wear; None where `life` does not follow them.
 
     A quick one has fewer cells and longer steps: 2.5e-3 of the life in the median, 7e-3 in nine of
     ten, 3 % at worst, for two fifths of the time. States have no stiffness unless the life ends by
@@ -70,24 +72,26 @@ def worn_life(scene: Scene, quick: bool = True) -> Life | None:
 
 
 def worn_life_with_stiffness(scene: Scene, quick: bool = True) -> Life | None:
-    """`worn_life` whose states know their stiffnesses."""
+    """Returns `worn_life` with states that know their stiffnesses."""
     return _worn_life(scene, StiffGrooves, quick)
 
 
-def _worn_life(scene: Scene, grooves: type[Grooves], quick: bool) -> Life | None:
+def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
+    """Returns `worn_life` by one kind of grooves."""
     if scene.duty is not None:
-        found = duty_life(scene, "steady", quick, grooves)
-        return found.life if found.is_worn else None
-    alone, _ = grooves_followed(scene, "steady")
-    if alone is None:
+        over_duty = duty_life(scene, "steady", quick, kind)
+        return over_duty.life if over_duty.is_worn else None
+    single = groove_choice(scene, "steady").scene
+    if single is None:
         return None
-    life = follow_grooves(grooves(alone, QUICK_GROOVES if quick else EXACT_GROOVES))
-    is_solved = life.nodes[0].status == code.OK
-    return life if is_solved else met_when_new(alone) or life
+    life = follow_grooves(kind(single, QUICK_GROOVES if quick else EXACT_GROOVES))
+    if life.nodes[0].status == code.OK:
+        return life
+    return life_if_ended_when_new(single) or life
 
 
 def lives_by_case(scene: Scene, quick: bool = False) -> dict[str, Life]:
-    """Lives along which requirements of a scene hold, by the names of its cases.
+    """Returns the lives along which requirements of a scene hold, by the names of its cases.
 
     Over a duty they are one life, with the states of its bearings in each case of the duty; else
     those of each case in which something wears. The life of the scene is the shortest.
@@ -95,41 +99,41 @@ def lives_by_case(scene: Scene, quick: bool = False) -> dict[str, Life]:
     if scene.duty is not None:
         return duty_life(scene, quick=quick).by_case
     return {
-        name: worn_life_with_stiffness(one, quick) or HertzianLives(one, quick)(one)
-        for name, one in cases_that_wear(scene).items()
+        name: worn_life_with_stiffness(case, quick) or HertzianLives(case, quick)(case)
+        for name, case in cases_that_wear(scene).items()
     }
 
 
 def worse_states(life: Life, scene: Scene) -> list[State]:
-    """States along a life that limits look at: of each measure the value of the worse bearing.
+    """Returns the states along a life, with the value of the worse bearing for each measure.
 
-    Of a pair, the preload is that of the worse side, with all its bearings in tandem; angles, loads
-    and major axes are those of both bearings (2, 2).
+    Requirements are held against these. Of a pair, the preload is that of the worse side, with all
+    its bearings in tandem; angles, loads and major axes are those of both bearings (2, 2).
     """
     return [worse_state(node.states, scene) for node in life.nodes]
 
 
 def worse_state(states: States, scene: Scene) -> State:
-    """What limits look at of the bearings in one state, as `worse_states`."""
+    """Returns one state for the bearings of a scene, as `worse_states`."""
     if len(states) == 1:
         return states[0]
-    one, other = whole_sides(states, scene)
+    first, second = with_tandem_preload(states, scene)
     worse = {
-        name: _worse(one[name], other[name], measure)
+        name: _worse(first[name], second[name], measure)
         for measure in MEASURES
         for name in measure.variables
-        if name in one.values or name in other.values
+        if name in first.values or name in second.values
     }
     worse["losses"] = tuple(state.loss for state in states)
     worse["lowest_frequency"] = lowest_frequency(scene, states)
-    worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
-    if "film_left" in one.values:
-        worse["film_left"] = np.minimum(one["film_left"], other["film_left"])
-    return one.with_values(worse)
+    worse |= {name: np.stack([first[name], second[name]]) for name in OF_EACH_CONTACT}
+    if "film_left" in first.values:
+        worse["film_left"] = np.minimum(first["film_left"], second["film_left"])
+    return first.with_values(worse)
 
 
-def whole_sides(states: States, scene: Scene) -> States:
-    """States of both sides of a pair, whose preload is that of all bearings in tandem."""
+def with_tandem_preload(states: States, scene: Scene) -> States:
+    """Returns the states of both sides of a pair with the preload of all bearings in tandem."""
     assert scene.pair is not None
     return tuple(
         state.with_values({"residual_preload": n * state["residual_preload"]})
@@ -138,7 +142,7 @@ def whole_sides(states: States, scene: Scene) -> States:
 
 
 def _worse(first: Any, second: Any, measure: Measure) -> Any:
-    """Of two values, or of each value of two arrays, the one closer to a limit or known."""
+    """Returns the value closer to a limit, or the one that is known, elementwise for arrays."""
     is_second = second < first if measure.falls else np.abs(second) > np.abs(first)
     return np.where(is_second | np.isnan(first), second, first)[()]
 
@@ -146,16 +150,15 @@ def _worse(first: Any, second: Any, measure: Measure) -> Any:
 def lives_by_end(
     scene: Scene, farthest: EndOfLife, quick: bool = False
 ) -> Callable[[EndOfLife], float]:
-    """Function from an end of life to the life [s], NaN where it was not solved.
+    """Returns a function from an end of life to the life [s], NaN where it was not solved.
 
     Grooves are followed where `life` does, with its cells and steps unless `quick`. They wear alike
     whatever ends the life, so they are followed once, to the `farthest` end: every limit as loose
     as it is asked for.
     """
     if scene.cases and scene.duty is None:
-        wearing = cases_that_wear(scene).values()
-        each = [lives_by_end(one, farthest, quick) for one in wearing]
-        return lambda end: float(np.min([length(end) for length in each]))
+        lengths = [lives_by_end(case, farthest, quick) for case in cases_that_wear(scene).values()]
+        return lambda end: float(np.min([length(end) for length in lengths]))
     if not grooves_wear(scene):
         lives = HertzianLives(scene)
 
@@ -164,13 +167,15 @@ def lives_by_end(
             return life.last.time if life.status == code.OK else np.nan
 
         return length
-    asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
-    life = worn_life(asked, quick)
+    worn = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
+    life = worn_life(worn, quick)
     assert life is not None
 
     @cache
-    def first(name: str, limit: float) -> float:
-        return life.first(criteria_of(with_end(asked, EndOfLife(**{name: limit}))))
+    def time_to_limit(name: str, limit: float) -> float:
+        return life.time_to(criteria_of(with_end(worn, EndOfLife(**{name: limit}))))
 
-    # NaN for a criterion that is not met
-    return lambda end: float(np.fmin.reduce([first(*one) for one in end.criteria.items()]))
+    # `fmin` leaves out NaN, of a criterion that is not met
+    return lambda end: float(
+        np.fmin.reduce([time_to_limit(name, limit) for name, limit in end.criteria.items()])
+    )

@@ -1,7 +1,7 @@
 """How a life takes its steps: four methods for `bearingwear.lives.follow`."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import takewhile
 from typing import Any
 
@@ -39,26 +39,27 @@ class Simpson(Method):
     a step of a quick life is that of the quartic through its nodes.
     """
 
-    shorter = 0.5
-    _solved: LifeStep | None = None  # the last step of a quick life, unless it was rough
+    shortening = 0.5
+    _last_step: LifeStep | None = None  # of a quick life, unless it was rough
 
     def __init__(self, tolerance: float, first: float, farthest: float, quick: bool):
         self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
         self.farthest, self.quick = farthest, quick
         if quick:
-            self.root = tolerance
+            self.root_tolerance = tolerance
 
     def at(self, x: float) -> Node:
         return self.node(x, np.array([x]), math.nan)
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        """Returns a step of four nodes; it is rough where two rules disagree on its time."""
         start = life.last
-        if self._solved and start.x < bound < self._solved.end:
-            return self._part(start, self._solved, bound)
+        if self._last_step and start.x < bound < self._last_step.end:
+            return self._part_of_step(start, self._last_step, bound)
         h = min(self.length, bound - start.x)
         if self.farthest - start.x > self.shortest:
             h = min(h, self.farthest - start.x)
-        self.tried = h
+        self.tried_length = h
         end = start.x + h
         nodes = [self.at(x) for x in (*(start.x + share * h for share in QUARTERS), end)]
         failed = [node for node in nodes if node.status != code.OK]
@@ -66,24 +67,24 @@ class Simpson(Method):
             solved = takewhile(lambda node: node.status == code.OK, nodes)
             return LifeStep(end=end, nodes=[*solved, failed[-1]])
         y = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *nodes)])
-        *times, whole = (h / 48.0 * np.dot(SIMPSON, y)).tolist()
+        *times, coarse_time = (h / 48.0 * np.dot(SIMPSON, y)).tolist()
         # The finer rule is about 15 times better than this difference of the two.
-        error = abs(times[-1] - whole)
+        error = abs(times[-1] - coarse_time)
         allowed = self.tolerance * max(start.time + times[-1], TINY_TIME)
         if error < WELL_WITHIN * allowed:
             self.length = 2.0 * h
-        reached = zip(nodes, times, strict=True)
+        pairs = zip(nodes, times, strict=True)
         step = LifeStep(
             end=end,
-            nodes=[node._replace(time=start.time + passed) for node, passed in reached],
+            nodes=[node._replace(time=start.time + time) for node, time in pairs],
             error=error,
             is_rough=error > allowed and h > ENOUGH * self.shortest,
         )
-        self._solved = step if self.quick and not step.is_rough else None
+        self._last_step = step if self.quick and not step.is_rough else None
         return step
 
-    def _part(self, start: Node, step: LifeStep, end: float) -> LifeStep:
-        """A solved step up to an end within it."""
+    def _part_of_step(self, start: Node, step: LifeStep, end: float) -> LifeStep:
+        """Returns a solved step up to an end within it."""
         h, powers = step.end - start.x, np.arange(1, 6)
         y = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *step.nodes)])
         weights = np.linalg.solve(_AT_NODES.T, ((end - start.x) / h) ** powers / powers)
@@ -92,8 +93,8 @@ class Simpson(Method):
         return LifeStep(end=end, nodes=[*nodes, last], error=step.error)
 
     def error_of_end(self, life: Life) -> float:
-        passed = life.last.x - life.nodes[0].x
-        return self.root * passed / self.wearing.loss_rate(life.last)
+        way = life.last.x - life.nodes[0].x
+        return self.root_tolerance * way / self.wearing.loss_rate(life.last)
 
 
 class RungeKutta(Method):
@@ -101,22 +102,23 @@ class RungeKutta(Method):
 
         d(what is worn, t)/ds = their rates over the sum of the loss rates.
 
-    The tolerance of a step is relative, the first step in m. After shares `between` of each step a
-    node is kept, too.
+    The tolerance of a step is relative, the first step in m. A life also keeps the nodes after
+    the shares `between` of each step.
     """
 
-    shorter = 0.25
+    shortening = 0.25
     solver: Any = None
 
     def __init__(self, tolerance: float, first: float, between: Sequence[float] = QUARTERS):
         self.tolerance, self.initial, self.shortest = tolerance, first, SHORTEST_STEP * first
         self.length, self.between = first, between
 
-    def again(self, node: Node) -> Node:
+    def node_after_event(self, node: Node) -> Node:
         self.solver, self.length = None, self.initial
-        return super().again(node)
+        return super().node_after_event(node)
 
     def at(self, x: float) -> Node:
+        """Returns a node of the polynomial through the last step of the solver."""
         y = self.solver.y.copy() if x == self.solver.t else self.solver.dense_output()(x)
         return self.node(x, y[:-1], float(y[-1]))
 
@@ -127,6 +129,7 @@ class RungeKutta(Method):
         return np.append(self.wearing.rates(node), 1.0) / self.wearing.loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        """Returns a step of the solver, with a node in its middle and one at its end."""
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
 
         start = life.last
@@ -135,16 +138,22 @@ class RungeKutta(Method):
                 y = np.append(start.worn, start.time)
                 atol = np.full(y.size, self.tolerance * self.initial)
                 atol[-1] /= self.wearing.loss_rate(start)
-                first = min(self.length, bound - start.x)
-                how = {"rtol": self.tolerance, "atol": atol, "first_step": first}
-                self.solver = RK45(self._derivative, start.x, y, bound, **how)
+                self.solver = RK45(
+                    self._derivative,
+                    start.x,
+                    y,
+                    bound,
+                    rtol=self.tolerance,
+                    atol=atol,
+                    first_step=min(self.length, bound - start.x),
+                )
             self.solver.step()
         except Unsolved as failure:
             return LifeStep(end=bound, nodes=[failure.node])
         end = self.solver.t
         return LifeStep(end=end, nodes=self.solved_at(start.x + 0.5 * (end - start.x), end))
 
-    def kept(self, step: LifeStep) -> Sequence[Node]:
+    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
         start = self.solver.t_old
         nodes = [self.at(start + share * (step.end - start)) for share in self.between]
         if all(node.status == code.OK for node in nodes):
@@ -153,7 +162,7 @@ class RungeKutta(Method):
 
     def shorten(self) -> bool:
         if self.solver is not None:
-            self.tried, self.solver = self.solver.h_abs, None
+            self.tried_length, self.solver = self.solver.h_abs, None
         return super().shorten()
 
 
@@ -161,31 +170,34 @@ class InTime(Method):
     """Steps in time from the last node and the one before; a node within one is solved once."""
 
     now: Any = None  # the last node
-    before: Any  # the one before, if the way did not change there
-    rates: Any = None  # at both
-    older: Any
-    known: dict[float, Node]
+    before: Any  # the one before, if rates are smooth from there to the last
+    rates: Any = None  # at the last node
+    rates_before: Any
+    nodes_by_time: dict[float, Node]  # after the last node
     nearest = 0.0  # what may be left of the way to an end, over the longest step
 
-    def leads_to(self, before: Node, now: Node) -> bool:
-        """Whether rates are smooth between two nodes."""
+    def is_smooth_between(self, before: Node, now: Node) -> bool:
+        """Returns whether rates are smooth between two nodes."""
         return before.x < now.x
 
-    def after(self, x: float) -> Node:
-        """A node at a time after the last one."""
+    def node_after(self, x: float) -> Node:
+        """Returns a node at a time after the last one."""
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
-        if x not in self.known:
-            self.known[x] = self.after(x)
-        return self.known[x]
+        if x not in self.nodes_by_time:
+            self.nodes_by_time[x] = self.node_after(x)
+        return self.nodes_by_time[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
+        """Returns a step as long as the way to wear allows; endless where nothing ends the life."""
         now = life.last
         if now is not self.now:
-            self.older, self.rates = self.rates, self.wearing.rates(now)
-            self.before = next((n for n in life.nodes[-2:-1] if self.leads_to(n, now)), None)
-            self.now, self.known = now, {}
+            self.rates_before, self.rates = self.rates, self.wearing.rates(now)
+            before = life.nodes[-2] if len(life.nodes) > 1 else None
+            is_smooth = before is not None and self.is_smooth_between(before, now)
+            self.before = before if is_smooth else None
+            self.now, self.nodes_by_time = now, {}
             self.longest = self.wearing.longest_step(now, self.rates)
         if math.isinf(self.longest):
             return LifeStep(end=math.inf)
@@ -193,28 +205,30 @@ class InTime(Method):
         return self.step_to(min(now.x + self.longest, bound))
 
     def step_to(self, end: float) -> LifeStep:
+        """Returns a step from the last node to an end."""
         return LifeStep(end=end, nodes=self.solved_at(end))
 
 
 class Adams(InTime):
     """Adams-Bashforth-Moulton steps of third order, the first by Heun's method.
 
-    Each is as long as the deepest place may wear in one.
+    A step is as long as the deepest place may wear in one.
     """
 
-    most_steps, root, nearest = 1000, 1e-3, 1e-4
+    most_steps, root_tolerance, nearest = 1000, 1e-3, 1e-4
 
     def first(self, wearing: Wearing) -> Node:
         first = super().first(wearing)
         return self.wearing.completed(first)
 
-    def leads_to(self, before: Node, now: Node) -> bool:
-        return super().leads_to(before, now) and not self.wearing.bares(before, now)
+    def is_smooth_between(self, before: Node, now: Node) -> bool:
+        return super().is_smooth_between(before, now) and not self.wearing.bares(before, now)
 
-    def kept(self, step: LifeStep) -> Sequence[Node]:
+    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
     def step_to(self, end: float) -> LifeStep:
+        """Returns a step to an end, halved until it is solved."""
         now = self.now
         for k in range(_SHORTENINGS + 1):
             step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
@@ -222,15 +236,16 @@ class Adams(InTime):
                 break
         return step
 
-    def after(self, x: float) -> Node:
-        wearing, now = self.wearing, self.now
-        h, ratio, rates, older = x - now.x, 0.0, self.rates, self.rates
+    def node_after(self, x: float) -> Node:
+        """Returns a node by a predictor and a corrector, which share the rates of the last node."""
+        wearing, now, rates = self.wearing, self.now, self.rates
+        h, ratio, rates_before = x - now.x, 0.0, rates  # a ratio of 0 is Heun's method
         if self.before is not None:
-            stretched = h / (now.x - self.before.x)
-            wearing.start_ahead(self.before, now, stretched)
-            if stretched <= MOST_STRETCHED:
-                ratio, older = stretched, self.older
-        predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, older)
+            stretch = h / (now.x - self.before.x)
+            wearing.start_ahead(self.before, now, stretch)
+            if stretch <= MOST_STRETCHED:
+                ratio, rates_before = stretch, self.rates_before
+        predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, rates_before)
         worn = wearing.worn_on(now.worn, predictor)
         ahead = Node(x, worn, wearing.middle_state(worn), x)
         if ahead.status != code.OK:
@@ -239,7 +254,7 @@ class Adams(InTime):
         corrector = (
             (share * (3.0 + 2.0 * ratio), wearing.rates(ahead)),
             (h * (3.0 + ratio) / 6.0, rates),
-            (-share * ratio * ratio, older),
+            (-share * ratio * ratio, rates_before),
         )
         worn = wearing.worn_on(now.worn, corrector)
         return Node(x, worn, wearing.state(worn), x)
@@ -248,44 +263,45 @@ class Adams(InTime):
 class Trapezoid(InTime):
     """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13)."""
 
-    def __init__(self, most: int):
-        self.most_steps = most
+    def __init__(self, most_steps: int):
+        self.most_steps = most_steps
         self._errors: dict[float, float] = {}  # of ends [s]
 
-    def again(self, node: Node) -> Node:
+    def node_after_event(self, node: Node) -> Node:
         return node._replace(states=self.wearing.state(node.worn, node.states))
 
-    def after(self, x: float) -> Node:
+    def node_after(self, x: float) -> Node:
+        """Returns a node by the rates of a run at the wear that a predictor expects."""
         wearing, now, rates = self.wearing, self.now, self.rates
-        h, ahead = x - now.x, rates
+        h, mean_rates = x - now.x, rates
         if self.before is not None:
-            slope = (rates - self.older) / (now.x - self.before.x)
-            ahead = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
-        worn = now.worn + h * ahead
-        found = Node(x, worn, wearing.state(worn, now.states), x)
-        if found.status != code.OK:
-            return found
-        worn = now.worn + 0.5 * h * (rates + wearing.rates(found))
-        return found._replace(worn=worn, states=wearing.with_worn(found.states, worn))
+            slope = (rates - self.rates_before) / (now.x - self.before.x)
+            mean_rates = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
+        worn = now.worn + h * mean_rates
+        node = Node(x, worn, wearing.state(worn, now.states), x)
+        if node.status != code.OK:
+            return node
+        worn = now.worn + 0.5 * h * (rates + wearing.rates(node))
+        return node._replace(worn=worn, states=wearing.with_worn(node.states, worn))
 
-    def zero(self, value: Any, a: Node, b: Node) -> float:
-        """Root by false position, sufficient for scattered values."""
+    def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
+        """Returns the root by false position, sufficient for scattered values."""
         low, high, best = a.x, b.x, b.x
-        before, after = value(low), value(high)
+        low_margin, high_margin = margin(low), margin(high)
         for _ in range(_MOST_TRIALS):
-            slope = (before - after) / (high - low)
-            x = low + before / slope
+            slope = (low_margin - high_margin) / (high - low)
+            x = low + low_margin / slope
             self._errors.setdefault(b.x, b.x - x)
             if self.at(x).status != code.OK:
                 break
-            best, left = x, value(x)
-            self._errors[x] = abs(left) / slope
+            best, x_margin = x, margin(x)
+            self._errors[x] = abs(x_margin) / slope
             if self._errors[x] <= _END_OF_RUNS * (b.x - a.x):
                 break
-            if left <= 0.0:
-                high, after = x, left
+            if x_margin <= 0.0:
+                high, high_margin = x, x_margin
             else:
-                low, before = x, left
+                low, low_margin = x, x_margin
         return best
 
     def error_of_end(self, life: Life) -> float:

@@ -1,7 +1,7 @@
-"""The wear that short dynamic runs find along a life (theory.md section 13).
+"""Wear along a life by short dynamic runs (theory.md section 13).
 
-What wears (each ball, races, pockets, land) is that of `WornParts`. Each run is made at the wear
-that those before it left, from the end of the one before.
+The parts that wear (each ball, races, pockets, land) are those of `WornParts`. Each run is made at
+the wear that those before it left, from the end of the one before.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import largest_loss
 from bearingwear.lives.follow import Node, States
-from bearingwear.lives.surfaces import Coating, FilmWear, wear_through
+from bearingwear.lives.surfaces import Coating, FilmWear, remove_film
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
@@ -26,25 +26,28 @@ from bearingwear.solvers.race_control import RaceControl
 from bearingwear.solvers.rotor import half_of_pair
 from bearingwear.solvers.state import State, case_state
 from bearingwear.solvers.steady import Steady
-from bearingwear.solvers.warm import warm_scene, warmth_of
+from bearingwear.solvers.warm import warm_scene, warmth_values
 
 
 @dataclass(frozen=True)
 class Run:
+    """A dynamic run at some wear."""
+
     status: int
-    carried_on: bool = False
+    carried_on: bool = False  # from the end of the run before
     values: dict[str, Any] = field(default_factory=dict)
     warmth: dict[str, Any] = field(default_factory=dict)  # where a network finds temperatures
     residual: str = "not solved"
-    rates: np.ndarray = field(default_factory=lambda: np.empty(0))
+    rates: np.ndarray = field(default_factory=lambda: np.empty(0))  # wear per second
 
 
 def run_at(node: Node) -> Run:
+    """Returns the dynamic run behind a node."""
     return node.states[0].answer
 
 
 class Motion:
-    """The wear of a scene that moves: without its cage where that is not solved.
+    """A way to wear: a scene that moves, without its cage where that is not solved.
 
     Steps are made for its life by the steady model [s], NaN if not known.
     """
@@ -62,34 +65,37 @@ class Motion:
         self.parts = WornParts(scene)
         self.end = scene.wear.end_of_life or EndOfLife()
         self.start = np.zeros(self.parts.layout.size)
-        self.films = FilmWear(scene)
+        self.surfaces = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
-        self.gone: list[int] = []  # films, in the order in which they wore through
-        self._since = 0.0, self.start  # time [s] and wear when the way last changed
+        self.films_gone: list[int] = []  # in the order in which they wore through
+        self._event_time, self._event_worn = 0.0, self.start  # when the way last changed
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """A run at that wear, from the end of one before or a start of its own."""
+        """Returns the state of a run at some wear.
+
+        The run begins where one before it has ended, or at the start of a new bearing.
+        """
         run = self._run(worn, near[0].answer if near else None)
         return self.with_worn((State(run.status, {}, run),), worn)
 
     def _run(self, worn: np.ndarray, before: Run | None) -> Run:
+        """Returns a run at some wear; a first run where one from the end of `before` fails."""
         try:
             scene = self.parts.worn_scene(worn)
         except SceneError:
             return Run(code.CRITERION_NOT_REACHED)
-        warm = warm_scene(scene, self.films.bare)
+        warm = warm_scene(scene, self.surfaces.bare)
         if warm.status != code.OK:
             return Run(warm.status, residual=warm.sentence)
-        scene, warmth = warm.scene, warmth_of(scene, warm)
+        scene, warmth = warm.scene, warmth_values(scene, warm)
         if before is not None:
             end = {"state": before.values["final_state"], "time": before.values["final_time"]}
-            values, attrs = solve_dynamic(scene, end, bare=self.films.bare)
+            values, attrs = solve_dynamic(scene, end, bare=self.surfaces.bare)
         if before is None or values["status"] != code.OK:
             values, attrs = self.first_run(scene)
             before = None
-        solved = values["status"] == code.OK
-        if solved:
-            values["quasistatic_axial_stiffness"] = self._quasistatic(scene)
+        if values["status"] == code.OK:
+            values["quasistatic_axial_stiffness"] = self._quasistatic_stiffness(scene)
         return Run(
             status=int(values["status"]),
             carried_on=before is not None,
@@ -98,26 +104,28 @@ class Motion:
             residual=attrs["residual"],
         )
 
-    def depths(self, worn: np.ndarray) -> np.ndarray:
-        """Wear as `FilmWear` has it: the balls have one film, worn as they are on the mean."""
+    def surface_wear(self, worn: np.ndarray) -> np.ndarray:
+        """Returns the wear in the form of `FilmWear`: all balls worn as they are on the mean."""
         return np.array([worn[self.parts.layout.diameter].mean(), *worn[self.parts.layout.groove]])
 
-    def _quasistatic(self, scene: Scene) -> float:
-        """Axial stiffness at some wear, which no run has: steady, or by race control [N/m].
+    def _quasistatic_stiffness(self, scene: Scene) -> float:
+        """Returns the axial stiffness of a worn scene, which no run has [N/m].
 
-        The steady one where the scene has a steady state but for how the balls have worn.
+        It is the steady one where the scene has a steady state but for how the balls have worn,
+        otherwise that by race control.
         """
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)
-            return solver(solver.start._replace(bare=self.films.bare)).quasistatic
+            return solver(solver.start._replace(bare=self.surfaces.bare)).quasistatic
         solver, loss = Steady(scene), float(np.mean(scene.wear.ball_diameter_loss_um))
-        found = solver(Condition(loss * parameters.UM, self.films.bare))
-        return found.quasistatic if found.status == code.OK else math.nan
+        solution = solver(Condition(loss * parameters.UM, self.surfaces.bare))
+        return solution.quasistatic if solution.status == code.OK else math.nan
 
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
-        """A run from a start of its own; with a cage after `life_run_in_turns`.
+        """Returns values and attributes of a run that continues no other.
 
-        A cage takes hundreds of turns to forget how it started, and seems settled long before.
+        With a cage, `life_run_in_turns` come before it. A cage takes hundreds of turns to forget
+        how it started, and seems settled long before.
         """
         restart = None
         if scene.cage is not None and self.parts.model.life_run_in_turns > 0.0:
@@ -125,18 +133,18 @@ class Motion:
             run_in = replace(
                 self.parts.model, simulated_turns=turns, evaluated_turns=turns, settled_drift=0.0
             )
-            values, attrs = solve_dynamic(replace(scene, model=run_in), bare=self.films.bare)
+            values, attrs = solve_dynamic(replace(scene, model=run_in), bare=self.surfaces.bare)
             if values["status"] != code.OK:
                 return values, attrs
             restart = {"state": values["final_state"], "time": values["final_time"]}
-        return solve_dynamic(scene, restart, bare=self.films.bare)
+        return solve_dynamic(scene, restart, bare=self.surfaces.bare)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
-        """The state of a run at a wear close by, with the clearances of the cage."""
+        """Returns the state of a run at a wear close by, with what that wear changes."""
         run: Run = states[0].answer
         loss = float(self.parts.loss(worn).mean())
         state = case_state(loss, {**run.values, "status": run.status})
-        more: dict[str, Any] = self.parts.of_cage(worn)
+        values: dict[str, Any] = self.parts.cage_values(worn)
         if state.is_solved:
             power = float(run.values["friction_heat"].sum()) + float(run.values["drag_power"])
             solved = SolvedBearing(
@@ -147,30 +155,29 @@ class Motion:
                 quasistatic=state["quasistatic_axial_stiffness"],
                 place=state["axial_displacement"],
             )
-            more |= half_of_pair(self.scene, self._mounted, solved).values
-            more |= {"friction_power": power} | run.warmth
-            wearing = None
-            if self.films.changes:
-                wearing = self.films.wearing(run.values | run.warmth, self.depths(worn))
-            run = replace(run, rates=self.parts.rates(run.values, wearing))
-            more |= self._of_wear(run, worn)
-        return (replace(state.with_values(more), answer=run),)
+            values |= half_of_pair(self.scene, self._mounted, solved).values
+            values |= {"friction_power": power} | run.warmth
+            factors = None
+            if self.surfaces.changes:
+                of_state = run.values | run.warmth
+                factors = self.surfaces.wear_factors(of_state, self.surface_wear(worn))
+            run = replace(run, rates=self.parts.rates(run.values, factors))
+            values |= self._wear_values(run, worn)
+        return (replace(state.with_values(values), answer=run),)
 
-    def _of_wear(self, run: Run, worn: np.ndarray) -> dict[str, Any]:
-        """The deepest groove, and what films decide where there are any."""
+    def _wear_values(self, run: Run, worn: np.ndarray) -> dict[str, Any]:
+        """Returns the greatest depth, and films and wear rates where they depend on the depth."""
         p, rates = self.parts.layout, run.rates
-        deepest, ball = {"greatest_depth": worn[p.deepest].max()}, rates[p.diameter].mean()
-        if not self.films.changes:
-            return deepest
-        return (
-            deepest
-            | self.films.film_values(self.depths(worn))
-            | {
-                "ball_diameter_loss_rate": self.films.loss_rate(ball, rates[p.groove]),
-                "ball_wear_rate": rates[p.ball].mean(),
-                "race_wear_rate": rates[p.race],
-            }
-        )
+        values = {"greatest_depth": worn[p.deepest].max()}
+        if not self.surfaces.changes:
+            return values
+        values |= self.surfaces.film_values(self.surface_wear(worn))
+        ball_rate = rates[p.diameter].mean()
+        return values | {
+            "ball_diameter_loss_rate": self.surfaces.loss_rate(ball_rate, rates[p.groove]),
+            "ball_wear_rate": rates[p.ball].mean(),
+            "race_wear_rate": rates[p.race],
+        }
 
     def rates(self, node: Node) -> np.ndarray:
         return run_at(node).rates
@@ -179,18 +186,23 @@ class Motion:
         return bool(run_at(node).rates.any())
 
     def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
-        """Films of races and balls, and those of the cage, with the depths there [m]."""
-        of_bearing = self.films.coating, self.films.depths(self.depths(worn))
-        return [of_bearing, (self.parts.coating, self.parts.cage_depths(worn))]
+        """Returns the films of races and balls, and those of the cage, with their depths [m]."""
+        return [
+            (self.surfaces.coating, self.surfaces.depths(self.surface_wear(worn))),
+            (self.parts.coating, self.parts.cage_depths(worn)),
+        ]
 
     def events(self, node: Node) -> np.ndarray:
-        return np.concatenate([films.left(deep) for films, deep in self.films_at(node.worn)])
+        """Returns the share that is left of each film."""
+        return np.concatenate(
+            [coating.share_left(depths) for coating, depths in self.films_at(node.worn)]
+        )
 
-    def passes(self, event: int, node: Node) -> bool:
-        """A film is gone."""
-        wear_through(self.films_at(node.worn), event)
-        self.gone.append(event)
-        self._since = node.x, node.worn
+    def pass_event(self, event: int, node: Node) -> bool:
+        """Removes a film that is gone."""
+        remove_film(self.films_at(node.worn), event)
+        self.films_gone.append(event)
+        self._event_time, self._event_worn = node.x, node.worn
         return True
 
     @staticmethod
@@ -198,9 +210,9 @@ class Motion:
         return CRITERIA[criterion] in OF_CAGE
 
     def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
-        """Rate of the wear of a film, else of what a criterion limits [m/s].
+        """Returns the wear rate of a film, else the rate of what a criterion limits [m/s].
 
-        That is of the cage, the depth of a groove, or the mean loss.
+        A criterion limits a measure of the cage, the depth of a groove, or the mean loss.
         """
         name, rates = CRITERIA[criterion], run_at(node).rates
         if film is not None:
@@ -212,52 +224,58 @@ class Motion:
         return self.parts.cage_rate(name, rates)
 
     def horizon(self, node: Node) -> float:
-        """Estimated end of life or of a film [s]: by the steady life, or the wear rate so far.
+        """Returns the estimated end of life or of a film [s]; infinite where no wear leads to one.
 
-        Infinite where nothing that wears leads to an end.
+        The mean wear rates since the last film was gone estimate it, and the steady life.
         """
-        begun, worn = self._since
-        # at the start, one second at its rates
-        time, more = node.x - begun, node.worn - worn
-        if time == 0.0:
-            time, more = 1.0, self.rates(node)
-        um = self.end.ball_diameter_loss_um
-        limits = [largest_loss(self.scene) if um is None else um * parameters.UM]
-        given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
-        limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
-        films, cage = self.films.coating, self.parts.coating
-        limits += [*np.where(films.cover, films.whole, math.nan)]
-        share = self.end.cage_film_worn_share or 1.0
-        limits += [*np.where(cage.cover, share * cage.whole, math.nan)]
-        then, now = self._limited(worn), self._limited(worn + more)
+        elapsed, wear = node.x - self._event_time, node.worn - self._event_worn
+        if elapsed == 0.0:
+            elapsed, wear = 1.0, self.rates(node)  # of one second
+        before = self._limited_values(self._event_worn)
+        after = self._limited_values(self._event_worn + wear)
         with np.errstate(divide="ignore", invalid="ignore"):
-            times = begun + time * (np.array(limits) - then) / (now - then)
-        known = [time for time in (self.steady, *times[now > then]) if time > begun]
-        return float(min(known, default=math.inf))
+            ends = self._event_time + elapsed * (self._limits() - before) / (after - before)
+        ahead = [end for end in (self.steady, *ends[after > before]) if end > self._event_time]
+        return float(min(ahead, default=math.inf))
 
-    def _limited(self, worn: np.ndarray) -> np.ndarray:
-        """Mean loss, clearances, and depths of films [m]."""
+    def _limits(self) -> np.ndarray:
+        """Returns the limits of the `_limited_values` [m]; NaN without one."""
+        um = self.end.ball_diameter_loss_um
+        loss = largest_loss(self.scene) if um is None else um * parameters.UM
+        clearances = [
+            math.nan if mm is None else mm * parameters.MM
+            for mm in (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
+        ]
+        films, cage = self.surfaces.coating, self.parts.coating
+        film_depths = np.where(films.is_left, films.new_thickness, math.nan)
+        share = self.end.cage_film_worn_share or 1.0
+        cage_depths = np.where(cage.is_left, share * cage.new_thickness, math.nan)
+        return np.array([loss, *clearances, *film_depths, *cage_depths])
+
+    def _limited_values(self, worn: np.ndarray) -> np.ndarray:
+        """Returns mean loss, clearances, and depths of films [m]."""
         loss, clearances = self.parts.loss(worn).mean(), self.parts.clearances(worn)
         return np.array([loss, *clearances, *self._film_depths(worn)])
 
     def _film_depths(self, worn: np.ndarray) -> np.ndarray:
-        """Depths of whatever may have a film: races, balls, pockets, land (5,) [m]."""
+        """Returns the depths of races, balls, pockets and land, which may have films (5,) [m]."""
         return np.concatenate([depths for _, depths in self.films_at(worn)])
 
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
-        """A part of the way to the end, or `FilmWear.running_in_time` [s]; reports progress.
+        """Returns a part of the way to the end, or a running-in time if shorter [s].
 
-        Infinite as `horizon`.
+        It is infinite as `horizon`. Reports progress.
         """
         horizon = self.horizon(node)
         if math.isinf(horizon):
             return horizon
         self.report_progress(node, horizon)
-        part = (horizon - self._since[0]) / self.steps
-        return min(part, self.films.running_in_time(*map(self.depths, (node.worn, rates))))
+        part = (horizon - self._event_time) / self.steps
+        worn, worn_rates = self.surface_wear(node.worn), self.surface_wear(rates)
+        return min(part, self.surfaces.running_in_time(worn, worn_rates))
 
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:
             loss = self.parts.loss(node.worn).mean() / parameters.UM
-            hours = node.x / 3600.0, horizon / 3600.0
-            self.progress(f"{hours[0]:.3g} h of about {hours[1]:.3g} h, {loss:.3g} um of wear")
+            hours, end = node.x / 3600.0, horizon / 3600.0
+            self.progress(f"{hours:.3g} h of about {end:.3g} h, {loss:.3g} um of wear")

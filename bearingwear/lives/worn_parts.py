@@ -1,4 +1,4 @@
-"""Wear of a bearing as a vector, and the worn scene."""
+"""Wear of all parts of a bearing as one vector, and the worn scene."""
 
 import math
 from collections.abc import Mapping
@@ -24,13 +24,13 @@ class WornLayout:
         self.pocket = slice(2 * n, 3 * n)  # and off the cage in its pocket
         self.race = slice(3 * n, 3 * n + 2)
         self.land = 3 * n + 2  # off the cage at its guiding land
-        self.groove = slice(3 * n + 3, 3 * n + 5)  # depth, over the width of both tracks [m]
-        self.deepest = slice(3 * n + 5, 3 * n + 7)  # the same in their deepest places [m]
+        self.groove = slice(3 * n + 3, 3 * n + 5)  # mean depth over the width of both tracks [m]
+        self.deepest = slice(3 * n + 5, 3 * n + 7)  # depth in their deepest places [m]
         self.size = 3 * n + 7
 
 
 def cage_surfaces(scene: Scene) -> tuple[float, float]:
-    """Area of the wall of one pocket, and of the guiding surface of a cage [m2]."""
+    """Returns the area of the wall of one pocket, and of the guiding surface of a cage [m2]."""
     cage, MM = scene.cage, parameters.MM
     assert cage is not None
     r_i, r_o = 0.5 * cage.inner_diameter_mm * MM, 0.5 * cage.outer_diameter_mm * MM
@@ -40,12 +40,13 @@ def cage_surfaces(scene: Scene) -> tuple[float, float]:
 
 
 def film_wear_ratio(scene: Scene) -> float:
-    """K_s/H of a cage's film over that of the cage; 1 without a film."""
+    """Returns K_s/H of a cage's film over that of the cage; 1 without a film."""
     if scene.cage is None or scene.cage.film is None:
         return 1.0
-    film, own = scene.cage.film, scene.materials[scene.cage.material]
-    K_s = (film.wear_coefficient or own.wear_coefficient) / own.wear_coefficient
-    return K_s * own.brinell_hardness_GPa / (film.brinell_hardness_GPa or own.brinell_hardness_GPa)
+    film, cage = scene.cage.film, scene.materials[scene.cage.material]
+    K_s_ratio = (film.wear_coefficient or cage.wear_coefficient) / cage.wear_coefficient
+    film_hardness = film.brinell_hardness_GPa or cage.brinell_hardness_GPa
+    return K_s_ratio * cage.brinell_hardness_GPa / film_hardness
 
 
 CAGE_PARTS = ("pocket", "land")
@@ -63,24 +64,26 @@ class WornParts:
         n = scene.bearing.ball_count
         self.layout = WornLayout(n)
         loss = np.array(scene.wear.ball_diameter_loss_um) * parameters.UM
-        self.fresh = np.broadcast_to(loss, (n,))
-        # Per-run histories are not needed.
-        self.model = replace(scene.model, history_points_per_turn=0)
+        self.start_loss = np.broadcast_to(loss, (n,))
+        self.model = replace(scene.model, history_points_per_turn=0)  # runs need no histories
         film = None if scene.cage is None else scene.cage.film
         thickness = 0.0 if film is None else film.thickness_um * parameters.UM
         self.coating = Coating(np.full(len(CAGE_PARTS), thickness))
 
     def loss(self, worn: np.ndarray) -> np.ndarray:
-        """Loss of diameter of each ball that the fit sees (n,) [m]: grooves as counted."""
-        p = self.layout
-        return self.fresh + worn[p.diameter] + self._grooves(worn)
+        """Returns the loss of diameter of each ball that changes the fit (n,) [m].
 
-    def _grooves(self, worn: np.ndarray) -> float:
-        """Depth of both grooves as far as it counts [m]."""
+        It includes the depth of the grooves if the scene counts them.
+        """
+        p = self.layout
+        return self.start_loss + worn[p.diameter] + self._counted_depth(worn)
+
+    def _counted_depth(self, worn: np.ndarray) -> float:
+        """Returns the depth of both grooves [m]; 0 where the scene does not count it."""
         return float(worn[self.layout.groove].sum()) if self.counts_races else 0.0
 
     def cage_depths(self, worn: np.ndarray) -> np.ndarray:
-        """Worn off the walls of the pockets and off the guiding surface (2,) [m]; NaN without.
+        """Returns the wear depths of pocket walls and guiding surface (2,) [m]; NaN without cage.
 
         The wear of all pockets and of the land is spread evenly over `worn_share` of the surface.
         """
@@ -91,42 +94,49 @@ class WornParts:
         return volumes / (cage.worn_share * np.array(cage_surfaces(self.scene)))
 
     def clearances(self, worn: np.ndarray) -> tuple[float, float]:
-        """Diametral clearances of pocket and most worn ball, and at the land [m]; or NaN."""
+        """Returns the diametral clearances of pocket and most worn ball, and at the land [m].
+
+        Both are NaN without a cage.
+        """
         cage = self.scene.cage
         if cage is None:
             return math.nan, math.nan
         MM, (pocket, land) = parameters.MM, 2.0 * self.cage_depths(worn)
-        ball = (self.fresh + worn[self.layout.diameter]).max()
+        ball = self._largest_ball_loss(worn)
         return cage.pocket_clearance_mm * MM + pocket + ball, cage.guide_clearance_mm * MM + land
 
-    def of_cage(self, worn: np.ndarray) -> dict[str, float]:
-        """Result variables of the cage at that wear."""
+    def _largest_ball_loss(self, worn: np.ndarray) -> float:
+        """Returns the loss of diameter of the most worn ball, without grooves [m]."""
+        return (self.start_loss + worn[self.layout.diameter]).max()
+
+    def cage_values(self, worn: np.ndarray) -> dict[str, float]:
+        """Returns the result variables of the cage at some wear."""
         pocket, guide = self.clearances(worn)
-        found = {"pocket_clearance": pocket, "guide_clearance": guide}
-        if self.coating.whole.all():
-            shares = self.cage_depths(worn) / self.coating.whole
-            found |= dict(zip(ENDS["cage_film_worn_share"].variables, shares, strict=True))
-        return found
+        values = {"pocket_clearance": pocket, "guide_clearance": guide}
+        if self.coating.new_thickness.all():
+            shares = self.cage_depths(worn) / self.coating.new_thickness
+            values |= dict(zip(ENDS["cage_film_worn_share"].variables, shares, strict=True))
+        return values
 
     def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
-        """Rate of what a criterion of the cage limits."""
-        # linear in what has worn, but for which ball is the most worn
-        then, now = self.of_cage(np.zeros_like(rates)), self.of_cage(rates)
-        return max(now[name] - then[name] for name in ENDS[criterion].variables)
+        """Returns the rate of the measure that a criterion of the cage limits."""
+        # linear in the wear, but for the choice of the most worn ball
+        unworn, after_second = self.cage_values(np.zeros_like(rates)), self.cage_values(rates)
+        return max(after_second[name] - unworn[name] for name in ENDS[criterion].variables)
 
     def cage_rates(self, values: Mapping[str, Any]) -> np.ndarray:
-        """What wears off the cage alone per second, of a run's or an ensemble's values.
+        """Returns the wear of the cage per second, by the values of a run or an ensemble.
 
         Those are of the material of the cage; while its film is left, that wears instead.
         """
         p, rates = self.layout, np.zeros(self.layout.size)
-        pocket, land = np.where(self.coating.cover, film_wear_ratio(self.scene), 1.0)
+        pocket, land = np.where(self.coating.is_left, film_wear_ratio(self.scene), 1.0)
         rates[p.pocket] = values.get("pocket_wear_rate", 0.0) * pocket
         rates[p.land] = values.get("cage_land_wear_rate", 0.0) * land
         return rates
 
     def worn_scene(self, worn: np.ndarray) -> Scene:
-        """The scene at that wear; SceneError where too much has worn to make sense."""
+        """Returns the scene at some wear; SceneError where too much has worn to make sense."""
         wear = replace(
             self.scene.wear, ball_diameter_loss_um=tuple((self.loss(worn) / parameters.UM).tolist())
         )
@@ -134,8 +144,8 @@ class WornParts:
         if cage is not None:
             pocket, guide = self.clearances(worn)
             # The motion adds each ball's loss to its pocket, the depth of the grooves with it.
-            pocket -= (self.fresh + worn[self.layout.diameter]).max()
-            pocket -= self._grooves(worn)
+            pocket -= self._largest_ball_loss(worn)
+            pocket -= self._counted_depth(worn)
             cage = replace(
                 cage,
                 pocket_clearance_mm=max(float(pocket), 0.0) / parameters.MM,
@@ -143,21 +153,26 @@ class WornParts:
             )
         return replace(self.scene, wear=wear, cage=cage, model=self.model)
 
-    def rates(self, values: dict[str, Any], wearing: Factors | None = None) -> np.ndarray:
-        """Wear per second of a run, by the properties of balls and races, else those when new."""
+    def rates(self, values: dict[str, Any], factors: Factors | None = None) -> np.ndarray:
+        """Returns the wear per second of a run.
+
+        factors: K_s/H of balls and races, those of new surfaces without.
+        """
         p, rates, n = self.layout, self.cage_rates(values), self.scene.bearing.ball_count
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
         qv, a = values["qv"], values["semi_major_axis"]
-        (new, _), (ball, race) = (wear_rates(self.scene, qv, a, one) for one in (None, wearing))
-        rates[p.ball] = values["ball_wear_rate"] + (ball - new).sum(axis=1)  # pockets wear it too
+        new_ball, _ = wear_rates(self.scene, qv, a, None)
+        ball, race = wear_rates(self.scene, qv, a, factors)
+        # the rate of a run includes the wear in the pockets
+        rates[p.ball] = values["ball_wear_rate"] + (ball - new_ball).sum(axis=1)
         rates[p.diameter] = 2.0 * rates[p.ball] / (math.pi * D**2)
         rates[p.race] = n * race.mean(axis=0)
         semi_axis, track = np.where(a > 0.0, a, np.inf), values["contact_track_radius"]
         rates[p.groove] = groove_depth_rates(n, race, semi_axis, track).mean(axis=0)
-        slips = values["gyroscopic_slip"], values["rolling_slip"]
-        rates[p.deepest] = depth_peak(values, *slips) * rates[p.groove]
+        peak = depth_peak(values, values["gyroscopic_slip"], values["rolling_slip"])
+        rates[p.deepest] = peak * rates[p.groove]
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
-        """Rate of the mean loss of ball diameter as counted [m/s]."""
-        return float(rates[self.layout.diameter].mean()) + self._grooves(rates)
+        """Returns the rate of the mean loss of ball diameter as counted [m/s]."""
+        return float(rates[self.layout.diameter].mean()) + self._counted_depth(rates)

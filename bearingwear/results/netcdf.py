@@ -7,12 +7,11 @@ is solved in a millisecond should not wait half a second for xarray to be import
 from __future__ import annotations
 
 import contextlib
-import functools
 import itertools
 import os
 import threading
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from bearingwear.results.entries import (
     SOURCE,
     Contents,
     Entry,
+    Layout,
     contents_of,
     stacked_contents,
 )
@@ -33,10 +33,8 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
 
 
-LONG_COORDINATES, MOST_KNOWN = 1000, 16
-"""Most values of coordinates whose indexes are stored for reuse, and most sets of them."""
-
-_SLOTS = {"_dims", "_data", "_attrs", "_encoding"}  # of a variable of xarray
+LONG_COORDINATES, MOST_TEMPLATES = 1000, 16
+"""Most values of the coordinates of a template, and most templates that are stored for reuse."""
 
 COMPRESSED_ABOVE = 100_000
 """Largest number of values that are stored uncompressed; histories over time always are."""
@@ -106,7 +104,19 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     """
     contents = contents_of(result)
     contents.attrs["wall_time_s"] = float(result.wall_time_s)
-    return _contents_dataset(contents, by_name)
+    data = {
+        name: named_data(contents.data[name], entry.attrs)[0]
+        if by_name and "flag_meanings" in entry.attrs
+        else contents.data[name]
+        for name, entry in contents.layout.variables.items()
+    }
+    # a copy with other data: the constructor takes longer than a solve
+    filled = _template(contents, by_name).copy(deep=False, data=data)
+    for name, entry in contents.layout.coordinates.items():
+        if entry.dims != (name,):  # no index, which would be immutable
+            filled.variables[name].data = contents.data[name]
+    filled.attrs = contents.attrs
+    return filled
 
 
 def stacked_datasets(results: Iterable[Result], dim: str) -> list[xr.Dataset]:
@@ -123,32 +133,22 @@ def _fidelity_and_shapes(result: Result) -> tuple[str | None, list[tuple[str, tu
 
 def _contents_dataset(contents: Contents, by_name: bool = False) -> xr.Dataset:
     """Returns the contents of a file as a dataset."""
+    import xarray as xr
+
     layout, data = contents.layout, contents.data
-    coordinates = _indexed_coordinates(layout.coordinates, data, by_name)
-    variables = _variables(layout.variables, data, by_name)
-    return _joined_dataset(variables, coordinates, layout.sizes, contents.attrs)
-
-
-def _unchecked_variable(
-    kind: type[xr.Variable], dims: Any, data: Any, attrs: Any, encoding: Any
-) -> xr.Variable:
-    """Returns a variable without the checks of xarray, whose private attributes it sets."""
-    variable = object.__new__(kind)
-    variable._dims, variable._data = dims, data
-    variable._attrs, variable._encoding = attrs, encoding
-    return variable
+    return xr.Dataset(
+        _variables(layout.variables, data, by_name),
+        _variables(layout.coordinates, data, by_name),
+        contents.attrs,
+    )
 
 
 def _variables(
     entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
 ) -> dict[str, xr.Variable]:
-    """Returns the variables of a dataset, which the layout has checked already."""
+    """Returns variables of a dataset."""
     import xarray as xr
 
-    has_known_slots = set(xr.Variable.__slots__) == _SLOTS
-    new_variable = (
-        functools.partial(_unchecked_variable, xr.Variable) if has_known_slots else xr.Variable
-    )
     variables = {}
     for name, entry in entries.items():
         values, attrs = data[name], entry.attrs.copy()
@@ -156,83 +156,26 @@ def _variables(
         if by_name and "flag_meanings" in attrs:
             values, attrs = named_data(values, attrs)
         encoding = {} if entry.fill is None else {"_FillValue": entry.fill}
-        variables[name] = new_variable(entry.dims, values, attrs, encoding)
+        variables[name] = xr.Variable(entry.dims, values, attrs, encoding)
     return variables
 
 
-class _IndexedCoordinates(NamedTuple):
-    """Coordinates with their variables and indexes; shared, so do not write to them."""
-
-    coordinates: xr.Coordinates
-    variables: Mapping[Any, xr.Variable]
-    indexes: Mapping[Any, xr.Index]
+_TEMPLATES: dict[Any, tuple[Layout, xr.Dataset]] = {}
+"""Datasets of earlier results with the layouts that they follow; alike results differ in data."""
 
 
-def _joined_dataset(
-    variables: dict[str, xr.Variable],
-    indexed: _IndexedCoordinates,
-    sizes: Mapping[str, int],
-    attrs: dict[str, Any],
-) -> xr.Dataset:
-    """Returns a dataset of variables that are known to fit together.
-
-    xarray's public constructor copies each of them and looks for conflicts, which takes longer
-    than a solve.
-    """
-    import xarray as xr
-
-    construct = getattr(xr.Dataset, "_construct_direct", None)
-    if construct is None or set(xr.Variable.__slots__) != _SLOTS:
-        return xr.Dataset(variables, indexed.coordinates.copy(deep=True), attrs)
-    all_variables: dict[Any, xr.Variable] = {**variables}
-    for name, variable in indexed.variables.items():
-        # an index is immutable
-        data = variable._data if name in indexed.indexes else variable.values.copy()
-        all_variables[name] = _unchecked_variable(
-            type(variable), variable._dims, data, dict(variable.attrs), dict(variable.encoding)
-        )
-    names, indexes = set(indexed.variables), dict(indexed.indexes)
-    return construct(
-        all_variables, coord_names=names, dims=dict(sizes), attrs=attrs, indexes=indexes
-    )
-
-
-_KNOWN_COORDINATES: dict[Any, _IndexedCoordinates] = {}
-"""Coordinates of earlier datasets; those of steady cases are equal, and indexing takes 0.5 ms."""
-
-
-def _indexed_coordinates(
-    entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
-) -> _IndexedCoordinates:
-    """Returns the coordinates of a dataset; equal short ones are indexed only once."""
-    if sum(data[name].size for name in entries) > LONG_COORDINATES:
-        return _newly_indexed(entries, data, by_name)
-    # all other attributes are those of the table of variables
-    varying_attrs = ("represents", "flag_meanings")
-    contents = (
-        (name, data[name].tobytes(), *map(entry.attrs.get, varying_attrs))
-        for name, entry in entries.items()
-    )
-    key = by_name, tuple(contents)
-    if key not in _KNOWN_COORDINATES:
-        if len(_KNOWN_COORDINATES) >= MOST_KNOWN:
-            _KNOWN_COORDINATES.clear()
-        _KNOWN_COORDINATES[key] = _newly_indexed(entries, data, by_name)
-    return _KNOWN_COORDINATES[key]
-
-
-def _newly_indexed(
-    entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
-) -> _IndexedCoordinates:
-    """Indexes coordinates with xarray."""
-    import xarray as xr
-
-    coordinates = xr.Coordinates(_variables(entries, data, by_name))
-    return _IndexedCoordinates(
-        coordinates=coordinates,
-        variables=dict(coordinates.variables),
-        indexes=dict(coordinates.xindexes),
-    )
+def _template(contents: Contents, by_name: bool) -> xr.Dataset:
+    """Returns a dataset of the same layout and coordinates; it is shared, so do not write to it."""
+    layout = contents.layout
+    coordinates = [contents.data[name] for name in layout.coordinates]
+    if sum(values.size for values in coordinates) > LONG_COORDINATES:
+        return _contents_dataset(contents, by_name)
+    key = id(layout), by_name, *(values.tobytes() for values in coordinates)
+    if key not in _TEMPLATES:
+        if len(_TEMPLATES) >= MOST_TEMPLATES:
+            _TEMPLATES.clear()
+        _TEMPLATES[key] = layout, _contents_dataset(contents, by_name).drop_attrs(deep=False)
+    return _TEMPLATES[key][1]
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:

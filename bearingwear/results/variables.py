@@ -4,11 +4,11 @@ Inside the program all values are SI and radians; `scale` takes them to the unit
 `results/units.py` converts those to the units for people. Variables without a unit have flags.
 
 A study describes its own variables with the same `Variable`, in a `table` of its own, and makes
-datasets with `bearingwear.studies.dataset.filled`. Their dimensions are then those of one solve;
-the axes along which a study repeats it are given with the values, a row for each solve:
+datasets with `bearingwear.studies.dataset.dataset_of_rows`. Their dimensions are then those of one
+solve; the axes along which a study repeats it are given with the values, a row for each solve:
 
     POWERS = table(Variable("drag", (), "W", "power of the drag"), Variable("heat", ...), ...)
-    filled(POWERS, {SPEED: speeds, PRELOAD: preloads}, [{"drag": 0.1, "heat": 0.3}, ...])
+    dataset_of_rows(POWERS, {SPEED: speeds, PRELOAD: preloads}, [{"drag": 0.1, "heat": 0.3}, ...])
 """
 
 from __future__ import annotations

@@ -39,14 +39,14 @@ class AccuracyPreset(NamedTuple):
     tolerance: float
 
     def keys(self, slip_over: str, cage_wears: bool = False) -> dict[str, float | int | str]:
-        """The settings by their paths in a scene."""
+        """Returns the settings by their paths in a scene."""
         values = self._asdict()
         del values["error"]
         if cage_wears:
             values["dynamic_tolerance"] = min(self.dynamic_tolerance, CAGE_TOLERANCE)
-        strips, values["points_across"] = values.pop("over_ellipse")
+        ellipse_strips, values["points_across"] = values.pop("over_ellipse")
         if slip_over == "ellipse":
-            values |= {"quadrature": "split", "strips": strips}
+            values |= {"quadrature": "split", "strips": ellipse_strips}
         regularisation = {REGULARISATION: values.pop("slip_regularisation_m_s")}
         return regularisation | {f"model.{name}": value for name, value in values.items()}
 
@@ -126,12 +126,12 @@ STANDARD = NAMED_PRESETS["standard"]
 
 
 def slip_is_over(contact: str, slip_over: str | None) -> str:
-    """Where each contact model evaluates slip by default: `line` or `ellipse`."""
+    """Returns where a contact model evaluates slip, `line` or `ellipse`, if the scene leaves it."""
     return slip_over or SLIP_OVER[contact != "paper"]
 
 
 def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
-    """The preset of a name, or the cheapest one that is meant for a target error."""
+    """Returns the preset of a name, or the cheapest one that is meant for a target error."""
     if isinstance(accuracy, str):
         return NAMED_PRESETS[accuracy]
     return next((preset for preset in PRESETS if preset.error <= accuracy), PRESETS[-1])
@@ -224,12 +224,12 @@ class Model:
 
     @property
     def slip_is_over(self) -> str:
-        """`line` or `ellipse`: as the scene asks for, or as its contact model has it."""
+        """Where slip is evaluated, `line` or `ellipse`: as given, or that of the contact model."""
         return slip_is_over(self.contact, self.slip_over)
 
     @property
     def traction_bears(self) -> bool:
-        """Whether traction is in the balance of normal forces, where a model can have it."""
+        """Whether the balance of normal forces includes traction, where the model can."""
         if self.normal_balance:
             return self.normal_balance == "with_traction"
         return self.contact != "paper"
@@ -245,7 +245,7 @@ MOST_HISTORY_POINTS = 1_000_000
 
 
 def check_model(scene: Scene) -> None:
-    """Refuse settings that contradict each other."""
+    """Refuses settings that contradict each other."""
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "got true; only allowed with a cage", ("cage",))
     turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import SceneError, leaves, shown
-from bearingwear.scene.checking.records import keyed, reduced, setting
+from bearingwear.scene.checking.records import keyed, reduced_record, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -110,11 +110,11 @@ class Arrangement:
         _check_kind(self)
 
     def __hash__(self) -> int:
-        given = self.kind, self.orientation, self.tandem, self.external_axial_N
-        return hash((*given, repr(dict(self.second))))
+        plain_fields = self.kind, self.orientation, self.tandem, self.external_axial_N
+        return hash((*plain_fields, repr(dict(self.second))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        return reduced_record(self)
 
     @property
     def is_pair(self) -> bool:
@@ -130,62 +130,63 @@ class Arrangement:
 
 
 def set_over_pair(tandem: Sequence[int]) -> float:
-    """Preload of each side of a rigid set over that of a pair of the same bearings, at rest.
+    """Returns the preload of each side of a rigid set over that of a pair of the same bearings.
 
     Makers grind a bearing for the preload of a pair; the faces of a set leave the same offset to
-    its two sides. By Hertz' law at a constant angle; makers print 1.35 or 1.36 for 2 and 1.
+    its two sides. It holds at rest by Hertz' law at a constant angle; makers print 1.35 or 1.36 for
+    2 and 1.
     """
     approach = sum(n ** (-2.0 / 3.0) for n in tandem)
     return float((2.0 / approach) ** 1.5)
 
 
 def flat_keys(block: Mapping[str, Any]) -> dict[str, Any]:
-    """Keys with all their parts, and their values; blocks within blocks are keys too."""
-    return {k: tuple(v) if isinstance(v, list) else v for k, v in leaves(block).items()}
+    """Returns the values of a block and its inner blocks by whole keys, and lists as tuples."""
+    return {key: tuple(v) if isinstance(v, list) else v for key, v in leaves(block).items()}
 
 
-def _check_kind(a: Arrangement) -> None:
-    """Keys that only a pair, or only a spring pair, may have."""
-    given = {
-        "external_axial_N": a.external_axial_N,
-        "spring_stiffness_N_um": a.spring_stiffness_N_um,
-        "tandem": list(a.tandem) if max(a.tandem) > 1 else None,
-        "second": dict(a.second),
+def _check_kind(arrangement: Arrangement) -> None:
+    """Refuses keys that only a pair, or only a spring pair, may have."""
+    pair_values = {
+        "external_axial_N": arrangement.external_axial_N,
+        "spring_stiffness_N_um": arrangement.spring_stiffness_N_um,
+        "tandem": list(arrangement.tandem) if max(arrangement.tandem) > 1 else None,
+        "second": dict(arrangement.second),
     }
-    for name, value in given.items():
+    for name, value in pair_values.items():
         allowed = {"spring_pair"} if name == "spring_stiffness_N_um" else set(METHODS)
-        if value and a.kind not in allowed:
-            problem = f"got {shown(value)} with kind {a.kind}; only allowed with "
+        if value and arrangement.kind not in allowed:
+            problem = f"got {shown(value)} with kind {arrangement.kind}; only allowed with "
             raise SceneError(name, problem + " or ".join(sorted(allowed)), ("kind",))
 
 
 def sides_of(scene: Scene) -> tuple[Scene, ...]:
-    """A bearing of each side as a single one, which knows span and orientation.
+    """Returns a bearing of each side as a single one, which keeps span and orientation.
 
-    One in tandem has its share of the preload.
+    A bearing in tandem has its share of the preload.
 
-    SceneError where the second one is no bearing.
+    SceneError where the second is no valid bearing.
     """
-    a = scene.arrangement
-    if a is None or not a.is_pair:
+    arrangement = scene.arrangement
+    if arrangement is None or not arrangement.is_pair:
         return (scene,)
-    nothing: dict[str, Any] = {"external_axial_N": 0.0, "spring_stiffness_N_um": 0.0, "second": {}}
-    alone = replace(a, kind="single", tandem=(1, 1), **nothing)
+    unset: dict[str, Any] = {"external_axial_N": 0.0, "spring_stiffness_N_um": 0.0, "second": {}}
+    single = replace(arrangement, kind="single", tandem=(1, 1), **unset)
     preload = scene.operation.preload_N
     first, second = (
         replace(
             scene,
-            arrangement=alone,
-            operation=replace(scene.operation, preload_N=preload / n),
+            arrangement=single,
+            operation=replace(scene.operation, preload_N=preload / in_tandem),
             cases=None,
             duty=None,
         )
-        for n in a.tandem
+        for in_tandem in arrangement.tandem
     )
-    changes, end = dict(a.second), scene.wear.end_of_life
-    by_film = end is not None and end.film_worn_share is not None
-    if by_film and "friction.film" in changes and changes["friction.film"] is None:
-        # an end of life is shared: it is then that of the other bearing's film
+    changes, end = dict(arrangement.second), scene.wear.end_of_life
+    film_ends_life = end is not None and end.film_worn_share is not None
+    if film_ends_life and "friction.film" in changes and changes["friction.film"] is None:
+        # both share an end of life, which is then that of the first bearing's film
         changes["wear.end_of_life.film_worn_share"] = None
     try:
         return first, second.with_(changes) if changes else second
@@ -195,7 +196,7 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
 
 
 def one_bearing(scene: Scene, source: object) -> Scene:
-    """The scene, if it is of a single bearing."""
+    """Returns the scene if it has a single bearing; refuses it otherwise."""
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
@@ -206,34 +207,34 @@ def one_bearing(scene: Scene, source: object) -> Scene:
 
 
 def bearings_holding(method: str) -> float:
-    """Bearings of a symmetric pair that support the rotor: one with a spring, else two."""
+    """Returns how many bearings of a symmetric pair support the rotor: 1 with a spring, else 2."""
     return 2.0 if method == "fixed_position" else 1.0
 
 
 def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
-    """The scene with its preload held by a method, as the pair that is made by it if it is one."""
-    a = scene.arrangement
-    if a is not None and a.is_pair:
+    """Returns the scene with another preload method, preload or operation, and the kind of pair."""
+    arrangement = scene.arrangement
+    if arrangement is not None and arrangement.is_pair:
         kind = PAIRS[method]
-        spring = a.spring_stiffness_N_um if kind == "spring_pair" else 0.0
-        a = replace(a, kind=kind, spring_stiffness_N_um=spring)
+        spring = arrangement.spring_stiffness_N_um if kind == "spring_pair" else 0.0
+        arrangement = replace(arrangement, kind=kind, spring_stiffness_N_um=spring)
     preload = scene.operation.preload_N if preload_N is None else preload_N
-    changed = replace(scene.operation, preload_method=method, preload_N=preload, **operation)  # type: ignore[arg-type]
-    return replace(scene, arrangement=a, operation=changed)
+    held_operation = replace(scene.operation, preload_method=method, preload_N=preload, **operation)  # type: ignore[arg-type]
+    return replace(scene, arrangement=arrangement, operation=held_operation)
 
 
 def check_arrangement(scene: Scene) -> None:
-    """Whether the arrangement fits the scene, and its second bearing is one."""
-    a = scene.arrangement
-    if a is None or not a.is_pair:
+    """Refuses an arrangement that does not fit the preload method, or an invalid second bearing."""
+    arrangement = scene.arrangement
+    if arrangement is None or not arrangement.is_pair:
         return
     method = scene.operation.preload_method
-    if METHODS[a.kind] != method:
+    if METHODS[arrangement.kind] != method:
         raise SceneError(
             "arrangement.kind",
-            f"got {a.kind} with operation.preload_method {method}, expected {PAIRS[method]}, or "
-            f"preload_method {METHODS[a.kind]}",
+            f"got {arrangement.kind} with operation.preload_method {method}, expected "
+            f"{PAIRS[method]}, or preload_method {METHODS[arrangement.kind]}",
             ("operation.preload_method",),
         )
-    if a.second:
+    if arrangement.second:
         _ = scene.sides  # refuses what is no bearing

@@ -1,4 +1,4 @@
-"""Which values of a scene file are assumed, as its comments state."""
+"""Keys of a scene file whose values are assumed, as its comments state."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ _ASSUMED = re.compile(r"(^|\s)#\s*(all )?assumed\b")
 
 
 def assumed_keys(path: str | os.PathLike[str]) -> set[str]:
-    """Keys that a comment marks as assumed: `bearing.ball_count: 15  # assumed: ...`.
+    """Returns keys that a comment marks as assumed: `bearing.ball_count: 15  # assumed: ...`.
 
-    The comment is on the line of the key, or alone on the line above it. That of a block stands
-    for all its keys. A scene that is based on another one has its keys, but for those that it sets.
+    The comment is on the line of the key, or alone on the line above it; at a block it holds for
+    all its keys. A scene that is based on another one has its marks, except on keys that it sets.
     """
-    *own, base = scene_files(path)
+    *derived, base = scene_files(path)
     text = text_of(base)
     node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     keys = set(_marked(node, text.splitlines()))
-    for file in own:
+    for file in derived:
         changed = tuple(data_of(text_of(file), file).get("set", {}))
         keys = {key for key in keys if not f"{key}.".startswith(tuple(f"{c}." for c in changed))}
     return keys
 
 
 def _marked(
-    node: yaml.MappingNode, lines: Sequence[str], block: str = "", assumed: bool = False
+    node: yaml.MappingNode, lines: Sequence[str], block: str = "", block_is_assumed: bool = False
 ) -> Iterator[str]:
+    """Yields the assumed keys of a block."""
     for name, value in node.value:
-        at = name.start_mark.line
-        above = lines[at - 1].strip() if at else ""
-        is_marked = assumed or bool(
-            _ASSUMED.search(lines[at]) or (above.startswith("#") and _ASSUMED.search(above))
+        line = name.start_mark.line
+        above = lines[line - 1].strip() if line else ""
+        is_marked = block_is_assumed or bool(
+            _ASSUMED.search(lines[line]) or (above.startswith("#") and _ASSUMED.search(above))
         )
         if isinstance(value, yaml.MappingNode):
             yield from _marked(value, lines, f"{block}{name.value}.", is_marked)

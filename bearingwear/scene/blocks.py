@@ -202,12 +202,13 @@ class EndOfLife(_CRITERIA):
 
     @functools.cached_property
     def criteria(self) -> dict[str, float]:
+        """The given criteria and their values."""
         values = {name: getattr(self, name) for name in ENDS}
         return {name: value for name, value in values.items() if value is not None}
 
     @functools.cached_property
     def without_cage(self) -> EndOfLife:
-        """The criteria that ask nothing of a cage."""
+        """The criteria without those of a cage."""
         return replace(self, **dict.fromkeys(OF_CAGE))
 
 

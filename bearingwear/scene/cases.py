@@ -31,8 +31,8 @@ SHARED_BY_CASES = (
 
 
 def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[str, Any]]:
-    """Cases by their names, each with its keys in one part, `temperature.inner_ring_C`."""
-    found = {}
+    """Checks cases and returns them by name, each with whole keys, `temperature.inner_ring_C`."""
+    checked = {}
     for name, changes in cases.items():
         if name == NOMINAL or not re.fullmatch(NAME, name):
             problem = (
@@ -40,44 +40,46 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
                 "itself"
             )
             raise SceneError("cases", problem)
-        found[name] = flat_keys(changes)
-        for key in found[name]:
+        checked[name] = flat_keys(changes)
+        for key in checked[name]:
             if key in SHARED_BY_CASES or key.partition(".")[0] in SHARED_BY_CASES:
-                problem = f"got {shown(found[name][key])} for a key that all cases share"
+                problem = f"got {shown(checked[name][key])} for a key that all cases share"
                 raise SceneError(f"cases.{name}.{key}", f"{problem}, expected another key")
-    return MappingProxyType(found)
+    return MappingProxyType(checked)
 
 
 def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
-    """A scene in each of its cases, as it stands first; each is one condition, without a duty.
+    """Returns the nominal scene and the scene in each of its cases, all without a duty.
 
-    SceneError where a case is no scene.
+    SceneError where a case is no valid scene.
     """
     alone = replace(scene, cases=None, duty=None)
-    found = {NOMINAL: alone}
+    scenes = {NOMINAL: alone}
     for name, changes in (scene.cases or {}).items():
         try:
-            found[name] = alone.with_(changes)
+            scenes[name] = alone.with_(changes)
         except SceneError as error:
             key = ".".join(filter(None, ("cases", name, error.source or error.key)))
             raise SceneError(key, error.problem, error.involved) from None
-    return found
+    return scenes
 
 
 def cases_that_wear(scene: Scene) -> dict[str, Scene]:
-    """Those cases of a scene in which the shaft turns, so that it has a life; all if none does.
+    """Returns the cases of a scene in which the shaft turns and wears the bearing; else all.
 
-    A duty has one life over all of its phases: that of the scene itself.
+    A duty has a single life over all its phases: that of the scene itself.
     """
     if scene.duty is not None:
         return {NOMINAL: scene}
-    return {name: one for name, one in scene.in_cases.items() if one.operation.turns} or dict(
-        scene.in_cases
-    )
+    return {
+        name: case_scene
+        for name, case_scene in scene.in_cases.items()
+        if case_scene.operation.turns
+    } or dict(scene.in_cases)
 
 
 def in_case(scene: Scene, name: str, source: str) -> Scene:
-    """A scene in the case of a name."""
+    """Returns a scene in the case of a name; `source` names it in the error."""
     if name not in scene.in_cases:
         problem = f"got {name}, expected {', '.join(scene.in_cases)}"
         raise SceneError("", problem, source=source)

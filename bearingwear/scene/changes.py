@@ -1,4 +1,4 @@
-"""Changes to the data of a scene, `{"operation.preload_N": 9.0}`, and the one behind a fault."""
+"""Changes to the data of a scene, `{"operation.preload_N": 9.0}`, and the cause of a fault."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 
 
 def changes_of(texts: Iterable[str]) -> dict[str, Any]:
-    """Changes from texts `operation.preload_N=9`, as `--set` takes them, their values in YAML."""
+    """Reads changes from texts `operation.preload_N=9`, as `--set` takes them, with YAML values."""
     changes: list[tuple[str, Any]] = []
     for text in texts:
         key, equals, value = text.partition("=")
@@ -36,10 +36,10 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
 
 
 def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy of a scene's data with values replaced, in new blocks where needed.
+    """Returns a copy of a scene's data with values replaced, in new blocks where needed.
 
-    None takes an entry of `materials` or `uncertainty` away. Of a pair, either of preload method
-    and kind of arrangement sets the other.
+    None removes an entry of `materials` or `uncertainty`. In a pair, either of preload method and
+    kind of arrangement sets the other.
 
     SceneError where a key is below something that is no block.
     """
@@ -51,13 +51,13 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
             inner = block.get(name)
             if not isinstance(inner, Mapping | None):
                 path = ".".join(blocks[:depth])
-                part = key_of_scene(path)
-                what = part.allowed if part else "another value"
-                problem = f"got a key under {path}, which is not a block, expected {what}"
+                place = key_of_scene(path)
+                allowed = place.allowed if place else "another value"
+                problem = f"got a key under {path}, which is not a block, expected {allowed}"
                 raise SceneError("", problem, source=f"--set {key}")
             block[name] = block = dict(inner or {})
-        above = key_of_scene(".".join(blocks))
-        if value is None and last in block and above is not None and above.kind == "mapping":
+        parent = key_of_scene(".".join(blocks))
+        if value is None and last in block and parent is not None and parent.kind == "mapping":
             del block[last]
         else:
             block[last] = value
@@ -65,33 +65,37 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 
 
 def _joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Preload method and kind of a pair, as far as a change of the other decides them."""
-    given = data.get("arrangement")
-    a = given if isinstance(given, Mapping) else {}
-    if str(a.get("kind")) not in METHODS:
+    """Returns the changes that a new preload method or a new kind of a pair implies."""
+    arrangement = data.get("arrangement")
+    pair = arrangement if isinstance(arrangement, Mapping) else {}
+    if str(pair.get("kind")) not in METHODS:
         return {}
     kind = str(changes.get(KIND_KEY, PAIRS.get(str(changes.get(METHOD_KEY)))))
     if kind not in METHODS:
         return {}
     implied: dict[str, Any] = {METHOD_KEY: METHODS[kind], KIND_KEY: kind}
-    if kind == "rigid_pair" and "spring_stiffness_N_um" in a:
+    if kind == "rigid_pair" and "spring_stiffness_N_um" in pair:
         implied["arrangement.spring_stiffness_N_um"] = 0.0
     return {key: value for key, value in implied.items() if key not in changes}
 
 
-def blamed(error: SceneError, data: Mapping[str, Any], changes: Sequence[str]) -> SceneError:
-    """The same error, naming the change that brought it about, if one did."""
-    for at_fault in (error.key, *error.involved):
+def error_of_change(
+    error: SceneError, data: Mapping[str, Any], changes: Sequence[str]
+) -> SceneError:
+    """Returns the error with the change that caused it as its source, if one did."""
+    for faulty_key in (error.key, *error.involved):
         for key in changes:
-            for cause in filter(None, (key, _block_made(data, key))):
-                if at_fault == cause or at_fault.startswith((f"{cause}.", f"{cause}[")):
+            for changed_key in filter(None, (key, _block_made(data, key))):
+                if faulty_key == changed_key or faulty_key.startswith(
+                    (f"{changed_key}.", f"{changed_key}[")
+                ):
                     name = "" if error.key == key else error.key
                     return SceneError(name, error.problem, error.involved, f"--set {key}")
     return error
 
 
 def _block_made(data: Any, key: str) -> str | None:
-    """The outermost block that had to be made for a key."""
+    """Returns the outermost block that the data lack for a key; None if they lack none."""
     *blocks, _ = key.split(".")
     for depth, name in enumerate(blocks, 1):
         data = data.get(name)

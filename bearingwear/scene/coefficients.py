@@ -26,7 +26,7 @@ NINETY = 1.6449
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """A row of coefficients.csv: what one source says of what rubs."""
+    """A row of coefficients.csv: what one source measured on a pair of surfaces."""
 
     # what wears, what it rubs on, and the film in between, if any
     surface: str
@@ -41,7 +41,8 @@ class Measured:
     read: str  # what of the source was read
 
 
-def _measured(row: Mapping[str, str]) -> Measured:
+def _measured_row(row: Mapping[str, str]) -> Measured:
+    """Returns a row of coefficients.csv as a record."""
     ends = {
         quantity: tuple(float(row[f"{end}_{quantity}"] or math.nan) for end in ("least", "largest"))
         for quantity in ("wear", "friction")
@@ -51,8 +52,9 @@ def _measured(row: Mapping[str, str]) -> Measured:
 
 
 def _table() -> dict[str, Measured]:
+    """Reads coefficients.csv."""
     text = Path(__file__).with_suffix(".csv").read_text(encoding="utf-8")
-    return {row["name"]: _measured(row) for row in csv.DictReader(text.splitlines())}
+    return {row["name"]: _measured_row(row) for row in csv.DictReader(text.splitlines())}
 
 
 MEASURED_WEAR = _table()
@@ -61,13 +63,14 @@ MEASURED_WEAR = _table()
 
 @dataclass(frozen=True, kw_only=True)
 class LogSpread:
-    """Median and geometric standard deviation; the 90 % interval is that of `of`."""
+    """Median and geometric standard deviation of a lognormal value."""
 
     median: float
     factor: float
 
     @classmethod
     def of(cls, low: float, high: float, least: float = 1.0) -> LogSpread:
+        """Returns the spread whose 90 % interval is from low to high; `least` bounds its factor."""
         middle = math.sqrt(low * high)
         return cls(median=middle, factor=max((high / low) ** (0.5 / NINETY), least))
 
@@ -83,9 +86,9 @@ class RubbingPair:
 
 
 def _ends(*rows: str) -> tuple[float, float]:
-    """Least and largest K_s/H of some rows [m2/N]."""
-    known = [end for row in rows for end in MEASURED_WEAR[row].wear if not math.isnan(end)]
-    return M2_PER_N * min(known), M2_PER_N * max(known)
+    """Returns the least and largest K_s/H of some rows [m2/N]."""
+    values = [value for row in rows for value in MEASURED_WEAR[row].wear if not math.isnan(value)]
+    return M2_PER_N * min(values), M2_PER_N * max(values)
 
 
 ASSUMED_WEAR = LogSpread(median=7.6e-16, factor=3.0)
@@ -96,8 +99,8 @@ WEAR_SCATTER = 1.3
 """Geometric standard deviation of the wear of a bearing within its batch, assumed."""
 
 FILM_SCATTER = 1.8
-"""That of films, from four pairs of gears with sputtered MoS2 in vacuum: NASA Glenn, 44th Aerospace
-Mechanisms Symposium (2018) 127, and https://ntrs.nasa.gov/citations/20180003085."""
+"""That of films: six tests of gears with sputtered MoS2 in vacuum had 1.6, the first four 1.8. NASA
+Glenn, 44th Aerospace Mechanisms Symposium (2018) 127, https://ntrs.nasa.gov/citations/20180003085."""
 
 MOS2_LIVES = (
     (850.0, 23.0, 8.591), (1500.0, 23.0, 1.0), (2000.0, 23.0, 0.060),
@@ -118,8 +121,8 @@ _STARVED = (
 )
 
 
-def _bound(row: str) -> LogSpread:
-    """The largest K_s/H of a row, with the spread that is assumed."""
+def _upper_bound(row: str) -> LogSpread:
+    """Returns the largest K_s/H of a row, with the assumed spread."""
     return LogSpread(median=M2_PER_N * MEASURED_WEAR[row].wear[1], factor=ASSUMED_WEAR.factor)
 
 
@@ -134,11 +137,11 @@ RUBBING = {
         "load",
     ),
     ("starved", STEEL): RubbingPair(
-        rows=("nesc_r4",), wear=_bound("nesc_r4"), friction=ASSUMED_FRICTION, why=_STARVED
+        rows=("nesc_r4",), wear=_upper_bound("nesc_r4"), friction=ASSUMED_FRICTION, why=_STARVED
     ),
     ("starved", NITRIDE): RubbingPair(
         rows=("nesc_r4_hybrid",),
-        wear=_bound("nesc_r4_hybrid"),
+        wear=_upper_bound("nesc_r4_hybrid"),
         friction=ASSUMED_FRICTION,
         why=_STARVED,
     ),
@@ -170,11 +173,11 @@ class Rubbing:
     spread: dict[str, str]
     rule: str  # where wear comes from, empty where it is assumed
     friction_rule: str
-    told: str  # what `new` says
+    summary: str  # what `new` prints
 
 
 def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
-    """Coefficients of a lubrication and a material of the balls; assumed without a lubrication.
+    """Returns coefficients for a lubrication and a ball material; assumed without a lubrication.
 
     KeyError where no source has them.
     """
@@ -193,38 +196,38 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
             spread=spread(ASSUMED_WEAR, ASSUMED_FRICTION, ""),
             rule="",
             friction_rule="",
-            told=f"not given, so K_s/H ({ASSUMED_WEAR.median:g} m2/N for steel) is assumed, and "
+            summary=f"not given, so K_s/H ({ASSUMED_WEAR.median:g} m2/N for steel) is assumed, and "
             "lives, which go as 1/(K_s/H), only compare designs; --lubrication dry takes "
             f"{dry.wear.median:.2g}, starved at most {RUBBING['starved', STEEL].wear.median:.2g}",
         )
-    found = RUBBING[NEAREST.get(lubrication, lubrication), ball_material or STEEL]
-    rule = f"docs/coefficients.md: {', '.join(found.rows)}"
-    told = f"{lubrication}; K_s/H {found.wear.median:.2g} m2/N, {rule}"
-    if found.why == _STARVED:
-        told += ", a bound: lives are at least these"
+    pair = RUBBING[NEAREST.get(lubrication, lubrication), ball_material or STEEL]
+    rule = f"docs/coefficients.md: {', '.join(pair.rows)}"
+    summary = f"{lubrication}; K_s/H {pair.wear.median:.2g} m2/N, {rule}"
+    if pair.why == _STARVED:
+        summary += ", a bound: lives are at least these"
     if lubrication in NEAREST:
-        told += (
+        summary += (
             f"; no source has {lubrication}, so that of {NEAREST[lubrication]} bearings is taken"
         )
-    on_it: dict[str, object] | None = None
+    film: dict[str, object] | None = None
     if lubrication == "mos2":
-        on_it = {
+        film = {
             "shear_strength": SHEAR_STRENGTH_MPA,
             "pressure_coefficient": PRESSURE_COEFFICIENT,
-            "wear_coefficient": yaml_number(float(f"{found.wear.median * STEEL_GPA * 1e9:.3g}")),
+            "wear_coefficient": yaml_number(float(f"{pair.wear.median * STEEL_GPA * 1e9:.3g}")),
             "lives": MOS2_LIVES,
             "bare": dry.friction.median,
             "rule": rule,
         }
-    below = dry if on_it else found
+    bare_pair = dry if film else pair
     return Rubbing(
-        wear=below.wear.median,
-        friction=found.friction.median,
-        film=on_it,
-        spread=spread(found.wear, found.friction, f"; {rule}"),
-        rule=f"docs/coefficients.md: {', '.join(below.rows)}",
-        friction_rule="" if found.friction is ASSUMED_FRICTION else rule,
-        told=told,
+        wear=bare_pair.wear.median,
+        friction=pair.friction.median,
+        film=film,
+        spread=spread(pair.wear, pair.friction, f"; {rule}"),
+        rule=f"docs/coefficients.md: {', '.join(bare_pair.rows)}",
+        friction_rule="" if pair.friction is ASSUMED_FRICTION else rule,
+        summary=summary,
     )
 
 
@@ -233,42 +236,45 @@ _STEEL = ((180.0, 230.0), (7400.0, 8300.0))
 
 
 def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
-    """Distributions for a scene without any, by the row of what rubs in it, and what they are.
+    """Returns distributions for a scene without any, and a line that says where they come from.
 
     scene: as `Scene.to_dict` has it. The middle of each distribution is the scene's own value.
     """
-    bearing, on_it = scene["bearing"], scene["friction"].get("film")
+    bearing, film_block = scene["bearing"], scene["friction"].get("film")
     parts = [scene["materials"][bearing[f"{part}_material"]] for part in ("ball", "race")]
-    coated = on_it is not None or any(part.get("film") for part in parts)
+    coated = film_block is not None or any(part.get("film") for part in parts)
     pair = STEEL if all(map(_is_steel, parts)) else ""
     row = RUBBING.get(("mos2" if coated else "dry", pair))
     wear, friction = (row.wear, row.friction) if row else (ASSUMED_WEAR, ASSUMED_FRICTION)
-    block, key = (on_it, "shear_strength_MPa") if on_it else (scene["friction"], "ball_race")
+    block = film_block or scene["friction"]
+    friction_key = "shear_strength_MPa" if film_block else "ball_race"
     scatter = FILM_SCATTER if coated else WEAR_SCATTER
     factors = {"wear_coefficient": wear.factor, "wear_scatter": scatter}
-    if block.get(key):
-        factors[key] = friction.factor
+    if block.get(friction_key):
+        factors[friction_key] = friction.factor
     text = {name: f"{factor:.2g}" for name, factor in factors.items()}
     if row:
-        film = "film mos2 (no source for other films)" if coated else "dry"
-        said = f"spread for steel/steel, {film}, from {', '.join(row.rows)}"
+        film_words = "film mos2 (no source for other films)" if coated else "dry"
+        summary = f"spread for steel/steel, {film_words}, from {', '.join(row.rows)}"
     else:
-        said = "spread assumed, because no source covers these materials"
-    said += f": K_s/H by a factor of {text['wear_coefficient']}"
-    said += f", friction by a factor of {text[key]}" if key in text else ""
+        summary = "spread assumed, because no source covers these materials"
+    summary += f": K_s/H by a factor of {text['wear_coefficient']}"
+    summary += f", friction by a factor of {text[friction_key]}" if friction_key in text else ""
     spread = {name: {"distribution": "lognormal", "factor": float(f)} for name, f in text.items()}
     source = "as films of gears" if coated else "assumed"
-    return spread, f"{said}; within a batch, K_s/H by a factor of {text['wear_scatter']} ({source})"
+    summary += f"; within a batch, K_s/H by a factor of {text['wear_scatter']} ({source})"
+    return spread, summary
 
 
 def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
-    """A scene with distributions, and what they are; empty where they are its own."""
+    """Returns a scene with distributions, and a line on them that is empty if it has its own."""
     if scene.uncertainty:
         return scene, ""
-    spread, said = usual_spread(scene.to_dict())
-    return scene.with_({"uncertainty": spread}), said
+    spread, summary = usual_spread(scene.to_dict())
+    return scene.with_({"uncertainty": spread}), summary
 
 
 def _is_steel(material: Mapping[str, float]) -> bool:
+    """Whether the elastic modulus and the density of a material are those of steel."""
     values = (material["youngs_modulus_GPa"], material["density_kg_m3"])
-    return all(low <= one <= high for one, (low, high) in zip(values, _STEEL, strict=True))
+    return all(low <= value <= high for value, (low, high) in zip(values, _STEEL, strict=True))

@@ -1,4 +1,4 @@
-"""What of a scene decides its steady states and lives, and what only other results read."""
+"""Keys of a scene that decide its steady states and lives; other keys serve other results."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _UNREAD = ("description", "uncertainty", "cage_uncertainty")
 
 
 def decisive_data(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Plain data of a scene without description, uncertain values and what cages alone read.
+    """Returns plain data of a scene without description, uncertain values and keys of the cage.
 
-    Of a cage, a life knows the material, which bears its temperature or not.
+    The material of the cage stays: a life checks whether it bears its temperature.
     """
-    left = {key: value for key, value in data.items() if key not in _UNREAD}
+    without_unread = {key: value for key, value in data.items() if key not in _UNREAD}
     if reads_cage(data):
-        return left
+        return without_unread
     friction = {k: v for k, v in (data.get("friction") or {}).items() if k != "cage"}
-    return left | {"friction": friction, "cage": (data.get("cage") or {}).get("material")}
+    return without_unread | {"friction": friction, "cage": (data.get("cage") or {}).get("material")}

@@ -12,51 +12,54 @@ from bearingwear.scene.scene import Distribution, Scene, key_of_scene
 from bearingwear.scene.uncertain import friction_correlation, uncertain_key
 
 
-def possible(key: str) -> tuple[float, float]:
-    """Least and largest value that a key of a scene may have; what is no key is positive."""
-    part = key_of_scene(key)
-    return (0.0, np.inf) if part is None else part.key.ends
+def possible_range(key: str) -> tuple[float, float]:
+    """Returns the least and largest value of a key of a scene; (0, inf) for any other text."""
+    key_field = key_of_scene(key)
+    return (0.0, np.inf) if key_field is None else key_field.key.ends
 
 
 def quantile(
-    given: Distribution, nominal: float, ends: tuple[float, float], probability: np.ndarray
+    distribution: Distribution, nominal: float, ends: tuple[float, float], probability: np.ndarray
 ) -> np.ndarray:
-    """Quantiles of a distribution that is cut off at the ends of what is possible.
+    """Returns quantiles of a distribution that is truncated at `ends`.
 
-    About the scene's own value if it has no middle.
+    `nominal` is the mean or median of a distribution that has none.
     """
-    if given.distribution == "uniform":
-        assert given.low is not None and given.high is not None
-        width = given.high - given.low
-        below, upto = np.clip(np.subtract(ends, given.low) / width, 0.0, 1.0)
-        return given.low + width * (below + (upto - below) * np.asarray(probability))
-    if given.distribution == "normal":
-        mean, deviation = nominal if given.mean is None else given.mean, given.standard_deviation
-        below, upto = ndtr(np.subtract(ends, mean) / deviation)
-        return mean + deviation * ndtri(below + (upto - below) * np.asarray(probability))
-    assert given.factor is not None
-    median, width = nominal if given.median is None else given.median, math.log(given.factor)
+    if distribution.distribution == "uniform":
+        assert distribution.low is not None and distribution.high is not None
+        width = distribution.high - distribution.low
+        p_low, p_high = np.clip(np.subtract(ends, distribution.low) / width, 0.0, 1.0)
+        return distribution.low + width * (p_low + (p_high - p_low) * np.asarray(probability))
+    if distribution.distribution == "normal":
+        mean = nominal if distribution.mean is None else distribution.mean
+        deviation = distribution.standard_deviation
+        p_low, p_high = ndtr(np.subtract(ends, mean) / deviation)
+        return mean + deviation * ndtri(p_low + (p_high - p_low) * np.asarray(probability))
+    assert distribution.factor is not None
+    median = nominal if distribution.median is None else distribution.median
+    width = math.log(distribution.factor)
     with np.errstate(divide="ignore"):
-        below, upto = ndtr(np.log(np.divide(ends, median)) / width)
-    return median * np.exp(width * ndtri(below + (upto - below) * np.asarray(probability)))
+        p_low, p_high = ndtr(np.log(np.divide(ends, median)) / width)
+    return median * np.exp(width * ndtri(p_low + (p_high - p_low) * np.asarray(probability)))
 
 
 def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
-    """Quantiles of an uncertain value, its distribution cut off where it would be impossible."""
-    ends = possible(uncertain_key(name, scene.bearing.race_material))
+    """Returns quantiles of an uncertain value; its distribution is truncated to possible values."""
+    ends = possible_range(uncertain_key(name, scene.bearing.race_material))
     return quantile((scene.uncertainty or {})[name], scene.nominal(name), ends, probability)
 
 
 def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
-    """Values (n, names) of uncertain values at independent probabilities (n, names).
+    """Returns uncertain values (n, names) at independent probabilities (n, names).
 
-    A wear coefficient that goes with friction takes of its own what friction leaves open.
+    A wear coefficient that is correlated with friction follows both probabilities.
     """
     friction, rho = friction_correlation(scene.uncertainty or {})
     if rho and {friction, "wear_coefficient"} <= set(names):
-        mu, wear = names.index(friction), names.index("wear_coefficient")
-        deviate = ndtri(probability[:, [mu, wear]]) @ (rho, math.sqrt(1.0 - rho * rho))
+        friction_column, wear_column = names.index(friction), names.index("wear_coefficient")
+        deviates = ndtri(probability[:, [friction_column, wear_column]])
+        wear_deviate = deviates @ (rho, math.sqrt(1.0 - rho * rho))
         probability = probability.copy()
-        probability[:, wear] = ndtr(deviate)
+        probability[:, wear_column] = ndtr(wear_deviate)
     columns = [value_at(scene, name, probability[:, k]) for k, name in enumerate(names)]
     return np.stack(columns, axis=-1) if columns else probability

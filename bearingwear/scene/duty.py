@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.checking.errors import SceneError, shown
-from bearingwear.scene.checking.records import NAME, keyed, reduced, setting
+from bearingwear.scene.checking.records import NAME, keyed, reduced_record, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -61,7 +61,7 @@ class Duty:
         return hash((tuple(self.phases.items()), self.start_s, self.stop_s, self.warmup))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        return reduced_record(self)
 
     @property
     def cycle_s(self) -> float:
@@ -75,15 +75,15 @@ class Duty:
 
     @property
     def steady_ramp_s(self) -> float:
-        """Time of the ramps of one start and one stop that are steady at each speed [s]."""
+        """Time of those ramps of one start and one stop that are steady at each speed [s]."""
         return self.stop_s if self.warmup else self.ramp_s
 
     def phase_s(self, phase: Phase) -> float:
-        """Time of a phase with its starts and stops in one cycle [s]."""
+        """Returns the time of a phase with its starts and stops in one cycle [s]."""
         return _HOUR * phase.hours + phase.starts * self.ramp_s
 
     def running_s(self, phase: Phase) -> float:
-        """Time at the speed of a phase in one cycle [s]."""
+        """Returns the time at the speed of a phase in one cycle [s]."""
         return _HOUR * phase.hours
 
     @property
@@ -92,12 +92,12 @@ class Duty:
         return sum(phase.starts for phase in self.phases.values())
 
     def case_of(self, name: str) -> str:
-        """Name of the case that applies during a phase."""
+        """Returns the name of the case that applies during a phase."""
         return self.phases[name].case or name
 
 
 def check_duty(scene: Scene) -> None:
-    """Refuse a duty whose phases name no case."""
+    """Refuses a duty whose phases name no case."""
     duty, cases = scene.duty, scene.cases or {}
     if duty is None:
         return
@@ -110,14 +110,14 @@ def check_duty(scene: Scene) -> None:
 
 
 def check_phases(scene: Scene) -> None:
-    """Refuse cases of a duty in which another bearing would wear, or another film."""
+    """Refuses cases of a duty that change the bearing, its films or its criteria."""
     if scene.duty is None:
         return
     _check_starts(scene)
-    same = _what_wears(scene)
-    for case, one in phase_cases(scene).items():
-        for block, value in _what_wears(one).items():
-            if value != same[block]:
+    nominal = _values_of_wear(scene)
+    for case, phase_scene in phase_cases(scene).items():
+        for block, value in _values_of_wear(phase_scene).items():
+            if value != nominal[block]:
                 changes = (scene.cases or {})[case]
                 key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
                 problem = (
@@ -128,7 +128,7 @@ def check_phases(scene: Scene) -> None:
 
 
 def _check_starts(scene: Scene) -> None:
-    """Refuse starts that are to warm bearings up whose heat capacities are not known."""
+    """Refuses starts with a warm-up where a bearing has no heat capacities."""
     assert scene.duty is not None
     for name, phase in scene.duty.phases.items() if scene.duty.warmup else ():
         case = scene.duty.case_of(name)
@@ -141,16 +141,16 @@ def _check_starts(scene: Scene) -> None:
                 raise SceneError("duty.warmup", problem, ("thermal",))
 
 
-def _what_wears(scene: Scene) -> dict[str, Any]:
-    """What all phases of a duty have in common, by the blocks of a scene."""
+def _values_of_wear(scene: Scene) -> dict[str, Any]:
+    """Values that must be equal in all phases of a duty, by the blocks of a scene."""
     arrangement, film = scene.arrangement, scene.friction.film
-    second = (arrangement.second if arrangement else {}).items()
+    second_keys = (arrangement.second if arrangement else {}).items()
     surfaces = {
         name: (
-            None if one.film is None else one.film.thickness_um,
-            None if one.running_in is None else one.running_in.depth_um,
+            None if material.film is None else material.film.thickness_um,
+            None if material.running_in is None else material.running_in.depth_um,
         )
-        for name, one in scene.materials.items()
+        for name, material in scene.materials.items()
     }
     return {
         "bearing": scene.bearing,
@@ -161,18 +161,18 @@ def _what_wears(scene: Scene) -> dict[str, Any]:
         "materials": surfaces,
         "arrangement": (
             None if arrangement is None else (arrangement.orientation, arrangement.tandem),
-            [one for one in second if one[0].startswith(("bearing.", "wear."))],
+            [(key, v) for key, v in second_keys if key.startswith(("bearing.", "wear."))],
         ),
     }
 
 
 def phase_cases(scene: Scene) -> dict[str, Scene]:
-    """The scene in each case of its duty, in the order of its phases."""
+    """Returns the scene in each case of its duty, in the order of its phases."""
     assert scene.duty is not None
     cases = map(scene.duty.case_of, scene.duty.phases)
     return {case: scene.in_cases[case] for case in cases}
 
 
 def cases_of_use(scene: Scene) -> dict[str, Scene]:
-    """The scene in each case in which requirements hold: those of its duty, else all of them."""
+    """Returns the scene in the cases in which requirements hold: those of its duty, else all."""
     return scene.in_cases if scene.duty is None else phase_cases(scene)

@@ -113,7 +113,7 @@ class Friction:
 
     @property
     def coefficient(self) -> float:
-        """The one coefficient; raises `SceneError` where a film has none."""
+        """The single Coulomb coefficient; raises `SceneError` if a film replaces it."""
         if self.ball_race is None:
             raise SceneError(
                 "friction.film", "got a film, expected a single friction.ball_race here"
@@ -122,7 +122,7 @@ class Friction:
 
 
 def check_films(scene: Scene) -> None:
-    """Refuse friction and films that contradict each other, or the rest of a scene."""
+    """Refuses friction and films that contradict each other, or the rest of a scene."""
     friction, b = scene.friction, scene.bearing
     if friction.film is None and friction.ball_race is None:
         raise SceneError(
@@ -138,34 +138,34 @@ def check_films(scene: Scene) -> None:
         )
     parts = (b.ball_material, b.race_material)
     for name, material in scene.materials.items():
-        for key, what in (("film", "a film"), ("running_in", "running-in")):
+        for key, noun in (("film", "a film"), ("running_in", "running-in")):
             if getattr(material, key) is not None and name not in parts:
                 raise SceneError(
                     f"materials.{name}.{key}",
-                    f"got {what} on a material used for neither balls nor races, expected it on "
+                    f"got {noun} on a material used for neither balls nor races, expected it on "
                     + " and ".join(dict.fromkeys(parts)),
                     ("bearing.ball_material", "bearing.race_material"),
                 )
-    of_races = scene.materials[b.race_material].film
-    given = friction.film
-    if given is not None and given.thickness_um is not None and of_races is not None:
+    race_film = scene.materials[b.race_material].film
+    film = friction.film
+    if film is not None and film.thickness_um is not None and race_film is not None:
         raise SceneError(
             "friction.film.thickness_um",
-            f"got {given.thickness_um:g} with materials.{b.race_material}.film, which also coats "
+            f"got {film.thickness_um:g} with materials.{b.race_material}.film, which also coats "
             "the races, expected only one of them",
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)
-    if given is not None and given.wear_table is not None:
-        _check_wear_table(scene, given.wear_table)
+    if film is not None and film.wear_table is not None:
+        _check_wear_table(scene, film.wear_table)
 
 
 def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
-    """Refuse a table that is no grid of pressures and temperatures, or that no film uses."""
+    """Refuses a table that is no grid of pressures and temperatures, or that no film uses."""
     key, b = "friction.film.wear_table", scene.bearing
-    coated = (scene.materials[name].film for name in (b.ball_material, b.race_material))
+    material_films = (scene.materials[name].film for name in (b.ball_material, b.race_material))
     assert scene.friction.film is not None
-    if scene.friction.film.wear_coefficient is None and not any(coated):
+    if scene.friction.film.wear_coefficient is None and not any(material_films):
         raise SceneError(
             "friction.film.wear_coefficient", "got nothing; wear_table requires this key", (key,)
         )
@@ -173,37 +173,42 @@ def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
     if references != 1:
         problem = "expected exactly one, at which the wear_coefficient of the film applies"
         raise SceneError(key, f"got {references} rows with a relative_life of 1, {problem}", (key,))
-    given = Counter((row.pressure_MPa, row.temperature_C) for row in rows)
+    row_counts = Counter((row.pressure_MPa, row.temperature_C) for row in rows)
     for pressure in sorted({row.pressure_MPa for row in rows}):
         for temperature in sorted({row.temperature_C for row in rows}):
-            if (count := given[pressure, temperature]) != 1:
+            if (count := row_counts[pressure, temperature]) != 1:
                 where = f"{pressure:g} MPa at {temperature:g} degC"
                 raise SceneError(key, f"got {count} rows for {where}, expected one", (key,))
 
 
 def _check_wear_of_films(scene: Scene) -> None:
-    given, b = scene.friction.film, scene.bearing
-    common = None if given is None else given.wear_coefficient
+    """Refuses films without a wear coefficient, and limits of films that never wear through."""
+    common_film, b = scene.friction.film, scene.bearing
+    common_coefficient = None if common_film is None else common_film.wear_coefficient
     for name in dict.fromkeys((b.ball_material, b.race_material)):
         film = scene.materials[name].film
-        if film is not None and film.wear_coefficient is None and common is None:
+        if film is not None and film.wear_coefficient is None and common_coefficient is None:
             raise SceneError(
                 f"materials.{name}.film.wear_coefficient",
                 "got nothing, expected a number > 0 and <= 1, here or under friction.film",
                 ("friction.film",),
             )
-    if given is not None and given.thickness_um is not None and common is None:
+    if (
+        common_film is not None
+        and common_film.thickness_um is not None
+        and common_coefficient is None
+    ):
         raise SceneError(
             "friction.film.wear_coefficient",
             "got nothing; a film with a thickness requires this key",
             ("friction.film.thickness_um",),
         )
     thick = has_thickness(scene)
-    if given is not None and given.bare_ball_race is not None and not thick:
+    if common_film is not None and common_film.bare_ball_race is not None and not thick:
         raise SceneError(
             "friction.film.bare_ball_race",
-            f"got {given.bare_ball_race:g} with a film that never wears through; only allowed "
-            "with a thickness",
+            f"got {common_film.bare_ball_race:g} with a film that never wears through; "
+            "only allowed with a thickness",
             ("friction.film",),
         )
     end = scene.wear.end_of_life
@@ -217,13 +222,13 @@ def _check_wear_of_films(scene: Scene) -> None:
 
 def has_thickness(scene: Scene) -> bool:
     """Whether any film of a scene can wear through."""
-    given, b = scene.friction.film, scene.bearing
-    coated = (scene.materials[name].film for name in (b.ball_material, b.race_material))
-    return (given is not None and given.thickness_um is not None) or any(coated)
+    race_film, b = scene.friction.film, scene.bearing
+    material_films = (scene.materials[name].film for name in (b.ball_material, b.race_material))
+    return (race_film is not None and race_film.thickness_um is not None) or any(material_films)
 
 
 def changes_as_it_wears(scene: Scene) -> bool:
-    """Whether friction or wear of a part depend on the depth worn off it: by films, running in."""
+    """Whether friction or wear change with the worn depth, because of films or running-in."""
     b = scene.bearing
     parts = (scene.materials[name] for name in (b.ball_material, b.race_material))
     return has_thickness(scene) or any(part.running_in is not None for part in parts)

@@ -7,25 +7,31 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from bearingwear.scene.accuracy import REGULARISATION, Model, accuracy_preset, slip_is_over
 from bearingwear.scene.blocks import OF_CAGE
-from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
-from bearingwear.scene.checking.check import built, checked_data, checked_fields, fits, record
+from bearingwear.scene.changes import KEY, changes_of, error_of_change, with_changes
+from bearingwear.scene.checking.check import (
+    build_record,
+    checked_data,
+    checked_fields,
+    fits,
+    record,
+)
 from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
-from bearingwear.scene.checking.records import NAME, keyed, setting, whole
+from bearingwear.scene.checking.records import NAME, file_part, keyed, setting
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.duty import check_phases
 from bearingwear.scene.scene import IS_CHECKED, EndOfLife, Scene, key_of_scene, plain_data
-from bearingwear.scene.slip import regularisation_is_given, regularised
+from bearingwear.scene.slip import regularisation_is_given, with_regularisation
 from bearingwear.scene.uncertain import uncertain_key
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
 
 
 def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
-    """Read and check a scene file.
+    """Reads and checks a scene file.
 
     overrides: `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
     SceneError: one line that names the file (or the `--set`), the key, what was given, what is
@@ -36,32 +42,32 @@ def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> S
 
 
 def as_scene(scene: Source) -> Scene:
-    """A checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
+    """Returns a checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
     if isinstance(scene, Scene) and _is_checked(scene):
         return scene
     return scene_from_dict(*as_data(scene))
 
 
 def source_name(scene: Source) -> str:
-    """What error messages call a scene: its file, if it is one."""
+    """Returns the name of a scene in error messages: its file, if it is one."""
     return os.fspath(scene) if isinstance(scene, str | os.PathLike) else "scene"
 
 
 def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
-    """The data of a scene, not checked, and what error messages call it."""
+    """Returns the data of a scene, not checked, and its name in error messages."""
     source = source_name(scene)
     if isinstance(scene, Scene):
         # checked like any other: who builds one in Python skips the ranges
-        return _undecided(scene), source
+        return _data_without_accuracy(scene), source
     if isinstance(scene, Mapping):
         return scene, source
     if isinstance(scene, str | os.PathLike):
-        return _read(scene)[0], source
+        return _read(scene).data, source
     raise TypeError(f"got {type(scene).__name__}, expected a path, a dict or a Scene")
 
 
 def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: str) -> Scene:
-    """The scene of plain data with some values replaced.
+    """Returns the scene of plain data with some values replaced.
 
     SceneError: names the change that is to blame as `--set KEY`.
     """
@@ -69,25 +75,27 @@ def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: s
     try:
         return scene_from_dict(new, source)
     except SceneError as error:
-        raise blamed(error, data, list(changes)) from None
+        raise error_of_change(error, data, list(changes)) from None
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
-    """Check plain nested data and build the scene from it."""
+    """Checks plain nested data and builds the scene from it."""
     try:
         plain = checked_data(Scene, data)
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
-        given = "slip_regularisation_m_s" in plain["friction"]
-        return _as_checked(regularised(built(Scene, _with_accuracy(plain)), given))
+        regularisation_given = "slip_regularisation_m_s" in plain["friction"]
+        return _marked_as_checked(
+            with_regularisation(build_record(Scene, _with_accuracy(plain)), regularisation_given)
+        )
     except SceneError as error:
         raise error.in_source(source) from None
 
 
-def _as_checked(scene: Scene) -> Scene:
-    """The scene, whose keys were checked, with a mark of it.
+def _marked_as_checked(scene: Scene) -> Scene:
+    """Checks the cases and the duty of a scene whose keys were checked, and marks it as checked.
 
-    SceneError: a case of it is no scene, or no phase of its duty.
+    SceneError: a case is no valid scene, or no phase of the duty.
     """
     if scene.cases:
         _ = scene.in_cases
@@ -97,14 +105,15 @@ def _as_checked(scene: Scene) -> Scene:
 
 
 def _is_checked(scene: Scene) -> bool:
+    """Whether a scene is marked as checked."""
     return IS_CHECKED in scene.__dict__
 
 
 def for_life(scene: Scene, source: str = "scene") -> Scene:
-    """The scene, if it says when its life ends."""
+    """Returns the scene if it defines an end of life; refuses it otherwise."""
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
-        names = ", ".join(whole(EndOfLife).below)
+        names = ", ".join(file_part(EndOfLife).below)
         raise SceneError(
             "wear.end_of_life", f"got no criterion, expected at least one of {names}", (), source
         )
@@ -143,13 +152,20 @@ class BasedOn:
                 )
 
 
+class _SceneFile(NamedTuple):
+    """Data of a scene, and the files that they were read from."""
+
+    data: dict[str, Any]
+    files: list[str]
+
+
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
-    """The file of a scene, and those it is based on."""
-    return _read(path)[1]
+    """Returns the file of a scene, and those it is based on."""
+    return _read(path).files
 
 
-def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any], list[str]]:
-    """Data of a scene file, made whole if it is based on another, and the files read."""
+def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
+    """Returns the data of a scene file, completed by those it is based on, and the files read."""
     source = os.fspath(path)
     data = data_of(text_of(path), source)
     if not isinstance(data, dict):
@@ -157,15 +173,17 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
         raise SceneError("", problem, source=source)
     if "based_on" not in data:
         stem = Path(source).stem
-        return ({"name": stem} if re.search(NAME, stem) else {}) | data, [source]
-    this = record(BasedOn, data, source)
+        named = {"name": stem} if re.search(NAME, stem) else {}
+        return _SceneFile(named | data, [source])
+    derived = record(BasedOn, data, source)
     if depth > DEEPEST:
-        problem = f"got {this.based_on}, based on itself, expected another scene"
+        problem = f"got {derived.based_on}, based on itself, expected another scene"
         raise SceneError("based_on", problem, source=source)
-    base, files = _read(Path(path).with_name(f"{this.based_on}.yaml"), depth + 1)
-    own = {key: data[key] for key in ("name", "description") if key in data}
+    base, files = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)
+    replaced = {key: data[key] for key in ("name", "description") if key in data}
     try:
-        return with_changes(base, own | dict(this.changes)), [source, *files]
+        changed = with_changes(base, replaced | dict(derived.changes))
+        return _SceneFile(changed, [source, *files])
     except SceneError as error:
         key = error.source.removeprefix("--set ")
         raise SceneError(f"set.{key}", error.problem, source=source) from None
@@ -175,13 +193,13 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
 
 
 def _check_spread(data: Mapping[str, Any]) -> None:
-    """The middle and the ends of a distribution are values that the key itself may take."""
-    for name, spread in (data.get("uncertainty") or {}).items():
+    """Refuses a mean, median or bound of a distribution that the key itself may not have."""
+    for name, distribution in (data.get("uncertainty") or {}).items():
         part = key_of_scene(uncertain_key(name, "NAME"))
         if part is None:  # of no key
             continue
         for end in ("mean", "median", "low", "high"):
-            value = spread.get(end)
+            value = distribution.get(end)
             if value is not None and not fits(value, part):
                 raise SceneError(
                     f"uncertainty.{name}.{end}", f"got {shown(value)}, expected {part.allowed}"
@@ -189,38 +207,40 @@ def _check_spread(data: Mapping[str, Any]) -> None:
 
 
 def written_data(scene: Scene) -> dict[str, Any]:
-    """Data of a scene as it is written to a file: a regularisation that follows the slip is left
-    out, or it would not follow another speed."""
+    """Returns the data of a scene as it is written to a file.
+
+    A regularisation that follows the slip is left out, or it would not follow another speed.
+    """
     plain = scene.to_dict()
     if not regularisation_is_given(scene):
         del plain["friction"]["slip_regularisation_m_s"]
     return plain
 
 
-def _undecided(scene: Scene) -> dict[str, Any]:
-    """Data of a scene without what its accuracy has decided, so that another one may."""
+def _data_without_accuracy(scene: Scene) -> dict[str, Any]:
+    """Returns the data of a scene without the values set by its accuracy, so that it can change."""
     plain = scene.to_dict()
     preset, slip_area = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
     for path, value in preset.keys(slip_area, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
         if path == REGULARISATION:
-            decided = not regularisation_is_given(scene)
+            by_accuracy = not regularisation_is_given(scene)
         else:
-            decided = plain[block][name] == value
-        if decided:
+            by_accuracy = plain[block][name] == value
+        if by_accuracy:
             del plain[block][name]
     return plain
 
 
 def _cage_wears(plain: Mapping[str, Any]) -> bool:
-    """Whether motion and wear of the cage are asked for."""
+    """Whether a scene requests motion or wear of the cage."""
     end = (plain.get("wear") or {}).get("end_of_life") or {}
-    asked = (plain.get("model") or {}).get("cage_results", Model.cage_results)
-    return bool(asked) or any(end.get(name) is not None for name in OF_CAGE)
+    cage_results = (plain.get("model") or {}).get("cage_results", Model.cage_results)
+    return bool(cage_results) or any(end.get(name) is not None for name in OF_CAGE)
 
 
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
-    """Fill in what the accuracy asked for decides, where the scene does not."""
+    """Fills in the keys that the accuracy sets, where the scene does not give them."""
     model = plain.get("model") or {}
     slip_area = slip_is_over(model.get("contact", Model.contact), model.get("slip_over"))
     preset = accuracy_preset(model.get("accuracy", Model.accuracy))
@@ -232,16 +252,19 @@ def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
 
 
 def variant(source: Source, changes: Mapping[str, Any]) -> Scene:
-    """A scene with some of its values replaced, checked.
+    """Returns a checked scene with some of its values replaced.
 
-    changes: `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out
-        what a scene can do without.
+    changes: `{"operation.preload_N": 9.0}`; missing blocks are created, None removes an optional
+        key.
 
     SceneError: one line that names the file, or the change (as `--set`, which makes such
     changes).
     """
-    if isinstance(source, Scene) and (made := _with_new_blocks(source, changes)) is not None:
-        return made
+    if (
+        isinstance(source, Scene)
+        and (with_new_blocks := _with_new_blocks(source, changes)) is not None
+    ):
+        return with_new_blocks
     data, name = as_data(source)
     return changed_scene(data, changes, name)
 
@@ -257,19 +280,19 @@ _END = "wear.end_of_life"
 
 
 def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
-    """The scene with only those blocks checked and built that change; five times as fast.
+    """Returns the changed scene with only the changed blocks checked and built; five times as fast.
 
-    None where other blocks depend on them, and where anything is wrong: checking all says what.
+    None where other blocks depend on them, or where a value is wrong: a full check then reports it.
     """
-    within = all("." in key and not key.startswith(_END) for key in changes)
+    only_keys = all("." in key and not key.startswith(_END) for key in changes)
     names = {key.partition(".")[0] for key in changes}
-    if not (within and names <= _CHECKED_ALONE and _is_checked(scene)):
+    if not (only_keys and names <= _CHECKED_ALONE and _is_checked(scene)):
         return None
     blocks = {name: getattr(scene, name) for name in names}
-    plain = {name: plain_data(one) for name, one in blocks.items() if one is not None}
-    given = REGULARISATION in changes or regularisation_is_given(scene)
+    plain = {name: plain_data(block) for name, block in blocks.items() if block is not None}
+    regularisation_given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
-        made = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
-        return _as_checked(regularised(made, given))
+        changed = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
+        return _marked_as_checked(with_regularisation(changed, regularisation_given))
     except ValueError:
         return None

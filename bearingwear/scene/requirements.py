@@ -1,4 +1,4 @@
-"""What a machine asks of its bearings beside running: keys of a scene."""
+"""Keys of a scene for launch loads and the drive of the shaft."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import keyed, reduced, setting
+from bearingwear.scene.checking.records import keyed, reduced_record, setting
 
 _G, _DENSITY = "[0, 1e5]", "(0, 1e4]"
 
@@ -44,11 +44,13 @@ class Launch:
     # fmt: on
 
     def __post_init__(self) -> None:
-        for way in ("axial", "radial"):
-            given = getattr(self, f"{way}_g")
-            if given and getattr(self, f"{way}_density_g2_Hz") is not None:
-                key = f"{way}_density_g2_Hz"
-                raise SceneError(f"{way}_g", f"got {given:g} with {key}, expected only one of them")
+        for direction in ("axial", "radial"):
+            acceleration = getattr(self, f"{direction}_g")
+            if acceleration and getattr(self, f"{direction}_density_g2_Hz") is not None:
+                key = f"{direction}_density_g2_Hz"
+                raise SceneError(
+                    f"{direction}_g", f"got {acceleration:g} with {key}, expected only one of them"
+                )
 
 
 RULES: dict[tuple[str, str], dict[str, float]] = {
@@ -106,17 +108,15 @@ class Drive:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
             problem = "expected factors if and only if the standard is own"
-            given = "some" if self.factors else "none"
-            raise SceneError(
-                "factors", f"got {given} with {self.standard}, {problem}", ("standard",)
-            )
+            got = "some" if self.factors else "none"
+            raise SceneError("factors", f"got {got} with {self.standard}, {problem}", ("standard",))
         if self.standard != "own" and (self.standard, self.data) not in RULES:
             problem = f"got {self.data} with {self.standard}, expected analysis or extremes"
             raise SceneError("data", problem, ("standard",))
         names = ", ".join(self.rule)
         if self.bearings not in self.rule:
-            given = self.bearings or "nothing"
-            raise SceneError("bearings_as", f"got {given}, expected {names}", ("standard",))
+            got = self.bearings or "nothing"
+            raise SceneError("bearings_as", f"got {got}, expected {names}", ("standard",))
         for name in self.resistances_Nm:
             if name not in self.rule:
                 problem = f"got an unknown key, expected {names}"
@@ -126,11 +126,11 @@ class Drive:
         return hash((self.torque_Nm, repr(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return reduced(self)
+        return reduced_record(self)
 
     @property
     def rule(self) -> Mapping[str, float]:
-        """Factors by what resists."""
+        """Factors by class of resistance."""
         return self.factors if self.standard == "own" else RULES[self.standard, self.data]
 
     @property
@@ -139,15 +139,15 @@ class Drive:
         return self.bearings_as or _BEARINGS.get(self.standard, "")
 
     def required(self, torque: float) -> float:
-        """The torque that the drive must have where the bearings resist by a torque [N m]."""
+        """Returns the torque that the drive must have at a torque of the bearings [N m]."""
         others = sum(self.rule[name] * T for name, T in self.resistances_Nm.items())
         return self.rule[self.bearings] * torque + others
 
     def margin(self, torque: float) -> float:
-        """What the drive has beyond that, over it [1]."""
+        """Returns the excess of the drive's torque over the required one, relative to it [1]."""
         needed = self.required(torque)
         return self.torque_Nm / needed - 1.0 if needed > 0.0 else math.inf
 
     def stalls(self, torque: float) -> bool:
-        """Whether what resists is more than the drive has, without any factor."""
+        """Whether the resisting torques, without any factor, exceed that of the drive."""
         return torque + sum(self.resistances_Nm.values()) > self.torque_Nm

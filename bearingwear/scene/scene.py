@@ -32,7 +32,15 @@ from bearingwear.scene.blocks import (
 )
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
 from bearingwear.scene.checking.errors import SceneError, leaves
-from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, reduced, setting, whole
+from bearingwear.scene.checking.records import (
+    NAME,
+    Part,
+    file_part,
+    keyed,
+    part_at,
+    reduced_record,
+    setting,
+)
 from bearingwear.scene.duty import Duty, check_duty
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.requirements import Drive, Launch
@@ -147,8 +155,8 @@ class Scene:
     def __post_init__(self) -> None:
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
         for name in ("uncertainty", "cage_uncertainty"):
-            if (given := getattr(self, name)) is not None:
-                object.__setattr__(self, name, MappingProxyType(dict(given)))
+            if (distributions := getattr(self, name)) is not None:
+                object.__setattr__(self, name, MappingProxyType(dict(distributions)))
         if self.cases is not None:
             object.__setattr__(self, "cases", checked_cases(self.cases))
         _check_materials(self)
@@ -176,7 +184,7 @@ class Scene:
         )
 
     def _repr_html_(self) -> str:
-        """In a notebook: the line, and every key below it."""
+        """Shows the line of `repr` in a notebook, and every key below it."""
         rows = "".join(
             f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"
             for key, value in leaves(self.to_dict()).items()
@@ -190,15 +198,15 @@ class Scene:
 
     def __reduce__(self) -> tuple[Any, ...]:
         mark = {IS_CHECKED: True} if IS_CHECKED in self.__dict__ else None
-        return (*reduced(self), mark)
+        return (*reduced_record(self), mark)
 
     def nominal(self, name: str) -> float:
-        """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
+        """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
         return nominal_value(self, name)
 
     @property
     def pair(self) -> Arrangement | None:
-        """The arrangement of two bearings; None of a single one."""
+        """The arrangement of a pair; None for a single bearing."""
         return self.arrangement if self.arrangement and self.arrangement.is_pair else None
 
     @property
@@ -218,19 +226,19 @@ class Scene:
 
     @property
     def one_of_alike(self) -> Scene:
-        """One of two identical bearings; another scene as it is."""
+        """The first bearing of a symmetric pair; any other scene as it is."""
         return self.sides[0] if self.pair is not None and self.pair.is_symmetric else self
 
     @functools.cached_property
     def without_cage(self) -> Scene:
-        """The scene without its cage, its results, and the limits of its wear."""
+        """The scene without its cage, the cage's results and the limits of its wear."""
         end = self.wear.end_of_life
         wear = replace(self.wear, end_of_life=end and end.without_cage)
         model = replace(self.model, cage_results=False)
         return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
     def with_(self, changes: Mapping[str, Any] | None = None, **typed: Any) -> Scene:
-        """A copy of the scene with some values replaced and checked.
+        """Returns a copy of the scene with some values replaced and checked.
 
         Parameters
         ----------
@@ -246,16 +254,18 @@ class Scene:
         from bearingwear.scene.read import variant
 
         if changes is None or typed:
-            got = ", ".join(typed) or "nothing"
+            names = ", ".join(typed) or "nothing"
             example = "{'operation.preload_N': 9.0}"
-            raise TypeError(f"with_: got {got}, expected a mapping of whole keys such as {example}")
+            raise TypeError(
+                f"with_: got {names}, expected a mapping of whole keys such as {example}"
+            )
         try:
             return variant(self, changes)
         except SceneError as error:  # its text is for the command line
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def case(self, name: str) -> Scene:
-        """The scene in one of its cases, like `--case`; `nominal` is the scene as it stands.
+        """Returns the scene in one of its cases, like `--case`; `nominal` is the scene itself.
 
         Raises
         ------
@@ -267,7 +277,7 @@ class Scene:
         return in_case(self, name, "case")
 
     def to_dict(self) -> dict[str, Any]:
-        """The scene as plain nested data, in the order of a scene file, all defaults filled in.
+        """Returns the scene as plain nested data in the order of a scene file, with all defaults.
 
         What a scene does without (cage, end of life or one of its criteria) is left out.
         """
@@ -275,7 +285,7 @@ class Scene:
 
     @property
     def plain(self) -> Mapping[str, Any]:
-        """`to_dict`, parts of which other scenes share: do not write to it."""
+        """The same data as `to_dict`; other scenes share parts of it, so do not write to it."""
         return self._shared[0]
 
     @property
@@ -285,27 +295,28 @@ class Scene:
 
     @functools.cached_property
     def _shared(self) -> tuple[dict[str, Any], str]:
-        given = {name: getattr(self, name) for name in _field_names(Scene)}
-        return _of_mapping({name: part for name, part in given.items() if part is not None})
+        """Plain data and JSON of the scene, with blocks that other scenes share."""
+        field_values = {name: getattr(self, name) for name in _field_names(Scene)}
+        return _mapping_and_json({k: part for k, part in field_values.items() if part is not None})
 
 
 @functools.cache
-def _field_names(kind: type) -> tuple[str, ...]:
-    """Of a dataclass; of any other type none."""
-    return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
+def _field_names(record_type: type) -> tuple[str, ...]:
+    """Returns the names of the fields of a dataclass; none for any other type."""
+    return tuple(f.name for f in fields(record_type)) if is_dataclass(record_type) else ()
 
 
 _UNCHANGED = frozenset({float, int, bool, str})
 
 
 def plain_data(value: Any) -> Any:
-    """A part of a scene as plain nested data, without what it leaves out."""
+    """Returns a part of a scene as plain nested data, without its omitted keys."""
     if value.__class__ in _UNCHANGED:
         return value
     if names := _field_names(value.__class__):
-        given, plain = value.__dict__, {}
+        field_values, plain = value.__dict__, {}
         for name in names:
-            part = given[name]
+            part = field_values[name]
             if part.__class__ in _UNCHANGED:
                 plain[name] = part
             elif part is not None:
@@ -323,24 +334,25 @@ _KEPT: dict[int, tuple[Any, Any, str]] = {}
 """Blocks by their id, with plain data and JSON: scenes in a loop have most of them in common."""
 
 
-def _of_block(block: Any) -> tuple[Any, str]:
-    known = _KEPT.get(id(block))
-    if known is None:
+def _block_and_json(block: Any) -> tuple[Any, str]:
+    """Returns plain data and JSON of a block, which are computed once."""
+    kept = _KEPT.get(id(block))
+    if kept is None:
         if len(_KEPT) >= _MOST_KEPT:
             _KEPT.clear()
         plain = plain_data(block)
-        known = _KEPT[id(block)] = (block, plain, json.dumps(plain))
-    return known[1:]
+        kept = _KEPT[id(block)] = (block, plain, json.dumps(plain))
+    return kept[1:]
 
 
-def _of_mapping(given: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
-    """Plain data and JSON of a mapping of blocks, mappings and values."""
+def _mapping_and_json(mapping: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+    """Returns plain data and JSON of a mapping of blocks, mappings and values."""
     plain, texts = {}, []
-    for name, part in given.items():
+    for name, part in mapping.items():
         if _field_names(part.__class__):
-            plain[name], text = _of_block(part)
+            plain[name], text = _block_and_json(part)
         elif isinstance(part, Mapping):
-            plain[name], text = _of_mapping(part)
+            plain[name], text = _mapping_and_json(part)
         else:
             plain[name] = plain_data(part)
             text = json.dumps(plain[name])
@@ -349,26 +361,27 @@ def _of_mapping(given: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
 
 
 def once(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
-    """A function that computes its value once for each scene, and keeps it there."""
+    """Wraps a function so that it computes its value once for each scene, and keeps it there."""
     name = f"{of_scene.__module__}.{of_scene.__qualname__}"
 
     @functools.wraps(of_scene)
-    def kept(scene: Scene) -> Value:
+    def kept_value(scene: Scene) -> Value:
         values = scene.__dict__
         if name not in values:
             values[name] = of_scene(scene)
-        found: Value = values[name]
-        return found
+        result: Value = values[name]
+        return result
 
-    return kept
+    return kept_value
 
 
 def key_of_scene(path: str) -> Part | None:
-    """What a scene takes at a path, `materials.steel.density_kg_m3`; None for no key."""
-    return part_at(whole(Scene), path)
+    """Returns the field of a scene at a path, `materials.steel.density_kg_m3`; None for no key."""
+    return part_at(file_part(Scene), path)
 
 
 def _check_materials(scene: Scene) -> None:
+    """Refuses the name of a material that the scene does not define."""
     blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
     for block, values in blocks.items():
         for key, name in vars(values).items() if values else ():
@@ -381,7 +394,7 @@ def _check_materials(scene: Scene) -> None:
 
 
 def most_balls(diameter: float, pitch_diameter: float) -> int:
-    """Most balls (or pockets) of a diameter that fit side by side on the pitch circle."""
+    """Returns how many balls (or pockets) of a diameter fit side by side on the pitch circle."""
     if diameter >= pitch_diameter:
         return 0
     # the tolerance is for balls that touch exactly
@@ -389,6 +402,7 @@ def most_balls(diameter: float, pitch_diameter: float) -> int:
 
 
 def _check_balls(scene: Scene) -> None:
+    """Refuses balls that do not fit on the pitch circle."""
     b = scene.bearing
     keys = ("bearing.ball_count", "bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
     if b.ball_diameter_mm >= b.pitch_diameter_mm:
@@ -398,18 +412,18 @@ def _check_balls(scene: Scene) -> None:
             f"expected a number > {b.ball_diameter_mm:g}",
             keys,
         )
-    most = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
-    if b.ball_count > most:
+    limit = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
+    if b.ball_count > limit:
         raise SceneError(
             "bearing.ball_count",
             f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm that do not fit on a pitch "
-            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {most}",
+            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {limit}",
             keys,
         )
 
 
 def _check_rings(scene: Scene) -> None:
-    """Bore, groove bottom, shoulder, pitch circle, and the same outwards, in this order."""
+    """Refuses diameters of the rings that are not in their order from bore to outside diameter."""
     dm, D = scene.bearing.pitch_diameter_mm, scene.bearing.ball_diameter_mm
     for name, above, below in (
         ("bore_mm", 0.0, dm - D),
@@ -429,6 +443,7 @@ def _check_rings(scene: Scene) -> None:
 
 
 def _check_speeds(scene: Scene) -> None:
+    """Refuses a lowest speed above that of the shaft."""
     lowest, speed = scene.operation.lowest_speed_rpm, scene.operation.shaft_speed_rpm
     if lowest > max(speed, 0.0):  # a speed below zero is refused for itself
         raise SceneError(
@@ -439,6 +454,7 @@ def _check_speeds(scene: Scene) -> None:
 
 
 def _check_wear(scene: Scene) -> None:
+    """Refuses a wrong number of diameter losses and too large ones; equal losses become one."""
     loss = scene.wear.ball_diameter_loss_um
     count = scene.bearing.ball_count
     key = "wear.ball_diameter_loss_um"
@@ -457,10 +473,10 @@ def _check_wear(scene: Scene) -> None:
         limits["wear.end_of_life.ball_diameter_loss_um"] = (
             scene.wear.end_of_life.ball_diameter_loss_um or 0.0
         )
-    for where, value in limits.items():
+    for limited_key, value in limits.items():
         if value >= largest:
             raise SceneError(
-                where,
+                limited_key,
                 f"got {value:g}, expected a number < {largest:g} "
                 f"({100 * LARGEST_LOSS:g} % of the ball diameter)",
                 ("bearing.ball_diameter_mm",),
@@ -468,21 +484,23 @@ def _check_wear(scene: Scene) -> None:
 
 
 def _check_cage_limits(scene: Scene) -> None:
+    """Refuses criteria of a cage that the scene lacks."""
     end, cage = scene.wear.end_of_life or EndOfLife(), scene.cage
     guided = cage is not None and cage.guiding_race != "ball"
-    for name, there, needed in (
+    for name, applies, condition in (
         ("pocket_clearance_mm", cage is not None, "with a cage"),
         ("guide_clearance_mm", guided, "with a cage guided by a race"),
         ("cage_film_worn_share", cage is not None and cage.film is not None, "with cage.film"),
     ):
         value = getattr(end, name)
-        if value is not None and not there:
+        if value is not None and not applies:
             raise SceneError(
-                f"wear.end_of_life.{name}", f"got {value:g}; only allowed {needed}", ("cage",)
+                f"wear.end_of_life.{name}", f"got {value:g}; only allowed {condition}", ("cage",)
             )
 
 
 def _check_cage(scene: Scene, cage: Cage) -> None:
+    """Refuses a cage that does not fit the balls, or whose pockets cut through its ring."""
     b = scene.bearing
     rim = ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
     circle = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
@@ -522,12 +540,12 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
         )
 
     # What is left of a ring between the pockets; `model.dynamic` gives it this mass.
-    width, most = cage.width_mm, b.ball_count * math.pi * (0.5 * pocket) ** 2
+    width, cut = cage.width_mm, b.ball_count * math.pi * (0.5 * pocket) ** 2
     wall = math.pi * (cage.outer_diameter_mm + cage.inner_diameter_mm) / 2.0
-    if most >= wall * width:
+    if cut >= wall * width:
         raise SceneError(
             "cage.width_mm",
             f"got {width:g}, at which the pockets cut through the ring, expected a number > "
-            f"{most / wall:.4g}",
+            f"{cut / wall:.4g}",
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
         )

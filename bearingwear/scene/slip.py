@@ -32,9 +32,10 @@ _RPM = math.pi / 30.0  # [rad/s]
 
 
 def default_regularisation(scene: Scene) -> float:
-    """Regularisation [m/s] of a scene that gives none: its preset's, or less where it slips slowly.
+    """Returns the regularisation [m/s] of a scene that gives none.
 
-    In two digits, so that it can be read and typed. A scene at rest has no slip to go by.
+    It is that of the preset, or less where the slip is slow, in two digits, so that it can be read
+    and typed. A scene at rest, which has no slip, takes that of the preset.
     """
     preset = accuracy_preset(scene.model.accuracy).slip_regularisation_m_s
     slip = mean_slip(scene)
@@ -43,9 +44,9 @@ def default_regularisation(scene: Scene) -> float:
     return max(float(f"{preset * slip / SLOW_SLIP:.2g}"), LEAST_REGULARISATION)
 
 
-def regularised(scene: Scene, given: bool) -> Scene:
-    """The scene with the regularisation that goes with its slip, unless one was given."""
-    if given:
+def with_regularisation(scene: Scene, is_given: bool) -> Scene:
+    """Returns the scene with the regularisation for its slip; marks one that was given."""
+    if is_given:
         scene.friction.__dict__[_GIVEN] = True
         return scene
     default = default_regularisation(scene)
@@ -55,7 +56,7 @@ def regularised(scene: Scene, given: bool) -> Scene:
 
 
 def regularisation_is_given(scene: Scene) -> bool:
-    """Whether a scene has a regularisation of its own, for `regularised` after a change of it."""
+    """Whether the regularisation of a scene was given, as `with_regularisation` asks."""
     friction = scene.friction
     if _GIVEN in friction.__dict__:
         return True
@@ -63,23 +64,23 @@ def regularisation_is_given(scene: Scene) -> bool:
 
 
 def at_share(scene: Scene, share: float) -> Scene:
-    """A scene at a share of its speed; an outer race that turns goes with the shaft."""
-    o = scene.operation
-    shaft = share * o.shaft_speed_rpm
-    changed = replace(
-        o,
-        shaft_speed_rpm=shaft,
-        lowest_speed_rpm=min(o.lowest_speed_rpm, shaft),
-        outer_speed_rpm=share * o.outer_speed_rpm,
+    """Returns a scene at a share of its shaft speed and of the speed of its outer race."""
+    operation = scene.operation
+    shaft_speed = share * operation.shaft_speed_rpm
+    slower = replace(
+        operation,
+        shaft_speed_rpm=shaft_speed,
+        lowest_speed_rpm=min(operation.lowest_speed_rpm, shaft_speed),
+        outer_speed_rpm=share * operation.outer_speed_rpm,
     )
-    return regularised(replace(scene, operation=changed), regularisation_is_given(scene))
+    return with_regularisation(replace(scene, operation=slower), regularisation_is_given(scene))
 
 
 def mean_slip(scene: Scene) -> float:
-    """Mean slip speed of balls on races by rolling at the free contact angle, estimated [m/s].
+    """Estimates the mean slip speed of balls on races by rolling at the free contact angle [m/s].
 
-    Of two parts: the spin of one contact (outer race control), 3/16 a omega sin(alpha) in the mean
-    of both under a Hertzian load, and the slip of a curved contact (Heathcote), 0.26 V (a/D)^2.
+    It adds the spin of one contact (outer race control), 3/16 a omega sin(alpha) in the mean of
+    both under a Hertzian load, and the slip of a curved contact (Heathcote), 0.26 V (a/D)^2.
     """
     b, operation = scene.bearing, scene.operation
     omega = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * _RPM
@@ -89,7 +90,7 @@ def mean_slip(scene: Scene) -> float:
 
 
 def _semi_axis(scene: Scene) -> float:
-    """Semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977)."""
+    """Returns the semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977)."""
     b, operation = scene.bearing, scene.operation
     D, dm = _MM * b.ball_diameter_mm, _MM * b.pitch_diameter_mm
     alpha = math.radians(b.contact_angle_deg)
@@ -107,4 +108,5 @@ def _semi_axis(scene: Scene) -> float:
 
 
 def _compliance(material: Material) -> float:
+    """Returns (1 - nu^2)/E of a material [1/Pa]."""
     return (1.0 - material.poisson_ratio**2) / (material.youngs_modulus_GPa * _GPA)

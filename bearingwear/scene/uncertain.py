@@ -104,22 +104,22 @@ class Distribution:
     # fmt: on
 
 
-def is_same_for_batch(name: str, given: Distribution) -> bool:
-    """Whether an uncertain value is one unknown number for all bearings of a batch."""
-    return name in SAME_FOR_BATCH if given.same_for_batch is None else given.same_for_batch
+def is_same_for_batch(name: str, spread: Distribution) -> bool:
+    """Whether an uncertain value is a single unknown number for all bearings of a batch."""
+    return name in SAME_FOR_BATCH if spread.same_for_batch is None else spread.same_for_batch
 
 
-def friction_correlation(given: Mapping[str, Distribution]) -> tuple[str, float]:
-    """The uncertain friction, empty without one, and how the wear coefficient goes with it."""
-    wear = given.get("wear_coefficient")
+def friction_correlation(distributions: Mapping[str, Distribution]) -> tuple[str, float]:
+    """Returns the key of the uncertain friction, or "", and its correlation with the wear."""
+    wear = distributions.get("wear_coefficient")
     return (
-        next((name for name in FRICTION_KEYS if name in given), ""),
+        next((name for name in FRICTION_KEYS if name in distributions), ""),
         (wear and wear.friction_correlation) or 0.0,
     )
 
 
 def nominal_value(scene: Scene, name: str) -> float:
-    """A scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
+    """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
     if name == "wear_scatter":
         return 1.0
     block: Any = operator.attrgetter(UNCERTAIN[name])(scene)
@@ -128,21 +128,22 @@ def nominal_value(scene: Scene, name: str) -> float:
 
 
 def uncertain_key(name: str, material: str) -> str:
-    """The key whose value an uncertainty is about; `wear_scatter` has none."""
+    """Returns the whole key of an uncertain value, as in `UNCERTAIN`."""
     block = f"materials.{material}" if UNCERTAIN[name] == "materials" else UNCERTAIN[name]
     return f"{block}.{name}"
 
 
 def check_uncertainty(scene: Scene) -> None:
-    """Refuse distributions that lack a parameter, or have one too many."""
-    for name, given in (scene.uncertainty or {}).items():
+    """Refuses distributions that lack a parameter, or have one too many."""
+    for name, spread in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"
-        for own, other in (("ball_race", "film"), ("film", "ball_race")):
-            of_own = f"friction.{own}" in f"{UNCERTAIN[name]}.{name}"
-            if of_own and getattr(scene.friction, own) is None:
+        for friction_kind, other_kind in (("ball_race", "film"), ("film", "ball_race")):
+            requires_kind = f"friction.{friction_kind}" in f"{UNCERTAIN[name]}.{name}"
+            if requires_kind and getattr(scene.friction, friction_kind) is None:
                 raise SceneError(
                     key,
-                    f"got this key with friction.{other}; only allowed with friction.{own}",
+                    f"got this key with friction.{other_kind}; "
+                    f"only allowed with friction.{friction_kind}",
                     (key,),
                 )
         if name == "thickness_um" and scene.friction.film and not scene.friction.film.thickness_um:
@@ -150,53 +151,53 @@ def check_uncertainty(scene: Scene) -> None:
                 "got this key without friction.film.thickness_um; only allowed with a thickness"
             )
             raise SceneError(key, problem, (key,))
-        if name == "wear_scatter" and given.distribution != "lognormal":
+        if name == "wear_scatter" and spread.distribution != "lognormal":
             raise SceneError(
-                f"{key}.distribution", f"got {given.distribution}, expected lognormal", (key,)
+                f"{key}.distribution", f"got {spread.distribution}, expected lognormal", (key,)
             )
-        _check_parameters(key, given)
-        if given.friction_correlation is not None:
-            _check_correlation(scene, name, given.friction_correlation)
-    for name, given in (scene.cage_uncertainty or {}).items():
+        _check_parameters(key, spread)
+        if spread.friction_correlation is not None:
+            _check_correlation(scene, name, spread.friction_correlation)
+    for name, spread in (scene.cage_uncertainty or {}).items():
         if scene.cage is None:
             raise SceneError(f"cage_uncertainty.{name}", "got this key without a cage", ("cage",))
-        _check_parameters(f"cage_uncertainty.{name}", given)
+        _check_parameters(f"cage_uncertainty.{name}", spread)
 
 
-def _check_parameters(key: str, given: Distribution) -> None:
-    """Refuse a distribution that lacks a parameter, or has one too many."""
-    needs, takes = PARAMETERS[given.distribution]
-    for part in _PARAMETER_NAMES:
-        value = getattr(given, part)
-        if value is None and part in needs:
+def _check_parameters(key: str, spread: Distribution) -> None:
+    """Refuses a distribution that lacks a parameter, or has one too many."""
+    required, optional = PARAMETERS[spread.distribution]
+    for parameter in _PARAMETER_NAMES:
+        value = getattr(spread, parameter)
+        if value is None and parameter in required:
             raise SceneError(
-                f"{key}.{part}",
-                f"got nothing; the distribution {given.distribution} requires this key",
+                f"{key}.{parameter}",
+                f"got nothing; the distribution {spread.distribution} requires this key",
                 (key,),
             )
-        if value is not None and part not in needs + takes:
+        if value is not None and parameter not in required + optional:
             raise SceneError(
-                f"{key}.{part}",
-                f"got {value:g} with the distribution {given.distribution}, "
-                f"expected {', '.join(needs + takes)}",
+                f"{key}.{parameter}",
+                f"got {value:g} with the distribution {spread.distribution}, "
+                f"expected {', '.join(required + optional)}",
                 (key,),
             )
-    if given.low is not None and given.high is not None and given.low >= given.high:
+    if spread.low is not None and spread.high is not None and spread.low >= spread.high:
         raise SceneError(
-            f"{key}.high", f"got {given.high:g}, expected a number > {given.low:g}", (key,)
+            f"{key}.high", f"got {spread.high:g}, expected a number > {spread.low:g}", (key,)
         )
 
 
 def _check_correlation(scene: Scene, name: str, value: float) -> None:
-    """Refuse a correlation of what is no wear coefficient, or with what is not alike uncertain."""
-    given = scene.uncertainty or {}
-    friction, _ = friction_correlation(given)
+    """Refuses a correlation of another value, or with a friction that is uncertain differently."""
+    distributions = scene.uncertainty or {}
+    friction, _ = friction_correlation(distributions)
     problem = ""
     if name != "wear_coefficient":
         problem = "only allowed with uncertainty.wear_coefficient"
     elif not friction:
         problem = f"only allowed with uncertainty.{' or uncertainty.'.join(FRICTION_KEYS)}"
-    elif len({is_same_for_batch(n, given[n]) for n in (name, friction)}) > 1:
+    elif len({is_same_for_batch(n, distributions[n]) for n in (name, friction)}) > 1:
         problem = f"expected the same value of same_for_batch for wear_coefficient and {friction}"
     if problem:
         key = f"uncertainty.{name}"

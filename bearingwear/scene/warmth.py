@@ -91,7 +91,7 @@ class Thermal:
     # fmt: on
 
     def parts(self, inner_ring: float, balls: float, outer_ring: float) -> Temperature:
-        """Temperatures of rings and balls between its shaft and housing [degC]."""
+        """Returns temperatures of rings and balls [degC] with those of shaft and housing."""
         return Temperature(
             inner_ring_C=inner_ring,
             balls_C=balls,
@@ -126,13 +126,13 @@ class Fits:
 
 
 def expansion(scene: Scene, material: str) -> float:
-    """Thermal expansion of a material, that of bearing steel where it has none [1/K]."""
-    given = scene.materials[material].thermal_expansion_1_K
-    return STEEL_EXPANSION if given is None else given
+    """Returns the thermal expansion of a material; that of bearing steel if it has none [1/K]."""
+    coefficient = scene.materials[material].thermal_expansion_1_K
+    return STEEL_EXPANSION if coefficient is None else coefficient
 
 
 def check_warmth(scene: Scene) -> None:
-    """Refuse temperatures, networks and fits that contradict the rest of a scene."""
+    """Refuses temperatures, networks and fits that contradict the rest of a scene."""
     if scene.temperature is not None and scene.thermal is not None:
         raise SceneError(
             "thermal",
@@ -145,6 +145,7 @@ def check_warmth(scene: Scene) -> None:
 
 
 def _check_fits(scene: Scene) -> None:
+    """Refuses fits without the diameter of their ring, and those that strain it too much."""
     if scene.fits is None:
         return
     fits, b = scene.fits, scene.bearing
@@ -167,18 +168,18 @@ def _check_fits(scene: Scene) -> None:
         ("shaft_interference_um", b.bore_mm),
         ("housing_interference_um", b.outside_diameter_mm),
     ):
-        value, most = getattr(fits, name), 1e3 * LARGEST_STRAIN * (diameter or 0.0)
-        if abs(value) > most > 0.0:
+        value, limit = getattr(fits, name), 1e3 * LARGEST_STRAIN * (diameter or 0.0)
+        if abs(value) > limit > 0.0:
             raise SceneError(
                 f"fits.{name}",
-                f"got {value:g}, expected a number from {-most:g} to {most:g} "
+                f"got {value:g}, expected a number from {-limit:g} to {limit:g} "
                 f"({100.0 * LARGEST_STRAIN:g} % of the diameter)",
                 ("bearing.bore_mm", "bearing.outside_diameter_mm"),
             )
 
 
 def _check_expansions(scene: Scene) -> None:
-    """Unlike materials need their own expansion, and no part may grow without limit."""
+    """Refuses missing expansions of unlike materials, and parts that expand too much."""
     warm = scene.temperature or scene.thermal
     if warm is None:
         return
@@ -189,8 +190,8 @@ def _check_expansions(scene: Scene) -> None:
         (fits.shaft_material or ring, "fits.shaft_material"),
         (fits.housing_material or ring, "fits.housing_material"),
     )
-    for other, key in pairs:
-        for name in (other, ring) if other != ring else ():
+    for material, key in pairs:
+        for name in (material, ring) if material != ring else ():
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
@@ -198,20 +199,20 @@ def _check_expansions(scene: Scene) -> None:
                     "parts of different materials",
                     (key, "temperature", "thermal"),
                 )
-    for key, kelvin, name in _warmed(scene):
+    for key, kelvin, name in _temperature_differences(scene):
         alpha = expansion(scene, name)
         if abs(alpha * kelvin) > LARGEST_STRAIN:
-            most = LARGEST_STRAIN / alpha
+            limit = LARGEST_STRAIN / alpha
             raise SceneError(
                 key,
                 f"got a difference of {abs(kelvin):g} K from the mounting temperature, expected at "
-                f"most {most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
+                f"most {limit:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
 
 
 def _check_play(scene: Scene) -> None:
-    """Refuse balls that have grown as wide as a groove."""
+    """Refuses temperatures at which the balls become as wide as a groove."""
     t, b = scene.temperature, scene.bearing
     if t is None:
         return
@@ -227,34 +228,34 @@ def _check_play(scene: Scene) -> None:
     ):
         running = factor * growth(part_C, b.race_material) / ball
         if running <= 0.5:
-            given = t.reference_C if part_C is None else part_C
-            balls = t.reference_C if t.balls_C is None else t.balls_C
+            ring_C = t.reference_C if part_C is None else part_C
+            balls_C = t.reference_C if t.balls_C is None else t.balls_C
             raise SceneError(
                 f"temperature.{ring}_ring_C",
-                f"got {given:g} with balls at {balls:g} degC; only allowed if the groove "
+                f"got {ring_C:g} with balls at {balls_C:g} degC; only allowed if the groove "
                 f"remains wider than the balls (bearing.{ring}_groove_factor {factor:g})",
                 ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )
 
 
-def _warmed(scene: Scene) -> Iterator[tuple[str, float, str]]:
-    """Each given temperature: its key, above that of mounting [K], the material it expands."""
+def _temperature_differences(scene: Scene) -> Iterator[tuple[str, float, str]]:
+    """Yields key, difference from the mounting temperature [K] and material of each temperature."""
     b, fits = scene.bearing, scene.fits or Fits()
     materials = {
         "balls_C": b.ball_material,
         "shaft_C": fits.shaft_material or b.race_material,
         "housing_C": fits.housing_material or b.race_material,
     }
-    for block, given in (("temperature", scene.temperature), ("thermal", scene.thermal)):
-        for field in fields(given) if given is not None else ():
-            value = getattr(given, field.name)
+    for block, temperatures in (("temperature", scene.temperature), ("thermal", scene.thermal)):
+        for field in fields(temperatures) if temperatures is not None else ():
+            value = getattr(temperatures, field.name)
             if field.name.endswith("_C") and isinstance(value, int | float):
                 material = materials.get(field.name, b.race_material)
-                yield f"{block}.{field.name}", value - given.reference_C, material  # type: ignore[union-attr]
+                yield f"{block}.{field.name}", value - temperatures.reference_C, material  # type: ignore[union-attr]
 
 
 def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
-    """Refuse bearings without a thermal network or without heat capacities."""
+    """Refuses bearings without a thermal network or without heat capacities."""
     for side in sides:
         if side.thermal is None:
             problem = "got nothing, expected a thermal network with heat_capacity_J_K"

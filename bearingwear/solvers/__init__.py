@@ -1,1 +1,1 @@
-"""From a scene to the numbers: what a scene requires, and its solution."""
+"""The solution of a scene: its model, its states and its numbers."""

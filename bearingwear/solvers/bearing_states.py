@@ -25,20 +25,24 @@ from bearingwear.solvers.thermal import (
     heat_slopes,
     thermal_margin,
 )
-from bearingwear.solvers.warm import NOTHING, Warm
+from bearingwear.solvers.warm import Warm
 
 
-def states_of(bearings: Alone | OnRotor, conditions: Conditions, found: RotorState) -> States:
-    if found.status != code.OK:
-        return tuple(State.unsolved(found.status, one.loss) for one in conditions)
-    values = found.values
+def states_of(bearings: Alone | OnRotor, conditions: Conditions, rotor: RotorState) -> States:
+    """Returns the state of each bearing on a rotor, with the values of the arrangement."""
+    if rotor.status != code.OK:
+        return tuple(State.unsolved(rotor.status, condition.loss) for condition in conditions)
+    values = rotor.values
     if ends_by_thermal_margin(bearings.scene):
-        values |= margin_values(bearings, conditions, found)
-    each = zip(bearings.sides, found.sides, strict=True)
-    return tuple(side.state(one).with_values(values) for side, one in each)
+        values |= margin_values(bearings, conditions, rotor)
+    return tuple(
+        solver.state(solution).with_values(values)
+        for solver, solution in zip(bearings.sides, rotor.sides, strict=True)
+    )
 
 
 def ends_by_thermal_margin(scene: Scene) -> bool:
+    """Returns whether the thermal margin may end the life."""
     end = scene.wear.end_of_life
     return end is not None and end.thermal_margin is not None
 
@@ -46,52 +50,57 @@ def ends_by_thermal_margin(scene: Scene) -> bool:
 def kept_at(
     bearings: Alone | OnRotor, temperatures: np.ndarray, networks: Sequence[Thermal] = ()
 ) -> Alone | OnRotor | None:
-    """Bearings at given temperatures (bearing, part) [degC] in place of those of their heat.
+    """Returns bearings at given temperatures in place of those of their heat.
 
+    None if one of them cannot be so warm.
+
+    temperatures: (bearing, part) [degC].
     networks: with the temperatures of shafts and housings, if not those of the scene.
-    None where one of them cannot be so warm.
     """
-    kept = []
-    for k, (side, each) in enumerate(zip(bearings.sides, temperatures, strict=True)):
-        network = networks[k] if networks else side.scene.thermal
-        assert isinstance(side, Warm) and network is not None
+    solvers = []
+    for k, (solver, part_temperatures) in enumerate(zip(bearings.sides, temperatures, strict=True)):
+        network = networks[k] if networks else solver.scene.thermal
+        assert isinstance(solver, Warm) and network is not None
         try:
-            t = network.parts(*map(float, each))
-            scene = replace(side.scene, temperature=t, thermal=None)
+            temperature = network.parts(*map(float, part_temperatures))
+            scene = replace(solver.scene, temperature=temperature, thermal=None)
         except SceneError:
             return None
-        kept.append(Warm(side.solver, Warmed(code.OK, scene, NOTHING, 0, np.zeros((3, 3)))))
+        solvers.append(Warm(solver.solver, Warmed.as_given(scene)))
     if isinstance(bearings, Alone):
-        return Alone(bearings.scene, tuple(kept), bearings.near)
-    return replace(bearings, sides=tuple(kept), nearby=Nearby(), near=list(bearings.near))
+        return Alone(bearings.scene, tuple(solvers), bearings.near)
+    return replace(bearings, sides=tuple(solvers), nearby=Nearby(), near=list(bearings.near))
 
 
-def heats_of(bearings: Alone | OnRotor, found: RotorState) -> tuple[HeatFlow, ...]:
-    """Heat of each bearing in a state that was found."""
-    each = zip(bearings.sides, found.sides, strict=True)
-    return tuple(side.heat(one) for side, one in each)
+def heats_of(bearings: Alone | OnRotor, rotor: RotorState) -> tuple[HeatFlow, ...]:
+    """Returns the heat of each bearing in a state of the rotor."""
+    return tuple(
+        solver.heat(solution) for solver, solution in zip(bearings.sides, rotor.sides, strict=True)
+    )
 
 
 def margin_values(
-    bearings: Alone | OnRotor, conditions: Conditions, found: RotorState
+    bearings: Alone | OnRotor, conditions: Conditions, rotor: RotorState
 ) -> dict[str, float]:
-    """The thermal margin of bearings with thermal networks in a state that was found."""
+    """Returns the thermal margin of bearings with thermal networks in a state of the rotor."""
     networks = [side.scene.thermal for side in bearings.sides]
     if not any(networks):
         return {"thermal_margin": math.inf}  # temperatures that are given do not run away
-    if found.status not in USABLE or not all(networks):
+    if rotor.status not in USABLE or not all(networks):
         return {}
 
     def heats(temperatures: np.ndarray) -> np.ndarray | None:
-        kept = kept_at(bearings, temperatures)
-        there = None if kept is None else kept.solve(conditions)
-        if kept is None or there is None or there.status not in USABLE:
+        bearings_there = kept_at(bearings, temperatures)
+        rotor_there = None if bearings_there is None else bearings_there.solve(conditions)
+        if bearings_there is None or rotor_there is None or rotor_there.status not in USABLE:
             return None
-        return heat_of_parts(heats_of(kept, there))
+        return heat_of_parts(heats_of(bearings_there, rotor_there))
 
-    warm = [one.warmed.scene.temperature for one in found.sides if one.warmed]
-    parts = np.array([(t.inner_ring_C, t.balls_C, t.outer_ring_C) for t in warm if t], dtype=float)
+    warmth = [solution.warmed.scene.temperature for solution in rotor.sides if solution.warmed]
+    parts = np.array(
+        [(t.inner_ring_C, t.balls_C, t.outer_ring_C) for t in warmth if t], dtype=float
+    )
     is_rough = any(side.heat_error for side in bearings.sides)
     step = ROUGH_DIFFERENCE if is_rough else DIFFERENCE
-    given = [network for network in networks if network]
-    return {"thermal_margin": thermal_margin(given, heat_slopes(heats, parts, step))}
+    known_networks = [network for network in networks if network]
+    return {"thermal_margin": thermal_margin(known_networks, heat_slopes(heats, parts, step))}

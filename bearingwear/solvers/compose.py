@@ -1,8 +1,9 @@
-"""The solver of a scene, composed of a model, temperatures and what the bearings stand on."""
+"""The solver of a scene, composed of a model, temperatures and the arrangement of the bearings."""
 
 import bisect
 from collections.abc import Sequence
-from operator import itemgetter
+from operator import attrgetter
+from typing import NamedTuple
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
@@ -25,56 +26,65 @@ from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.warm import Warm
 from bearingwear.solvers.worn.solver import Worn
 
-WORN_BALANCED = 1e-6  # force left on a rotor with worn grooves, over the larger one
-WELL_BALANCED = 1e-7  # of many lives: a tenth of a life's tolerance
-LIFE_BALANCED = 1e-9  # force left on the rotor in a state of a life, over the larger one
+WORN_BALANCED = 1e-6  # unbalanced force on a rotor with worn grooves, over the larger one
+WELL_BALANCED = 1e-7  # the same in many lives: a tenth of a life's tolerance
+LIFE_BALANCED = 1e-9  # the same in a state of a life
 
 
-_LOSS = itemgetter(0)
+class _SolutionAt(NamedTuple):
+    """A solution at a loss of ball diameter."""
+
+    loss: float  # [m]
+    solution: SolvedBearing
+
+
+_LOSS = attrgetter("loss")
 
 
 class Remembered:
     """States by their conditions, each solved once.
 
-    One bearing starts from the nearest loss that is known, two from their last state.
+    One bearing starts from the nearest loss that was solved, two from their last state.
     """
 
     def __init__(self, bearings: Alone | OnRotor):
         self.bearings = bearings
-        self._known: dict[Conditions, States] = {}
-        self._solved: dict[Bare, list[tuple[float, SolvedBearing]]] = {}
+        self._states: dict[Conditions, States] = {}
+        self._solutions: dict[Bare, list[_SolutionAt]] = {}  # by rising loss
         self.failed = 0
-        """How many of them were not found."""
+        """Number of conditions without a state."""
 
     def __call__(self, conditions: Conditions) -> States:
-        if conditions not in self._known:
+        if conditions not in self._states:
             near = self._nearest(conditions[0]) if len(conditions) == 1 else None
-            found = self.bearings.solve(conditions, near)
-            if found.status != code.OK:
+            rotor = self.bearings.solve(conditions, near)
+            if rotor.status != code.OK:
                 self.failed += 1
             elif len(conditions) == 1:
                 loss, bare, *_ = conditions[0]
-                known = self._solved.setdefault(bare, [])
-                bisect.insort(known, (loss, found.sides[0]), key=_LOSS)
-            self._known[conditions] = states_of(self.bearings, conditions, found)
-        return self._known[conditions]
+                solutions = self._solutions.setdefault(bare, [])
+                bisect.insort(solutions, _SolutionAt(loss, rotor.sides[0]), key=_LOSS)
+            self._states[conditions] = states_of(self.bearings, conditions, rotor)
+        return self._states[conditions]
 
     def _nearest(self, condition: Condition) -> SolvedBearing | None:
-        """The bearing at the nearest loss, with the same films where there is one."""
-        loss, near = condition.loss, list[tuple[float, SolvedBearing]]()
-        same = self._solved.get(condition.bare)
-        for known in [same] if same else self._solved.values():
-            k = bisect.bisect(known, loss, key=_LOSS)
-            near += known[max(k - 1, 0) : k + 1]
-        return min(near, key=lambda one: abs(one[0] - loss))[1] if near else None
+        """Returns the solution at the nearest loss, with the same films if there is one."""
+        loss, near = condition.loss, list[_SolutionAt]()
+        same_films = self._solutions.get(condition.bare)
+        for solutions in [same_films] if same_films else self._solutions.values():
+            k = bisect.bisect(solutions, loss, key=_LOSS)
+            near += solutions[max(k - 1, 0) : k + 1]
+        return (
+            min(near, key=lambda neighbour: abs(neighbour.loss - loss)).solution if near else None
+        )
 
     def at(self, loss: float, bare: Bare = COVERED) -> State:
-        """State of one bearing at a loss of ball diameter [m], in some contacts without film."""
+        """Returns the state of one bearing at a loss [m], some contacts without film."""
         return self((Condition(loss, bare),))[0]
 
     @property
     def solves(self) -> int:
-        return len(self._known)
+        return len(self._states)
 
 
 def solver_of(
@@ -83,14 +93,13 @@ def solver_of(
     accuracy: Accuracy = Accuracy.BRIEF,
     tolerance: float | None = None,
 ) -> Remembered:
-    """The states of a scene, by the fidelity `steady` or `race_control`.
+    """Returns the states of a scene by the fidelity `steady` or `race_control`.
 
-    The tolerance is the force left on a rotor, over the larger one, if not what goes with the
-    accuracy.
+    tolerance: unbalanced force on a rotor, over the larger one, if it is not that of the accuracy.
     """
     sides = tuple(
-        _wrapped(Steady(one, accuracy) if fidelity == "steady" else RaceControl(one))
-        for one in scene.one_of_alike.sides
+        _with_wrappers(Steady(side, accuracy) if fidelity == "steady" else RaceControl(side))
+        for side in scene.one_of_alike.sides
     )
     if len(sides) == 1:
         return Remembered(Alone(scene, sides))
@@ -100,38 +109,44 @@ def solver_of(
     return Remembered(OnRotor(scene, scene.pair, sides, tolerance))
 
 
-def _wrapped(solver: Solver) -> Solver:
-    """The solver with the effects on the state that its scene asks for."""
+def _with_wrappers(solver: Solver) -> Solver:
+    """Returns the solver within the wrappers that its scene requires."""
     return solver if solver.scene.thermal is None else Warm(solver)
 
 
 def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | OnRotor]:
-    """The bearings of a scene with grooves that are followed as they wear, unworn at the start.
+    """Returns the status of unworn bearings, and the bearings with grooves that can wear.
 
-    Returns the status of the unworn state, and its bearings, which are `Worn` where it was found.
+    They are `Worn` where the unworn state was found.
+
+    cells: along and across a contact.
     """
     bearings = solver_of(scene, accuracy=Accuracy.CHECKED).bearings
-    found = bearings.solve(bearings.start)
-    if found.status != code.OK:
-        return found.status, bearings
+    rotor = bearings.solve(bearings.start)
+    if rotor.status != code.OK:
+        return rotor.status, bearings
     sides: list[Solver] = []
-    for side, unworn in zip(bearings.sides, found.sides, strict=True):
+    for side, unworn in zip(bearings.sides, rotor.sides, strict=True):
         worn = Worn(side.scene, unworn, cells)
         if worn.bearing.status != code.OK:
             return worn.bearing.status, bearings
-        sides.append(_wrapped(worn))
-    return found.status, _arranged(scene, bearings, sides)
+        sides.append(_with_wrappers(worn))
+    return rotor.status, _in_arrangement(scene, bearings, sides)
 
 
 def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
-    """Bearings of `worn_bearings` with their grooves at another speed or temperature."""
-    each = zip(bearings.sides, scene.one_of_alike.sides, strict=True)
-    sides = [_wrapped(innermost(side).elsewhere(one)) for side, one in each]
-    return _arranged(scene, bearings, sides)
+    """Returns bearings of `worn_bearings` with their grooves at another speed or temperature."""
+    sides = [
+        _with_wrappers(innermost(side).elsewhere(side_scene))
+        for side, side_scene in zip(bearings.sides, scene.one_of_alike.sides, strict=True)
+    ]
+    return _in_arrangement(scene, bearings, sides)
 
 
-def _arranged(scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]) -> Alone | OnRotor:
-    """Sides in the arrangement of others."""
+def _in_arrangement(
+    scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]
+) -> Alone | OnRotor:
+    """Returns sides in the arrangement of other bearings."""
     if isinstance(bearings, Alone):
         return Alone(scene, tuple(sides))
     assert scene.pair is not None

@@ -1,4 +1,4 @@
-"""What a solver of a bearing is asked, and what it answers."""
+"""Conditions of a bearing, its solutions, and the interface of the solvers."""
 
 import math
 from enum import Enum, auto
@@ -16,10 +16,14 @@ USABLE = (code.OK, code.UNVERIFIED)
 
 
 class Place(NamedTuple):
+    """An axial displacement that is kept."""
+
     delta_a: float  # [m]
 
 
 class Force(NamedTuple):
+    """An axial force that is kept."""
+
     F_x: float  # [N]
 
 
@@ -33,7 +37,7 @@ class Condition(NamedTuple):
 
 
 Conditions = tuple[Condition, ...]
-"""Of one bearing, or of both on a rotor."""
+"""Conditions of one bearing, or of both on a rotor."""
 
 States = tuple[State, ...]
 
@@ -41,8 +45,8 @@ States = tuple[State, ...]
 class Accuracy(Enum):
     """Settings of a solve, by what it is for."""
 
-    CHECKED = auto()  # with the finer copies that the checks of a case compare with
-    BRIEF = auto()  # without: for lives
+    CHECKED = auto()  # with a finer rule that the checks of a case compare with
+    BRIEF = auto()  # without that: for lives
     HALF_SLIP = auto()  # half the regularisation of the slip
     TWICE_POINTS = auto()  # twice the points in a contact
 
@@ -56,7 +60,7 @@ class SolvedBearing(NamedTuple):
     force: float = math.nan  # axial, of its inner race on the balls [N]
     stiffness: float = math.nan  # axial, dynamic [N/m]
     quasistatic: float = math.nan  # axial, quasi-static [N/m]
-    slope: float = math.nan  # axial stiffness of a solution nearby, where its own is not known
+    slope: float = math.nan  # axial stiffness of a solution nearby, where this one has none
     place: float = math.nan  # axial displacement [m]
     problem: Any = None  # that was solved
     answer: Any = None  # of the model's own solver
@@ -68,16 +72,16 @@ class SolvedBearing(NamedTuple):
 
     @property
     def stiffnesses(self) -> dict[str, float]:
-        """Result variables of the axial stiffness, without one that is not known."""
-        both = {
+        """Returns result variables of the axial stiffness, without one that is not known."""
+        values = {
             "axial_stiffness": self.stiffness,
             "quasistatic_axial_stiffness": self.quasistatic,
         }
-        return {name: value for name, value in both.items() if not math.isnan(value)}
+        return {name: value for name, value in values.items() if not math.isnan(value)}
 
     @property
     def steepness(self) -> float:
-        """Of the force over the place, about; NaN and falling ones are no use [N/m]."""
+        """Returns about the slope of force over place [N/m]; NaN and falling ones are no use."""
         if not math.isnan(self.slope):
             return self.slope
         return self.quasistatic if self.quasistatic > 0.0 else self.stiffness
@@ -97,16 +101,16 @@ class Solver(Protocol):
 
     @property
     def heat_error(self) -> float:
-        """Relative error of the heat, where the balance of the solver is rough."""
+        """Returns the relative error of the heat, where the balance of the solver is rough."""
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Solve, from a usable solution nearby where there is one."""
+        """Solves the bearing, from a usable solution nearby if there is one."""
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
-        """The bearing without friction, its balls orbiting as they roll or at `Omega` [rad/s]."""
+        """Returns the bearing without friction, its balls orbiting freely or at `Omega` [rad/s]."""
 
     def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
-        """The solution with the motion that a case took in its place; None where it kept it."""
+        """Returns the solution with another motion that the case took; None if it kept this one."""
 
     def at(self, scene: Scene) -> "Solver": ...  # at other temperatures, those of the scene
     def heat(self, solution: SolvedBearing) -> HeatFlow: ...  # of friction and drag
@@ -115,7 +119,7 @@ class Solver(Protocol):
 
 
 class Wrapper:
-    """A solver round another one, to which it hands on what it does not change."""
+    """A solver around another one, to which it passes on what it does not change."""
 
     def __init__(self, solver: Solver):
         self.solver, self.scene = solver, solver.scene
@@ -142,6 +146,7 @@ class Wrapper:
 
 
 def innermost(solver: Any) -> Any:
+    """Returns the solver within all wrappers."""
     while isinstance(solver, Wrapper):
         solver = solver.solver
     return solver

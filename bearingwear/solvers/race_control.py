@@ -1,4 +1,4 @@
-"""Slip of race control, an estimate: a solver, and its cases."""
+"""Race control as a solver, with an estimate of its slip."""
 
 import math
 from collections.abc import Mapping
@@ -38,11 +38,11 @@ from bearingwear.solvers.condition import CaseValues, Condition, Place, SolvedBe
 from bearingwear.solvers.effects.choice import NEEDS_SLIP
 from bearingwear.solvers.estimates import (
     DOUBLED,
-    changed,
     coulomb_regularisation,
-    halved_part,
-    measured,
-    summed,
+    error_values,
+    estimated_quantities,
+    regularisation_error,
+    relative_change,
     torque_loss,
 )
 from bearingwear.solvers.state import State, case_state
@@ -52,6 +52,8 @@ LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbal
 
 
 class RaceControl:
+    """A bearing under race control."""
+
     unsteady = code.NO_RACE_CONTROL
     heat_error = 0.0
 
@@ -73,12 +75,12 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        problem = self.held(condition)
+        problem = self.problem_in(condition)
         values, attrs = solve_race_control(self.scene, problem)
-        found = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
+        solution = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
         if "axial_stiffness" not in values:
-            return found
-        return found._replace(
+            return solution
+        return solution._replace(
             force=float(values["residual_preload"]),
             stiffness=float(values["axial_stiffness"]),
             quasistatic=float(values["quasistatic_axial_stiffness"]),
@@ -86,8 +88,8 @@ class RaceControl:
             problem=problem,
         )
 
-    def held(self, condition: Condition) -> RaceControlProblem:
-        """The problem in a condition; every ball loses as much."""
+    def problem_in(self, condition: Condition) -> RaceControlProblem:
+        """Returns the problem in a condition, in which every ball has the same loss."""
         problem, hold = self.problem, condition.hold
         if isinstance(hold, Place):
             problem = replace(problem, constant_force=False, delta_a=hold.delta_a)
@@ -102,20 +104,20 @@ class RaceControl:
 
     def state(self, solution: SolvedBearing) -> State:
         values, loss = solution.answer[0], solution.condition.loss
-        known = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
-        state = case_state(loss, known)
+        without_slip = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
+        state = case_state(loss, without_slip)
         if not state.is_solved:
             return state
         problem, op = solution.problem, solution.problem.op
-        worn_by = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
-        more = {
+        wear_inputs = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
+        values_of_life = {
             "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
-            "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *worn_by),
+            "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *wear_inputs),
         }
         if limits_depth(self.scene):
             slips = values["gyroscopic_slip"], values["rolling_slip"]
-            more["depth_peak"] = depth_peak(values, *slips)
-        return state.with_values(more)
+            values_of_life["depth_peak"] = depth_peak(values, *slips)
+        return state.with_values(values_of_life)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
         values, attrs = solution.answer
@@ -126,13 +128,14 @@ class RaceControl:
 
 
 def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
+    """Returns the heat of a case, from its result variables."""
     n = scene.bearing.ball_count
     inner, outer = (float(n * heat) for heat in np.mean(values["friction_heat"], axis=0))
     return HeatFlow(inner, outer, drag=float(values["drag_power"]))
 
 
 def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None:
-    """(w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None where there is no such solution."""
+    """Returns (w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None without a solution."""
     problem = parameters.where_bare(RaceControlProblem.of(scene), scene, bare)
     values, _ = solve_race_control(scene, problem)
     if "orbit_speed" not in values:
@@ -143,21 +146,26 @@ def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None
 def contact_solution(
     problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
+    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
     g, op, D = problem.g, problem.op, problem.D
     u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
-    work = point_buffers(rule)
+    buffers = point_buffers(rule)
     for j, state in enumerate(balance.states):
-        k = race_control(
+        kinematics = race_control(
             int(models[j]), op.omega_i, op.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
         )
-        u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
-        contact_summary(g, D[j], op, state, u[j], 0.5 * g.dm, rule, work, rows[j], False)
+        u[j] = (
+            kinematics.Omega - kinematics.w_R * math.cos(kinematics.beta),
+            0.0,
+            kinematics.w_R * math.sin(kinematics.beta),
+            kinematics.Omega,
+        )
+        contact_summary(g, D[j], op, state, u[j], 0.5 * g.dm, rule, buffers, rows[j], False)
     return u, rows
 
 
 def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
-    """Force that balls and race leave unbalanced, as a share of the largest contact load [1]."""
+    """Returns the unbalanced force on balls and race, over the largest contact load [1]."""
     g, residual = problem.g, 0.0
     largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
     for state, D, psi in zip(balance.states, problem.D, problem.psi, strict=True):
@@ -169,7 +177,10 @@ def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float
 
 
 def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
-    """The torque that makes the estimated heat [N m]; race control has no power balance."""
+    """Returns the torque that makes the estimated heat [N m].
+
+    Race control has no power balance.
+    """
     heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
     slip_speed = abs(problem.op.omega_i - problem.op.omega_o)
     return heat / slip_speed if slip_speed > 0.0 else 0.0
@@ -182,7 +193,10 @@ def controlled_error_estimates(
     models: np.ndarray,
     values: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Estimated numerical errors: of the points, and of the regularisation, which moves no ball."""
+    """Returns estimated numerical errors by the points and by the regularisation.
+
+    Neither moves a ball.
+    """
     D, n_balls = problem.D, problem.g.n_balls
     halved = replace(problem, op=problem.op._replace(v_r=0.5 * problem.op.v_r))
     settings = (
@@ -193,16 +207,21 @@ def controlled_error_estimates(
     for changed_problem, rule in settings:
         _, rows = contact_solution(changed_problem, balance, models, rule)
         qv = rows[..., QV]
-        other = {
+        changed_values = {
             **values,
             **wear_values(scene, D, qv, values["semi_major_axis"], values["contact_track_radius"]),
             "total_qv": n_balls * qv.sum() / len(D),
             "friction_heat": rows[..., HEAT],
             "shaft_torque": torque_of_heat(changed_problem, rows),
         }
-        answers.append(measured(other, n_balls))
-    now, (with_twice, with_half) = measured(values, n_balls), answers
-    return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
+        answers.append(estimated_quantities(changed_values, n_balls))
+    as_solved, (with_twice_points, with_half_slip) = estimated_quantities(values, n_balls), answers
+    return error_values(
+        [
+            DOUBLED * relative_change(as_solved, with_twice_points),
+            regularisation_error(as_solved, with_half_slip),
+        ]
+    )
 
 
 def controlled_torque_loss(
@@ -212,17 +231,20 @@ def controlled_torque_loss(
     models: np.ndarray,
     rows: np.ndarray,
 ) -> dict[str, Any]:
-    """Share of the torque that the regularisation takes, summed anew; empty where little."""
+    """Returns the share of the torque that the regularisation takes; empty where it is small."""
     v_r = coulomb_regularisation(problem.op.v_r, rows[..., QV].sum(), rows[..., LOAD].sum())
     if v_r is None:
         return {}
     finer = replace(problem, op=problem.op._replace(v_r=v_r))
-    _, other = contact_solution(finer, balance, models, parameters.quadrature(scene))
-    return torque_loss(torque_of_heat(problem, rows), torque_of_heat(finer, other))
+    _, finer_rows = contact_solution(finer, balance, models, parameters.quadrature(scene))
+    return torque_loss(torque_of_heat(problem, rows), torque_of_heat(finer, finer_rows))
 
 
 def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
-    """Values and attributes of the solution of a problem, which the scene may hold otherwise."""
+    """Returns values and attributes of the solution of a problem.
+
+    The problem may be held otherwise than the scene says.
+    """
     g, op, D = problem.g, problem.op, problem.D
     values: dict = {
         "status": code.OK,
@@ -242,13 +264,8 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     residual = equilibrium_residual(problem, balance)
     rounding = max(load_rounding(g, state) for state in balance.states)
     allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
-    if values["status"] == code.OK and not residual <= allowed:
-        values["status"] = code.UNVERIFIED
-    elif values["status"] == code.OK and problem.constant_force:
-        # Rounding of loads a million times as large swallows a spring's force; none is never lost.
-        force = problem.F[0] or float(np.linalg.norm(problem.F))
-        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * force:
-            values["status"] = code.BELOW_ROUNDING
+    if values["status"] == code.OK:
+        values["status"] = _verified_status(problem, balance, residual <= allowed)
     n = len(D)
     axial = np.array([state.F_ix for state in balance.states])
     values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
@@ -274,3 +291,15 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
         "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
         f"(allowed: {allowed:.0e})"
     }
+
+
+def _verified_status(problem: RaceControlProblem, balance: Balance, is_balanced: bool) -> int:
+    """Returns the status of a solution: unverified, below rounding or OK."""
+    if not is_balanced:
+        return code.UNVERIFIED
+    if problem.constant_force:
+        # Rounding of loads a million times as large swallows a spring's force; none is never lost.
+        force = problem.F[0] or float(np.linalg.norm(problem.F))
+        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * force:
+            return code.BELOW_ROUNDING
+    return code.OK

@@ -20,7 +20,7 @@ UNKNOWN_PARTS = frozenset({"part_temperature", "thermal_growth"})
 """NaN for a shaft or housing whose temperature is not known."""
 
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment", "thermal_margin"})
-"""Share of a friction that is nothing, of a ball that bears no load; margin where no heat grows."""
+"""Without load there is no friction to use, and where no heat grows there is no margin."""
 
 _STIFFNESS = "axial_stiffness"
 """End of the names of stiffnesses, which need not be known between new and the end of life: a place
@@ -33,7 +33,7 @@ _OF_A_LIFE = frozenset({"life", "normalised_life", "loss_at_end"}) | {
 
 @dataclass
 class Result:
-    """Values of one solve, by the names of `bearingwear.results.variables`, in SI and radians."""
+    """Values of a solve, by the names of `bearingwear.results.variables`, in SI and radians."""
 
     values: dict[str, Any]
     attrs: dict[str, Any] = field(default_factory=dict)
@@ -45,40 +45,42 @@ class Result:
 
     @functools.cached_property
     def scene(self) -> Mapping[str, Any]:
-        """The scene as plain data, empty if unknown; do not write to it."""
+        """Returns the scene as plain data, empty if unknown; do not write to it."""
         return json.loads(self.attrs.get("scene", "{}"))
 
     @property
     def reason(self) -> str:
+        """Returns the meaning of the status for this scene."""
         sentence = status_sentence(self.status, self.scene)
         phase = self.attrs.get("unsolved_phase")
         return f"in phase {phase}: {sentence}" if phase else sentence
 
 
 def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
-    """Meaning of a status for a scene, which may be empty if unknown."""
+    """Returns the meaning of a status for a scene, which may be empty if unknown."""
     if status == "preload_gone" and scene.get("operation", {}).get("preload_N") == 0.0:
         return WITHOUT_PRELOAD
     return STATUS_SENTENCES[status]
 
 
 def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]:
-    """Names of values of a solved case or life that are not finite though they have to be.
+    """Returns names of values of a solved case or life that must be finite and are not.
 
-    Of a pair, one bearing may lack what the other one has; its numbers are NaN.
+    One bearing of a pair may lack a value that the other one has; it is then NaN.
     """
     if "end_criterion" not in values and _all_finite(values):
-        return []  # a tenth of the time that it takes to look at each
-    of_two = scene.get("arrangement") is not None
+        return []  # this takes a tenth of the time of a look at every value
+    is_pair = scene.get("arrangement") is not None
     return [
         name
         for name, value in _required(values)
         if not np.isfinite(value).all()
-        and not (of_two and name not in SHARED and _of_one_alone(value))
+        and not (is_pair and name not in SHARED and _is_of_one_bearing(value))
     ]
 
 
 def _all_finite(values: Mapping[str, Any]) -> bool:
+    """Returns whether every number is finite."""
     total, arrays = 0.0, [np.empty(0)]
     for value in values.values():
         if isinstance(value, float):
@@ -89,12 +91,12 @@ def _all_finite(values: Mapping[str, Any]) -> bool:
 
 
 def _required(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
-    """Values that are to be finite."""
+    """Yields the values that must be finite."""
     is_life = "end_criterion" in values
-    for name, given in values.items():
+    for name, any_value in values.items():
         if name in UNKNOWN_PARTS or (is_life and name not in _OF_A_LIFE):
             continue
-        value = np.asarray(given)
+        value = np.asarray(any_value)
         if value.dtype.kind != "f":
             continue
         if is_life and name.endswith(_STIFFNESS):
@@ -104,6 +106,6 @@ def _required(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
         yield name, value
 
 
-def _of_one_alone(value: np.ndarray) -> bool:
-    """Whether one of two bearings has finite numbers, which end in NaN, and the other none."""
+def _is_of_one_bearing(value: np.ndarray) -> bool:
+    """Returns whether only one of two bearings has finite numbers, which may end in NaN."""
     return value.ndim > 0 and len(value) == 2 and any(np.isfinite(side).all() for side in value)

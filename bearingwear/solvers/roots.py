@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 
 def brent_root(f: Callable[[float], float], a: float, b: float, **tolerances: float) -> float:
-    """Root of a function between two places at which its signs differ; `scipy.optimize.brentq`."""
+    """Returns the root of a function between two places at which its signs differ."""
     from scipy.optimize import brentq
 
     return float(brentq(f, a, b, **tolerances))

@@ -1,4 +1,4 @@
-"""Solve one scene: from a `Scene` to a `Result`."""
+"""Solves a scene: makes a `Result` from a `Scene`."""
 
 import json
 import time
@@ -27,26 +27,27 @@ def solve(
     restart: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Solve a scene with the model it needs, or with that of `fidelity`.
+    """Solves a scene with the model it needs, or with that of `fidelity`.
 
-    A dynamic solve may go on from the `state` and `time` [s] at the end of another run, and gives
-    `progress` one line of text every few seconds. Raises NotAvailable as `choice`, or where the
-    model cannot continue from a state.
+    Raises NotAvailable as `choice`, or if the model cannot continue from a state.
+
+    restart: `state` and `time` [s] at the end of another run, from which a dynamic solve continues.
+    progress: receives a line of text every few seconds of a dynamic solve.
     """
     chosen = choice(scene, fidelity)
     if restart is not None:
         check_restart(scene, chosen)
     started = time.perf_counter()
     with Interrupt():
-        values, attrs = solved(chosen.reduced(scene), chosen.fidelity, restart, progress)
+        values, attrs = case_values(chosen.reduced(scene), chosen.fidelity, restart, progress)
     elapsed = time.perf_counter() - started
     return result_of(scene, chosen, values, attrs, elapsed)
 
 
-def solved(
+def case_values(
     scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
 ) -> CaseValues:
-    """Values and attributes of a scene solved with the model of that fidelity."""
+    """Returns values and attributes of a scene solved with the model of a fidelity."""
     if fidelity != "dynamic":
         bearings = solver_of(scene, fidelity, Accuracy.CHECKED).bearings
         values, attrs = bearings.case()
@@ -58,16 +59,17 @@ def solved(
     # its kernels take long to load, and the other models need none of them
     from bearingwear.solvers.dynamic.run import solve_dynamic
 
-    found = warm_scene(scene)
-    if found.status != code.OK:
-        return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}
-    values, attrs = solve_dynamic(found.scene, restart=restart, progress=progress)
+    warm = warm_scene(scene)
+    if warm.status != code.OK:
+        return {"status": warm.status} | growth_values(warm.scene), {"residual": warm.sentence}
+    values, attrs = solve_dynamic(warm.scene, restart=restart, progress=progress)
     if "friction_heat" in values:
-        values |= network_values(scene, found, values["status"], found.heat)
-    return values | growth_values(found.scene), attrs
+        values |= network_values(scene, warm, values["status"], warm.heat)
+    return values | growth_values(warm.scene), attrs
 
 
 def check_restart(scene: Scene, chosen: Choice) -> None:
+    """Refuses to continue a model other than the dynamic one."""
     if chosen.fidelity != "dynamic":
         raise NotAvailable(
             f"{scene.name}: restart: got a scene solved with fidelity {chosen.fidelity}, expected "
@@ -83,9 +85,11 @@ def result_of(
     elapsed: float,
     warnings: Sequence[Mapping[str, Any]] | None = None,
 ) -> Result:
-    """A result with the scene, the model and its warnings; ok only if its numbers are finite.
+    """Returns a result with the scene, the model and its warnings.
 
-    The warnings are those of the values unless they are given.
+    It is ok only if its numbers are finite.
+
+    warnings: those of the values if none are given.
     """
     if values["status"] == code.OK and (names := not_finite(values, scene.plain)):
         values = values | {"status": code.UNVERIFIED}

@@ -1,4 +1,4 @@
-"""How balls move at the start of a dynamic solve."""
+"""Motion of the balls at the start of a dynamic solve."""
 
 from dataclasses import dataclass, replace
 
@@ -19,14 +19,14 @@ class Start:
     """First motion of every ball, and its time scales from the steady solver."""
 
     u: np.ndarray  # (4,) or (n, 4)
-    kind: str
-    scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], where known
+    kind: str  # of this motion, in words
+    scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], if they are known
     case: ThrustCase | None = None  # the steady state under the thrust alone, where there is one
     bare: Bare = COVERED  # the contacts without film
 
 
 def thrust_alone(scene: Scene) -> Scene:
-    """The scene without the loads that keep it from a steady state."""
+    """Returns the scene without the loads that keep it from a steady state."""
     operation = replace(
         scene.operation, radial_load_N=(0.0, 0.0), rotating_load_N=0.0, tilt_mrad=0.0
     )
@@ -34,14 +34,20 @@ def thrust_alone(scene: Scene) -> Scene:
 
 
 def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
-    """The steady state under the thrust alone, else the state of race control."""
+    """Returns the steady state under the thrust alone, or else that of race control."""
     problem = parameters.where_bare(ThrustProblem.of(thrust_alone(scene)), scene, bare)
     if problem.undetermined() == code.OK:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
         if case.status in USABLE:
             scales = time_scale_values(problem.time_scales(D, case))
-            return Start(case.u, "the steady state under pure thrust", scales, case, bare)
+            return Start(
+                u=case.u,
+                kind="the steady state under pure thrust",
+                scales=scales,
+                case=case,
+                bare=bare,
+            )
     u = race_control_motion(scene, bare)
     if u is not None:
         return Start(u, "race control", {}, bare=bare)

@@ -1,4 +1,4 @@
-"""A solved bearing as a life knows it: values by the names of result variables."""
+"""The state of a bearing along a life: values by the names of result variables."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -32,7 +32,7 @@ HISTORY = (
     "thermal_margin",
     "greatest_depth",
 )
-"""Result variables of every state along a life that the states have."""
+"""Result variables that are stored for every state along a life."""
 
 OF_EACH_CONTACT = ("contact_load", "contact_angle", "semi_major_axis")
 
@@ -41,9 +41,9 @@ OF_EACH_CONTACT = ("contact_load", "contact_angle", "semi_major_axis")
 class State:
     """A bearing with some wear, solved or not.
 
-    Values go by the names of result variables [SI]. One number, or one of each race, stands for all
-    balls. A name that is not known is not there. The next solve starts from the answer of the
-    solver.
+    Values have the names of result variables [SI]; one that is not known is not there. One number,
+    or one of each race, represents all balls. The next solve starts from `answer`, the solver's own
+    solution.
     """
 
     status: int
@@ -52,7 +52,7 @@ class State:
 
     @classmethod
     def unsolved(cls, status: int, loss: float) -> "State":
-        """Reason why there is no state at a loss of ball diameter [m]."""
+        """Returns the reason why there is no state at a loss of ball diameter [m]."""
         return cls(status, {"ball_diameter_loss": loss})
 
     @property
@@ -61,16 +61,16 @@ class State:
 
     @property
     def loss(self) -> float:
-        """Loss of ball diameter, as counted [m]."""
+        """Returns the loss of ball diameter, as counted [m]."""
         return self.values["ball_diameter_loss"]
 
     @property
     def rate(self) -> float:
-        """Rate of the loss, as counted [m/s]."""
+        """Returns the rate of the loss, as counted [m/s]."""
         return self.values["ball_diameter_loss_rate"]
 
     def __getitem__(self, name: str) -> Any:
-        """A value by its name; NaN where it is not known."""
+        """Returns a value by its name; NaN where it is not known."""
         return self.values.get(name, math.nan)
 
     def with_values(self, values: Mapping[str, Any]) -> "State":
@@ -78,17 +78,17 @@ class State:
 
 
 def case_state(loss: float, values: Mapping[str, Any]) -> State:
-    """State of a solved case at a loss of ball diameter, as counted [m].
+    """Returns the state of a solved case at a loss of ball diameter, as counted [m].
 
-    Means over its balls, of what may end a life their worst.
+    Its values are means over the balls, and the worst of those that may end a life.
     """
     status = int(values["status"])
     if status != code.OK:
         return State.unsolved(status, loss)
-    found = {name: _over_balls(name, values[name]) for name in _OF_A_CASE if name in values}
-    # without any friction, none holds the moment
-    found.setdefault("friction_used_by_gyroscopic_moment", math.inf)
-    return State(status, found | {"ball_diameter_loss": loss})
+    state_values = {name: _over_balls(name, values[name]) for name in _OF_A_CASE if name in values}
+    # without any friction, nothing carries the moment
+    state_values.setdefault("friction_used_by_gyroscopic_moment", math.inf)
+    return State(status, state_values | {"ball_diameter_loss": loss})
 
 
 _MEANS = {*OF_EACH_CONTACT, "qv", "ball_wear_rate", "friction_coefficient"}
@@ -98,6 +98,7 @@ _OF_A_CASE -= {"ball_diameter_loss"}
 
 
 def _over_balls(name: str, values: Any) -> Any:
+    """Returns a value for all balls: their largest, their mean, or the value itself."""
     if name in _LARGEST:
         return float(np.max(values))
     if name == "gyroscopic_slip_share":
@@ -106,13 +107,15 @@ def _over_balls(name: str, values: Any) -> Any:
 
 
 def history_values(states: Sequence[State], names: Iterable[str] = HISTORY) -> dict[str, Any]:
-    """Result variables along a life; NaN where a state lacks one that others have."""
-    found: dict[str, Any] = {}
+    """Returns result variables along a life; NaN where a state lacks one that others have."""
+    histories: dict[str, Any] = {}
     for name in names:
-        known = [state.values[name] for state in states if name in state.values]
-        if known:
-            missing = np.full(np.shape(known[0]), math.nan)
+        known_values = [state.values[name] for state in states if name in state.values]
+        if known_values:
+            missing = np.full(np.shape(known_values[0]), math.nan)
             column = [state.values.get(name, missing) for state in states]
-            found[f"history_{name}"] = np.array(column)
-    residuals = [s["heat_flow_residual"] for s in states if "heat_flow_residual" in s.values]
-    return found | ({"heat_flow_residual": max(residuals)} if residuals else {})
+            histories[f"history_{name}"] = np.array(column)
+    residuals = [
+        state["heat_flow_residual"] for state in states if "heat_flow_residual" in state.values
+    ]
+    return histories | ({"heat_flow_residual": max(residuals)} if residuals else {})

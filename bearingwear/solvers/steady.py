@@ -39,10 +39,10 @@ from bearingwear.solvers.condition import (
 )
 from bearingwear.solvers.estimates import (
     DOUBLED,
-    changed,
     coulomb_regularisation,
-    halved_part,
-    summed,
+    error_values,
+    regularisation_error,
+    relative_change,
     torque_loss,
 )
 from bearingwear.solvers.state import State
@@ -52,7 +52,7 @@ SAME_MOTION = 1e-12
 
 
 class Steady:
-    """A bearing under thrust in the steady state that friction decides."""
+    """A bearing under thrust in its friction-balanced steady state."""
 
     unsteady = code.NO_STEADY_STATE
     heat_error: float = 0.0
@@ -80,7 +80,7 @@ class Steady:
         return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        problem = self.held(condition)
+        problem = self.problem_in(condition)
         status = problem.undetermined()
         if status != code.OK:
             return SolvedBearing(status, condition, self.scene, problem=problem)
@@ -99,14 +99,15 @@ class Steady:
             answer=case,
         )
 
-    def held(self, condition: Condition) -> ThrustProblem:
+    def problem_in(self, condition: Condition) -> ThrustProblem:
+        """Returns the problem in a condition."""
         problem, hold = self.problem, condition.hold
         if isinstance(hold, Place):
-            held = problem.preload._replace(constant_force=False, delta_a=hold.delta_a)
-            problem = replace(problem, preload=held)
+            preload = problem.preload._replace(constant_force=False, delta_a=hold.delta_a)
+            problem = replace(problem, preload=preload)
         elif hold is not None:
-            held = problem.preload._replace(constant_force=True, F_x=hold.F_x)
-            problem = replace(problem, preload=held)
+            preload = problem.preload._replace(constant_force=True, F_x=hold.F_x)
+            problem = replace(problem, preload=preload)
         return parameters.where_bare(problem, self.scene, condition.bare)
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
@@ -119,43 +120,45 @@ class Steady:
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
-        g, c = problem.g, case.contacts
-        D, qv = float(g.D0 - loss), c[:, summary.QV].tolist()
-        ball_rate, race_rate, loss_rate = rates_when_new(solution.scene, self.films, D, c)
+        g, contacts = problem.g, case.contacts
+        D, qv = float(g.D0 - loss), contacts[:, summary.QV].tolist()
+        ball_rate, race_rate, loss_rate = rates_when_new(solution.scene, self.films, D, contacts)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
-        used = friction_used(c[:, summary.FRICTION], D, gyroscopic, c[:, summary.LOAD])
+        used_share = friction_used(
+            contacts[:, summary.FRICTION], D, gyroscopic, contacts[:, summary.LOAD]
+        )
         values = {
             "ball_diameter_loss": loss,
             "ball_diameter_loss_rate": loss_rate,
             "residual_preload": solution.force,
-            "contact_load": c[:, summary.LOAD],
-            "contact_angle": c[:, summary.ANGLE],
-            "semi_major_axis": c[:, summary.MAJOR],
-            "qv": c[:, summary.QV],
+            "contact_load": contacts[:, summary.LOAD],
+            "contact_angle": contacts[:, summary.ANGLE],
+            "semi_major_axis": contacts[:, summary.MAJOR],
+            "qv": contacts[:, summary.QV],
             "total_qv": g.n_balls * sum(qv),
-            "gyroscopic_slip_share": c[:, summary.SHARE],
+            "gyroscopic_slip_share": contacts[:, summary.SHARE],
             "skid_ratio": case.skid,
-            "maximum_pressure": max(c[:, summary.PRESSURE].tolist()),
+            "maximum_pressure": max(contacts[:, summary.PRESSURE].tolist()),
             "axial_stiffness": solution.stiffness,
             "quasistatic_axial_stiffness": solution.quasistatic,
             "friction_power": self.heat(solution).total,
             "ball_wear_rate": sum(ball_rate),
             "race_wear_rate": g.n_balls * np.array(race_rate),
             "axial_displacement": solution.place,
-            "friction_used_by_gyroscopic_moment": float(used),
-            "friction_coefficient": c[:, summary.FRICTION],
+            "friction_used_by_gyroscopic_moment": float(used_share),
+            "friction_coefficient": contacts[:, summary.FRICTION],
         }
         if self.limits_depth:
-            motion = case.u[None], np.array([case.r]), c[None]
+            motion = case.u[None], np.array([case.r]), contacts[None]
             v1, v2 = slips_across(self.scene, g, problem.op, np.array([D]), *motion)
             values["depth_peak"] = depth_peak(values, v1, v2)
         if self.follows_depths:
-            worn_by = (c[None, :, k] for k in (summary.QV, summary.MAJOR, summary.TRACK))
-            values["loss_per_wear"] = loss_per_wear(g.n_balls, np.array([D]), *worn_by)
+            wear_inputs = (contacts[None, :, k] for k in (summary.QV, summary.MAJOR, summary.TRACK))
+            values["loss_per_wear"] = loss_per_wear(g.n_balls, np.array([D]), *wear_inputs)
         return State(solution.status, values, solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
-        """Values and attributes of a solution, or of a stable state near an unstable one."""
+        """Returns values and attributes of a solution, or of a stable state near it."""
         scene, problem, case = self.scene, solution.problem, solution.answer
         D = problem.g.D0 - solution.condition.loss
         values: dict = {
@@ -168,13 +171,13 @@ class Steady:
         attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
         if case.status in USABLE:
             scales = problem.time_scales(D, case)
-            stable = {id(case): problem.stable(D, case, scales)}
-            others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)
-            stable |= {id(c): problem.stable(D, c) for c in others}
+            is_stable = {id(case): problem.stable(D, case, scales)}
+            others = problem.other_states(D, case, is_stable[id(case)], scene.model.steady_starts)
+            is_stable |= {id(state): problem.stable(D, state) for state in others}
             # the one reached first, if it is stable
-            every = sorted([case, *others], key=lambda c: not stable[id(c)])
-            if every[0] is not case:
-                case = every[0]
+            states = sorted([case, *others], key=lambda state: not is_stable[id(state)])
+            if states[0] is not case:
+                case = states[0]
                 scales = problem.time_scales(D, case)
             attrs["residual"] = residual_sentence(case)
             values |= error_estimates(scene, problem, D, case)
@@ -186,13 +189,13 @@ class Steady:
             values |= {"status": case.status} | steady_values(scene, problem, D, case)
             values |= time_scale_values(scales) | {
                 "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
-                "stable": int(stable[id(case)]),
-                "steady_state_count": len(every),
-                "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
+                "stable": int(is_stable[id(case)]),
+                "steady_state_count": len(states),
+                "steady_state_orbit_speed": np.array([state.u[3] for state in states]),
                 "steady_state_total_qv": np.array(
-                    [problem.g.n_balls * c.contacts[:, summary.QV].sum() for c in every]
+                    [problem.g.n_balls * state.contacts[:, summary.QV].sum() for state in states]
                 ),
-                "steady_state_stable": np.array([int(stable[id(c)]) for c in every]),
+                "steady_state_stable": np.array([int(is_stable[id(state)]) for state in states]),
             }
             if not values["stable"] and values["status"] == code.OK:
                 values["status"] = code.NO_STEADY_STATE
@@ -208,52 +211,59 @@ class Steady:
 
 
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Estimated numerical errors of a solved state; empty where none can be found."""
+    """Returns estimated numerical errors of a solved state; empty if none can be found."""
     cases = [case]
-    for other in problem.perturbed(scene):
-        near = other.solve(D, start=case.motion)
-        if near.status != code.OK:
+    for perturbed in problem.perturbed(scene):
+        perturbed_case = perturbed.solve(D, start=case.motion)
+        if perturbed_case.status != code.OK:
             return {}
-        cases.append(near)
-    now, halved, twice = steady_answers(scene, problem, D, cases)
-    return summed([halved_part(now, halved), DOUBLED * changed(now, twice)])
+        cases.append(perturbed_case)
+    as_solved, halved, twice = steady_answers(scene, problem, D, cases)
+    return error_values(
+        [regularisation_error(as_solved, halved), DOUBLED * relative_change(as_solved, twice)]
+    )
 
 
 def steady_torque_loss(problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Share of the torque that the regularisation takes, by a second solve; empty where little."""
-    c = case.contacts
+    """Returns the share of the torque that the regularisation takes, by a second solve.
+
+    It is empty where the share is small.
+    """
+    contacts = case.contacts
     v_r = coulomb_regularisation(
-        problem.op.v_r, float(c[:, summary.QV].sum()), float(c[:, summary.LOAD].sum())
+        problem.op.v_r, float(contacts[:, summary.QV].sum()), float(contacts[:, summary.LOAD].sum())
     )
     if v_r is None:
         return {}
     finer = replace(problem.without_finer, op=problem.op._replace(v_r=v_r)).solve(D)
     if finer.status != code.OK:
         return {}
-    torque, coulomb = (one.contacts[0, summary.TORQUE] for one in (case, finer))
+    torque, coulomb = (solution.contacts[0, summary.TORQUE] for solution in (case, finer))
     return torque_loss(float(torque), float(coulomb))
 
 
 def steady_answers(
     scene: Scene, problem: ThrustProblem, D: float, cases: list[ThrustCase]
 ) -> np.ndarray:
-    """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
-    n, films, found = problem.g.n_balls, Films.of(scene), []
+    """Returns the quantities (n, QUANTITY_COUNT) of n states whose errors are estimated."""
+    n, films, answers = problem.g.n_balls, Films.of(scene), []
     for case in cases:
         contacts = case.contacts.T.tolist()
         qv, heat = (n * sum(contacts[column]) for column in (summary.QV, summary.HEAT))
         *_, loss_rate = rates_when_new(scene, films, D, case.contacts)
         torque, power = n * contacts[summary.TORQUE][0], heat + drag_power(problem, D, case)
-        found.append([qv, axial_force(case, n), loss_rate, torque, power])
-    return np.array(found)
+        answers.append([qv, axial_force(case, n), loss_rate, torque, power])
+    return np.array(answers)
 
 
 def rates_when_new(
     scene: Scene, films: Films, D: float, c: np.ndarray
 ) -> tuple[list[float], list[float], float]:
-    """Wear rates of ball and race in both contacts [m3/s], and `diameter_loss_rate` [m/s].
+    """Returns wear rates of ball and race in both contacts [m3/s], and `diameter_loss_rate`.
 
-    Of balls alike, from a summary (2, COLUMNS). Numbers, since NumPy takes ten times as long.
+    All balls are alike. Numbers are used, since NumPy takes ten times as long.
+
+    c: summary of the contacts (2, COLUMNS).
     """
     major, track = c[:, summary.MAJOR], c[:, summary.TRACK].tolist()
     factors = unworn_factors(scene, films, major)
@@ -263,30 +273,32 @@ def rates_when_new(
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
-    """Power of the drag on all balls [W]."""
+    """Returns the power of the drag on all balls [W]."""
     if not problem.op.drag:
-        return 0.0  # to ask the kernel takes longer
+        return 0.0  # a call of the kernel takes longer
     F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
     return problem.g.n_balls * F_v * case.r * case.u[3]
 
 
 def axial_force(case: ThrustCase, n: int = 1) -> float:
-    """Axial force of the inner race on n balls [N]."""
+    """Returns the axial force of the inner race on n balls [N]."""
     Q, alpha = case.contacts[0, summary.LOAD], case.contacts[0, summary.ANGLE]
     return float(n * Q * math.sin(alpha) + n * case.T_i * math.cos(alpha))
 
 
 def residual_sentence(case: ThrustCase) -> str:
-    found = case.residuals
+    """Returns the errors of the balances that check a state, in words."""
+    residuals = case.residuals
     return (
-        f"errors: {found.friction:.1e} of the friction forces in the friction balance, "
-        f"{found.equilibrium:.1e} of the contact load in the normal force balance, "
-        f"{found.power:.1e} of the shaft power in the power balance (allowed: "
+        f"errors: {residuals.friction:.1e} of the friction forces in the friction balance, "
+        f"{residuals.equilibrium:.1e} of the contact load in the normal force balance, "
+        f"{residuals.power:.1e} of the shaft power in the power balance (allowed: "
         f"{LARGEST_RESIDUAL:.0e})"
     )
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
+    """Returns the result variables of a steady state."""
     g, op, n = problem.g, problem.op, problem.g.n_balls
     matrix = quasistatic_matrix(g, D, case)
     quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}

@@ -21,7 +21,7 @@ LARGEST_HEAT_RESIDUAL = 1e-5  # the same, for a verified solve
 MOST_SOLVES = 40
 LAST_BITS = 2.0**-49  # of a temperature
 RUNAWAY = 0.999  # heat that one more watt of heat makes, above which it grows without bound [W/W]
-MOST_HALVED = 6  # of a step at whose end the bearing has no state
+MOST_HALVED = 6  # halvings of a step at whose end the bearing has no state
 
 
 class HeatFlow(NamedTuple):
@@ -36,6 +36,8 @@ class HeatFlow(NamedTuple):
         return self.inner + self.outer + self.drag
 
 
+NO_HEAT = HeatFlow(inner=0.0, outer=0.0, drag=0.0)
+
 Heats = Callable[[Scene], tuple[int, HeatFlow]]
 """Status and heat of a scene with given temperatures."""
 
@@ -48,10 +50,16 @@ class Warmed:
     scene: Scene  # with these temperatures given
     heat: HeatFlow  # as last solved
     solves: int
-    slope: np.ndarray  # of what is made less what there is, by the heat, as the search left it
+    slope: np.ndarray  # derivative of heat made less heat h by h, at the end of the search
+
+    @classmethod
+    def as_given(cls, scene: Scene) -> "Warmed":
+        """Returns a scene whose temperatures are given."""
+        return cls(status=code.OK, scene=scene, heat=NO_HEAT, solves=0, slope=np.zeros((3, 3)))
 
     @property
     def sentence(self) -> str:
+        """Describes a search that has not converged."""
         t = self.scene.temperature or Temperature()
         return (
             f"not converged after {self.solves} iterations: {self.heat.total:.3g} W of heat, inner "
@@ -67,7 +75,7 @@ outer ring (both assumed)."""
 
 
 def conductances(thermal: Thermal) -> np.ndarray:
-    """Heat that leaves each part by the temperatures of the three (3, 3) [W/K]."""
+    """Returns the heat that leaves each part by the temperatures of the three (3, 3) [W/K]."""
     G = thermal.conductance_W_K
     shaft, housing, ball = G.inner_ring_shaft, G.outer_ring_housing, G.ball_race
     return np.array(
@@ -80,19 +88,21 @@ def conductances(thermal: Thermal) -> np.ndarray:
 
 
 def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
-    """Temperatures at which the network carries this heat away."""
+    """Returns the temperatures at which the network carries a heat away."""
     # relative to the shaft, so that no heat and no difference give its temperature to the last bit
-    above = thermal.conductance_W_K.outer_ring_housing * (thermal.housing_C - thermal.shaft_C)
-    made = HEAT_TO_PARTS @ np.array(heat) + [0.0, 0.0, above]
-    rises = np.linalg.solve(conductances(thermal), made)
+    from_housing = thermal.conductance_W_K.outer_ring_housing * (
+        thermal.housing_C - thermal.shaft_C
+    )
+    heat_in = HEAT_TO_PARTS @ np.array(heat) + [0.0, 0.0, from_housing]
+    rises = np.linalg.solve(conductances(thermal), heat_in)
     return thermal.parts(*(thermal.shaft_C + float(t) for t in rises))
 
 
 def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:
-    """Largest imbalance of the heat flows of the three parts, over all heat [1].
+    """Returns the largest imbalance of the heat flows of the three parts, over all heat [1].
 
-    Summed part by part, apart from the solver, and less what rounding makes; heat that flows from a
-    warm shaft to a cold housing counts as heat.
+    It is summed part by part, apart from the solver, less the effect of rounding. Heat that flows
+    from a warm shaft to a cold housing counts as heat.
     """
     G = thermal.conductance_W_K
     assert t.inner_ring_C is not None and t.balls_C is not None and t.outer_ring_C is not None
@@ -100,20 +110,20 @@ def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> floa
     to_housing = G.outer_ring_housing * (t.outer_ring_C - thermal.housing_C)
     from_inner = G.ball_race * (t.inner_ring_C - t.balls_C)
     to_outer = G.ball_race * (t.balls_C - t.outer_ring_C)
-    left = (
+    imbalances = (
         0.5 * heat.inner - to_shaft - from_inner,
         0.5 * heat.inner + 0.5 * heat.outer + from_inner - to_outer,
         0.5 * heat.outer + heat.drag + to_outer - to_housing,
     )
-    # what the last bit of a temperature alone can make, next to nothing of heat aside
+    # the imbalance that the last bit of a temperature can make where there is hardly any heat
     hottest = max(abs(t.inner_ring_C), abs(t.balls_C), abs(t.outer_ring_C))
     rounding = LAST_BITS * hottest * max(G.inner_ring_shaft, G.outer_ring_housing, G.ball_race)
     scale = max(heat.total, abs(to_shaft), abs(to_housing))
-    return max(max(map(abs, left)) - rounding, 0.0) / scale if scale > 0.0 else 0.0
+    return max(max(map(abs, imbalances)) - rounding, 0.0) / scale if scale > 0.0 else 0.0
 
 
 def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
-    """The scene at the temperatures that this heat makes; None where it cannot be so warm."""
+    """Returns the scene at the temperatures of a heat; None if it cannot be so warm."""
     assert scene.thermal is not None
     t = network_temperatures(scene.thermal, heat)
     try:
@@ -122,57 +132,62 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
         return None
 
 
-def warmed(
+def find_heat_balance(
     scene: Scene, heats: Heats, start: Warmed | None = None, heat_error: float = 0.0
 ) -> Warmed:
-    """Find the temperatures of a scene with a thermal network, from a solve nearby or from cold.
-
-    heat_error: relative, of the heats; no balance is better than that.
+    """Finds the temperatures of a scene with a thermal network, from a solve nearby or cold.
 
     The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
-    finds it, and takes the heat as found for its first step. While one more watt of heat makes a
-    watt or more, no balance is near. The heat is then followed upwards, to a balance or to where
-    the bearing has none (`warm_seizure`).
+    finds it; its first step takes the heat that the bearing makes. While one more watt of heat
+    makes a watt or more, no balance is near. The heat is then followed upwards, to a balance or to
+    where the bearing has none (`warm_seizure`).
+
+    heat_error: relative error of the heats, which limits the balance.
     """
     if start is not None:
-        found = _search(scene, heats, np.array(start.heat), start.slope.copy(), heat_error)
-        if found.status == code.OK:
-            return found
+        balance = _search(scene, heats, np.array(start.heat), start.slope.copy(), heat_error)
+        if balance.status == code.OK:
+            return balance
     return _search(scene, heats, np.zeros(3), -np.eye(3), heat_error)
 
 
 def _search(
     scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray, heat_error: float
 ) -> Warmed:
-    before, step, left_before = h, np.zeros(3), None
-    runs_away, halved, here = False, 0, scene
+    """Searches for the balance from a heat `h` and a slope, see `Warmed.slope`."""
+    last_h, step, last_excess = h, np.zeros(3), None
+    runs_away, halved, last_scene = False, 0, scene
     for solves in range(1, MOST_SOLVES + 1):
         warm = at_temperatures(scene, HeatFlow(*h))
-        status, made = (code.NO_HEAT_BALANCE, HeatFlow(*h)) if warm is None else heats(warm)
-        here = warm or here
+        status, heat = (code.NO_HEAT_BALANCE, HeatFlow(*h)) if warm is None else heats(warm)
+        last_scene = warm or last_scene
         if status != code.OK:
-            if left_before is None or runs_away or halved == MOST_HALVED:
-                lost = code.WARM_SEIZURE if runs_away else status
-                return Warmed(lost, here, HeatFlow(*h), solves, slope)
+            if last_excess is None or runs_away or halved == MOST_HALVED:
+                failure = code.WARM_SEIZURE if runs_away else status
+                return Warmed(
+                    status=failure, scene=last_scene, heat=HeatFlow(*h), solves=solves, slope=slope
+                )
             halved += 1
             step = 0.5 * step
-            h = before + step
+            h = last_h + step
             continue
-        left = np.array(made) - h
-        if np.abs(left).max() <= max(HEAT_BALANCED, heat_error) * made.total:
-            assert scene.thermal is not None and here.temperature is not None
-            residual = heat_flow_residual(scene.thermal, here.temperature, made)
+        excess = np.array(heat) - h
+        if np.abs(excess).max() <= max(HEAT_BALANCED, heat_error) * heat.total:
+            assert scene.thermal is not None and last_scene.temperature is not None
+            residual = heat_flow_residual(scene.thermal, last_scene.temperature, heat)
             allowed = max(LARGEST_HEAT_RESIDUAL, heat_error)
             status = code.OK if residual <= allowed else code.UNVERIFIED
-            return Warmed(status, here, made, solves, slope)
-        if left_before is not None:
-            slope += np.outer(left - left_before - slope @ step, step) / (step @ step)
-            runs_away = 1.0 + (left - left_before) @ step / (step @ step) > RUNAWAY
-        before, left_before, halved = h, left, 0
-        h = np.maximum(h + (left if runs_away else -np.linalg.solve(slope, left)), 0.0)
-        step = h - before
-    lost = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
-    return Warmed(lost, here, HeatFlow(*h), MOST_SOLVES, slope)
+            return Warmed(status=status, scene=last_scene, heat=heat, solves=solves, slope=slope)
+        if last_excess is not None:
+            slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
+            runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
+        last_h, last_excess, halved = h, excess, 0
+        h = np.maximum(h + (excess if runs_away else -np.linalg.solve(slope, excess)), 0.0)
+        step = h - last_h
+    failure = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
+    return Warmed(
+        status=failure, scene=last_scene, heat=HeatFlow(*h), solves=MOST_SOLVES, slope=slope
+    )
 
 
 PARTS_OF_BEARING = 3
@@ -181,50 +196,51 @@ DIFFERENCE = 5e-3
 as much by the balance of worn grooves, which 1e-3 K felt four times as much."""
 
 ROUGH_DIFFERENCE = 0.5
-"""The same where the balance is rough, whose error a millikelvin would not exceed [K]."""
+"""The same where the balance is rough and would hide the effect of a millikelvin [K]."""
 
 PartHeats = Callable[[np.ndarray], np.ndarray | None]
 """Heat of all parts (parts,) [W] at temperatures (bearing, part) [degC]; None without a state."""
 
 
 def heat_of_parts(heats: Sequence[HeatFlow]) -> np.ndarray:
-    """Heat that goes to the parts of all bearings (parts,) [W]."""
+    """Returns the heat that goes to the parts of all bearings (parts,) [W]."""
     return np.concatenate([HEAT_TO_PARTS @ np.array(heat) for heat in heats])
 
 
 def heat_slopes(
     heats: PartHeats, temperatures: np.ndarray, step: float = DIFFERENCE
 ) -> np.ndarray | None:
-    """Change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
+    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
     base = heats(temperatures)
     if base is None:
         return None
     slopes = np.empty((temperatures.size, temperatures.size))
     for k in range(temperatures.size):
-        moved = temperatures.copy()
-        moved.flat[k] += step
-        there = heats(moved)
-        if there is None:
+        warmer = temperatures.copy()
+        warmer.flat[k] += step
+        heat_there = heats(warmer)
+        if heat_there is None:
             return None
-        slopes[:, k] = (there - base) / step
+        slopes[:, k] = (heat_there - base) / step
     return slopes
 
 
 def all_conductances(networks: Sequence[Thermal]) -> np.ndarray:
-    """Conductances of the parts of all bearings (parts, parts) [W/K]."""
+    """Returns the conductances of the parts of all bearings (parts, parts) [W/K]."""
     size = PARTS_OF_BEARING * len(networks)
     G = np.zeros((size, size))
     for k, network in enumerate(networks):
-        own = slice(PARTS_OF_BEARING * k, PARTS_OF_BEARING * (k + 1))
-        G[own, own] = conductances(network)
+        parts = slice(PARTS_OF_BEARING * k, PARTS_OF_BEARING * (k + 1))
+        G[parts, parts] = conductances(network)
     return G
 
 
 def thermal_margin(networks: Sequence[Thermal], slopes: np.ndarray | None) -> float:
-    """Conductance over slope of the heat: above 1 a steady state is stable, at its fold 1.
+    """Returns conductance over slope of the heat: above 1 the state is stable, at its fold 1.
 
-    The largest real eigenvalue of G^-1 dQ/dT, inverted. Infinite where no heat grows with warmth,
-    zero where the slope of the heat is not known because a state is missing beside this one.
+    It is the inverse of the largest real eigenvalue of G^-1 dQ/dT. It is infinite where no heat
+    grows with warmth, and zero where the slope is not known because a state beside this one is
+    missing.
     """
     if slopes is None:
         return 0.0

@@ -18,46 +18,45 @@ from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.thermal import (
     LARGEST_HEAT_RESIDUAL,
+    NO_HEAT,
     HeatFlow,
     Warmed,
+    find_heat_balance,
     heat_flow_residual,
-    warmed,
 )
 
 CONDUCTED = (0.3, 1.8)
-"""Heat conducted between balls and a race over what the scene has: public estimates for a 7008C
-reach from 0.54 over 2.0 (contacts alone) to 3.6 W/K (with oil)."""
-
-NOTHING = HeatFlow(inner=0.0, outer=0.0, drag=0.0)
+"""Range of the conductance between balls and a race, over that of the scene: public estimates for a
+7008C are 0.54 and 2.0 (contacts alone) to 3.6 W/K (with oil)."""
 
 
 class Warm(Wrapper):
-    """A bearing with a thermal network, or at temperatures `kept` in place of those of the heat."""
+    """A bearing with a thermal network, at the temperatures of its heat or of a given `balance`."""
 
-    def __init__(self, solver: Solver, kept: Warmed | None = None):
+    def __init__(self, solver: Solver, balance: Warmed | None = None):
         super().__init__(solver)
-        self._kept = kept
-        if kept is not None:
-            self.solver = solver.at(kept.scene)
+        self._balance = balance
+        if balance is not None:
+            self.solver = solver.at(balance.scene)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        if self._kept is not None:
-            return self.solver(condition, near)._replace(warmed=self._kept)
+        if self._balance is not None:
+            return self.solver(condition, near)._replace(warmed=self._balance)
         last = near
 
         def heats(scene: Scene) -> tuple[int, HeatFlow]:
             nonlocal last
-            found = self.solver.at(scene)(condition, last)
-            if found.status != code.OK:
-                return found.status, NOTHING
-            last = found
-            return found.status, self.solver.heat(found)
+            solution = self.solver.at(scene)(condition, last)
+            if solution.status != code.OK:
+                return solution.status, NO_HEAT
+            last = solution
+            return solution.status, self.solver.heat(solution)
 
         start = None if near is None else near.warmed
-        found = warmed(self.scene, heats, start, self.solver.heat_error)
-        if found.status != code.OK or last is None:
-            return SolvedBearing(found.status, condition, found.scene, warmed=found)
-        return last._replace(warmed=found)
+        warmed = find_heat_balance(self.scene, heats, start, self.solver.heat_error)
+        if warmed.status != code.OK or last is None:
+            return SolvedBearing(warmed.status, condition, warmed.scene, warmed=warmed)
+        return last._replace(warmed=warmed)
 
     def at(self, scene: Scene) -> Solver:
         return self.solver.at(scene)
@@ -66,76 +65,79 @@ class Warm(Wrapper):
         state = self.solver.state(solution)
         if not state.is_solved or solution.warmed is None:
             return state
-        return state.with_values(warmth_of(self.scene, solution.warmed))
+        return state.with_values(warmth_values(self.scene, solution.warmed))
 
     def case(self, solution: SolvedBearing) -> CaseValues:
-        found = solution.warmed
-        assert found is not None
+        warmed = solution.warmed
+        assert warmed is not None
         if solution.problem is None:
-            return {"status": solution.status}, {"residual": found.sentence}
+            return {"status": solution.status}, {"residual": warmed.sentence}
         values, attrs = self.solver.at(solution.scene).case(solution)
         if "friction_heat" in values:
             heat = heat_of_values(self.scene, values)
-            values |= network_values(self.scene, found, values["status"], heat)
+            values |= network_values(self.scene, warmed, values["status"], heat)
         return values, attrs
 
 
 def warm_scene(scene: Scene, bare: Bare = COVERED) -> Warmed:
-    """A scene at the temperatures that its motion is marched at: its own without a network.
+    """Returns a scene at the temperatures at which its motion is integrated in time.
 
-    Else they are those of the steady state under the thrust alone, or of race control where there
-    is none: warming takes a million turns.
+    Without a network they are its own. Otherwise they are those of the steady state under the
+    thrust alone, or of race control if there is none, because warming up takes a million turns.
     """
     if scene.thermal is None:
-        return Warmed(code.OK, scene, NOTHING, 0, np.zeros((3, 3)))
+        return Warmed.as_given(scene)
     loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
     solution = Warm(Steady(thrust_alone(scene)))(Condition(loss, bare))
     if solution.status not in (code.OK, code.WARM_SEIZURE, code.NO_HEAT_BALANCE):
-        hot = Warm(RaceControl(scene))
-        solution = hot(hot.start._replace(bare=bare))
-    found = solution.warmed
-    assert found is not None
-    given = found.scene.temperature
-    if given is None:
-        return replace(found, scene=scene)
-    return replace(found, scene=replace(scene, temperature=given, thermal=None))
+        race_control = Warm(RaceControl(scene))
+        solution = race_control(race_control.start._replace(bare=bare))
+    warmed = solution.warmed
+    assert warmed is not None
+    temperature = warmed.scene.temperature
+    if temperature is None:
+        return replace(warmed, scene=scene)
+    return replace(warmed, scene=replace(scene, temperature=temperature, thermal=None))
 
 
 def preload_spread(solver: Warm) -> str:
-    """The running preload of a fixed position with less and more heat conducted between rings."""
+    """Returns in words the running preload with less and more heat conducted between rings."""
     scene, sentences = solver.scene, []
     assert scene.thermal is not None
     G = scene.thermal.conductance_W_K
     for factor in CONDUCTED:
-        other = replace(G, ball_race=factor * G.ball_race)
-        thermal = replace(scene.thermal, conductance_W_K=other)
-        found = Warm(solver.at(replace(scene, thermal=thermal)))(solver.start)
-        preload = f"{plain(found.force)} N"
-        if found.status != code.OK:
-            preload = code.STATUS_NAMES[found.status]
-        sentences.append(f"{preload} with {other.ball_race:.2g} W/K")
-    known = "from the balls to each ring (uncertainty range of this conductance)"
-    return f"running preload {' and '.join(sentences)} {known}"
+        conductance = replace(G, ball_race=factor * G.ball_race)
+        thermal = replace(scene.thermal, conductance_W_K=conductance)
+        solution = Warm(solver.at(replace(scene, thermal=thermal)))(solver.start)
+        preload = f"{plain(solution.force)} N"
+        if solution.status != code.OK:
+            preload = code.STATUS_NAMES[solution.status]
+        sentences.append(f"{preload} with {conductance.ball_race:.2g} W/K")
+    range_words = "from the balls to each ring (uncertainty range of this conductance)"
+    return f"running preload {' and '.join(sentences)} {range_words}"
 
 
-def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:
-    """Temperatures and heat flows of a network, as a state of a life has them."""
-    t = found.scene.temperature
+def warmth_values(scene: Scene, warmed: Warmed) -> dict[str, Any]:
+    """Returns temperatures and heat flows of a network, for a state of a life."""
+    t = warmed.scene.temperature
     if scene.thermal is None or t is None:
         return {}
     return {
-        "part_temperature": np.array(part_temperatures(found.scene)),
-        "heat_flow_residual": heat_flow_residual(scene.thermal, t, found.heat),
+        "part_temperature": np.array(part_temperatures(warmed.scene)),
+        "heat_flow_residual": heat_flow_residual(scene.thermal, t, warmed.heat),
     }
 
 
-def network_values(scene: Scene, found: Warmed, status: int, heat: HeatFlow) -> dict[str, Any]:
-    """Result variables of the network with the heat of a result, whose status they may change."""
-    t = found.scene.temperature
+def network_values(scene: Scene, warmed: Warmed, status: int, heat: HeatFlow) -> dict[str, Any]:
+    """Returns result variables of the network with the heat of a result.
+
+    They may include another status of the result.
+    """
+    t = warmed.scene.temperature
     if scene.thermal is None or t is None:
         return {}
     residual = heat_flow_residual(scene.thermal, t, heat)
-    made = {"heat_flow_residual": residual, "thermal_solves": found.solves}
+    values = {"heat_flow_residual": residual, "thermal_solves": warmed.solves}
     if status == code.OK and not residual <= LARGEST_HEAT_RESIDUAL:
-        return made | {"status": code.UNVERIFIED}
-    return made
+        return values | {"status": code.UNVERIFIED}
+    return values

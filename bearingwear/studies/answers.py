@@ -1,4 +1,4 @@
-"""Runs a function at many points on all cores: `answers_at`, and `Workers` for several rounds."""
+"""Evaluates a function at many points on all cores: `answers_at`, `Workers` for several rounds."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from bearingwear.studies.sampling import usable_cores
 
 _P = TypeVar("_P")
 Answer = Mapping[str, Any]
-"""Values by their names; what is asked of a point."""
+"""Values by their names: the result of a function at a point."""
 
 Tell = Callable[[str], None]
-"""What takes a line of progress."""
+"""A function that takes a line of progress."""
 
 REFUSED = -1
-"""Status of a point that no model was asked for; files and tables call it `none`."""
+"""Status of a point that was not solved because it is invalid; `none` in files and tables."""
 
 PROBLEM = "problem"
-"""Of a point that is refused: why, as one line."""
+"""Key of an answer that says in one line why its point was refused."""
 
 FAILURES = ValueError, ArithmeticError
 """Errors that belong to a point: a scene that is not valid, or that no model solves, and numbers
@@ -48,21 +48,21 @@ def answers_at(
     label: str = "sweep",
     progress: bool | Tell = True,
 ) -> Iterator[Answer]:
-    """The answers of a function at points, in their order; see `Workers`."""
+    """Yields the answers of a function at points, in their order; see `Workers`."""
     with Workers(workers, label, progress) as pool:
         yield from pool.answers_at(what, points)
 
 
 class Workers:
-    """Processes that answer questions at points, in any number of rounds.
+    """Processes that evaluate functions at points, in any number of rounds.
 
-    The first point of all is answered in this process, before the others are forked from it: they
-    then have the kernels and modules that it loads. So do all points where there is one worker.
+    The first point is evaluated in this process, before the others are forked from it: they then
+    have the kernels and modules that it loaded. With one worker, all points are evaluated here.
 
-    workers: number of processes; one per core if none is given.
-    label: what runs, for lines of progress and of errors.
-    progress: whether a round of more than a few seconds says on standard error how far it is (with
-        tqdm, if that is installed); or what takes these lines.
+    workers: number of processes (default: one per core).
+    label: name of the computation in lines of progress and of errors.
+    progress: whether a round of more than a few seconds reports its progress on standard error
+        (with tqdm, if installed); or a function that takes the lines of progress.
     """
 
     def __init__(
@@ -78,9 +78,9 @@ class Workers:
     def answers_at(
         self, what: Callable[[_P], Answer], points: Sequence[_P], at_once: int = _MOST_AT_ONCE
     ) -> Iterator[Answer]:
-        """The answers of a function at points, in their order.
+        """Yields the answers of a function at points, in their order.
 
-        A point that raises one of `FAILURES` has the status `REFUSED` and a `PROBLEM`.
+        The answer of a point that raises one of `FAILURES` has status `REFUSED` and a `PROBLEM`.
 
         what: a function of a module, or a `functools.partial` of one; other processes call it.
         at_once: how many points a process takes at most; few where not all answers may be needed.
@@ -89,7 +89,7 @@ class Workers:
         return with_progress(answers, len(points), self._label, self._progress)
 
     def start(self) -> None:
-        """Start the processes now: all points are then answered in these."""
+        """Starts the processes now; they then evaluate all points."""
         if self._pool is None and self.workers > 1:
             # a terminal interrupts them, too; this process ends them
             self._pool = ProcessPoolExecutor(self.workers, None, signal.signal, _IGNORED)
@@ -97,15 +97,16 @@ class Workers:
     def _answers(
         self, what: Callable[[_P], Answer], points: Sequence[_P], at_once: int
     ) -> Iterator[Answer]:
-        here = len(points) if self.workers == 1 else 1 if self._pool is None else 0
-        yield from map(functools.partial(answer_of, what), points[:here])
-        if len(points) > here:
+        """Yields the answers, the first in this process and the others in the pool."""
+        count_here = len(points) if self.workers == 1 else 1 if self._pool is None else 0
+        yield from map(functools.partial(answer_of, what), points[:count_here])
+        if len(points) > count_here:
             self.start()
             assert self._pool is not None
-            size = min(points_at_once(len(points), self.workers), at_once)
+            chunk_size = min(points_at_once(len(points), self.workers), at_once)
             answer = functools.partial(_answer_of_sent, pickle.dumps(what))
-            others = itertools.islice(points, here, None)
-            yield from self._pool.map(answer, others, chunksize=size)
+            points_left = itertools.islice(points, count_here, None)
+            yield from self._pool.map(answer, points_left, chunksize=chunk_size)
 
     def __enter__(self) -> Workers:
         return self
@@ -128,38 +129,39 @@ class Workers:
 
 
 def points_at_once(count: int, workers: int) -> int:
-    """How many of some points a process takes at once."""
+    """Returns how many points a process takes at once."""
     share = math.ceil(count / (_CHUNKS_PER_WORKER * max(workers, 1)))
     return min(max(share, 1), _MOST_AT_ONCE)
 
 
 def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:
-    """The answer of a function at a point; see `Workers.answers_at`."""
+    """Returns the answer of a function at a point; see `Workers.answers_at`."""
     try:
         return what(point)
     except FAILURES as error:
         return {"status": REFUSED, PROBLEM: " ".join(str(error).split())}
 
 
-def _answer_of_sent(sent: bytes, point: Any) -> Answer:
-    return answer_of(_received(sent), point)
+def _answer_of_sent(pickled: bytes, point: Any) -> Answer:
+    """Returns the answer of a pickled function at a point, in another process."""
+    return answer_of(_unpickled(pickled), point)
 
 
 @functools.lru_cache(maxsize=4)
-def _received(sent: bytes) -> Any:
-    """A function as another process sent it; all its points share what its scenes remember."""
-    return pickle.loads(sent)
+def _unpickled(pickled: bytes) -> Any:
+    """Unpickles a function once, so that all its points share the caches of its scenes."""
+    return pickle.loads(pickled)
 
 
 def answer_values(answer: Answer) -> dict[str, Any]:
-    """The values of an answer, without its problem."""
+    """Returns the values of an answer, without its problem."""
     return {name: value for name, value in answer.items() if name != PROBLEM}
 
 
 def with_progress(
     answers: Iterable[Answer], count: int, label: str, progress: bool | Tell
 ) -> Iterator[Answer]:
-    """The answers, while a bar or lines say how many of them there are, and the time left."""
+    """Yields the answers, and reports their number and the time left by a bar or by lines."""
     if not progress:
         yield from answers
         return
@@ -176,15 +178,16 @@ def with_progress(
 def _with_lines(
     answers: Iterable[Answer], count: int, label: str, tell: bool | Tell
 ) -> Iterator[Answer]:
-    begun = last = time.monotonic()
+    """Yields the answers, and reports progress by lines to `tell`, or on standard error."""
+    start = last_line = time.monotonic()
     for done, answer in enumerate(answers, 1):
         yield answer
         now = time.monotonic()
-        if now - last > LINE_EVERY and done < count:
-            left = (now - begun) * (count - done) / done
-            line = f"{label}: {done} of {count} points, about {left:.0f} s left"
+        if now - last_line > LINE_EVERY and done < count:
+            seconds_left = (now - start) * (count - done) / done
+            line = f"{label}: {done} of {count} points, about {seconds_left:.0f} s left"
             if callable(tell):
                 tell(line)
             else:
                 print(line, file=sys.stderr)
-            last = now
+            last_line = now

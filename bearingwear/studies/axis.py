@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from bearingwear.scene.checking.check import built, checked_data
+from bearingwear.scene.checking.check import build_record, checked_data
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 
@@ -24,9 +24,9 @@ MOST_DECIMALS = 9
 
 
 def in_name(value: float, decimals: int) -> str:
-    """A number in the name of a file: with its own decimals, and at least so many."""
-    whole, _, part = f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")
-    return f"{whole}.{part:0<{decimals}}"
+    """Writes a number for the name of a file, with at least so many decimals."""
+    integer_part, _, fraction = f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")
+    return f"{integer_part}.{fraction:0<{decimals}}"
 
 
 @keyed
@@ -38,8 +38,8 @@ class Steps:
     step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
-        beyond = abs(self.first + (self.count - 1) * self.step - self.last)
-        if not 1 <= self.count <= MOST_POINTS or beyond > 1e-6 * self.step:
+        miss = abs(self.first + (self.count - 1) * self.step - self.last)
+        if not 1 <= self.count <= MOST_POINTS or miss > 1e-6 * self.step:
             raise ValueError(
                 f"got {self.first:g} to {self.last:g} in steps of {self.step:g}, expected at most "
                 f"{MOST_POINTS} equal steps that end at the last value"
@@ -47,15 +47,19 @@ class Steps:
 
     @property
     def count(self) -> int:
+        """Number of values."""
         return round((self.last - self.first) / self.step) + 1
 
     @property
     def values(self) -> list[float]:
+        """The values, rounded to nine decimals."""
         return [round(self.first + k * self.step, 9) for k in range(self.count)]
 
 
 @keyed
 class Values:
+    """A list of rising values."""
+
     values: tuple[float, ...] = setting("Values", least=1, within="(0, inf)")
 
     def __post_init__(self) -> None:
@@ -68,27 +72,27 @@ class RisingAxis(tuple[float, ...]):
     ALLOWED = "a list of increasing numbers > 0, or the first value, last value and step"
 
     @classmethod
-    def from_plain(cls, given: Any) -> RisingAxis:
-        """The axis of a list or of `Steps`. Raises ValueError."""
+    def from_plain(cls, data: Any) -> RisingAxis:
+        """Builds the axis from a list or from `Steps`. Raises ValueError."""
         try:
-            if isinstance(given, list):
-                return cls(built(Values, checked_data(Values, {"values": given})).values)
-            return cls(built(Steps, checked_data(Steps, given)).values)
+            if isinstance(data, list):
+                return cls(build_record(Values, checked_data(Values, {"values": data})).values)
+            return cls(build_record(Steps, checked_data(Steps, data)).values)
         except SceneError as error:
             key = error.key.removeprefix("values")
             raise ValueError(": ".join(part for part in (key, error.problem) if part)) from None
 
 
 def check_rising(name: str, values: Sequence[float]) -> None:
-    """Refuse values of a key that do not rise."""
+    """Refuses values of a key that do not rise."""
     if list(values) != sorted(set(values)):
-        given = ", ".join(f"{value:g}" for value in values)
-        raise SceneError(name, f"got {given}, expected increasing numbers > 0")
+        numbers = ", ".join(f"{value:g}" for value in values)
+        raise SceneError(name, f"got {numbers}, expected increasing numbers > 0")
 
 
 @contextlib.contextmanager
 def place_of_errors(place: str) -> Iterator[None]:
-    """Name the place in a plan of whatever is wrong with a scene as the plan changes it."""
+    """Puts a place in a plan before errors of the scenes that the plan changes."""
     try:
         yield
     except ValueError as error:

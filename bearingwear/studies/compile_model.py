@@ -1,4 +1,4 @@
-"""Compiles the kernels of a model, before many processes would each wait for them."""
+"""Compiles the kernels of a model before many processes need them."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from pathlib import Path
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.launch import snakefile
 
-_FOLLOWED = ("model.contact=auto", "model.normal_balance=frictionless")
+_WORN_GROOVES = ("model.contact=auto", "model.normal_balance=frictionless")
 """Changes of the example with which a life follows its worn grooves."""
 
 
 def compile_model(model: str) -> None:
-    """Solve what calls every kernel of a model: `steady`, `worn` (lives) or `dynamic`."""
+    """Solves cases that call every kernel of a model: `steady`, `worn` (lives) or `dynamic`."""
     from bearingwear.lives.life import life
     from bearingwear.solvers.solve import solve
 
     example = Path(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
     if model == "worn":
         life(load_scene(example))
-        life(load_scene(example, _FOLLOWED))
+        life(load_scene(example, _WORN_GROOVES))
     elif model == "dynamic":
         turns = ["model.simulated_turns=0.1"]
         solve(load_scene(example, turns), "dynamic")

@@ -1,4 +1,4 @@
-"""What the workflow reads: its configurations, their grids, and the values of scenes that decide.
+"""Configurations of the workflow, their grids, and hashes of the values that decide a result.
 
 This file imports nothing heavy: Snakemake reads the Snakefile before each job on a cluster.
 """
@@ -34,17 +34,17 @@ FORK_SERVER = PACKAGE / "studies" / "fork_server.py"
 """Program that jobs run."""
 
 
-def read(path: str) -> dict[str, Any]:
-    """A configuration as plain data; empty where there is no such file."""
+def read_config(path: str) -> dict[str, Any]:
+    """Reads a configuration as plain data; empty where there is no such file."""
     return dict(data_of(text_of(path), path, anchors=True)) if Path(path).is_file() else {}
 
 
-def validated(
+def validated_config(
     path: Path, schema: str, check: Callable[[Mapping[str, Any], Path], None]
 ) -> dict[str, Any]:
-    """A configuration with the defaults of its schema, for a command outside of Snakemake.
+    """Reads a configuration with the defaults of its schema, for a command outside of Snakemake.
 
-    check: refuses by a ValueError what the schema cannot.
+    check: raises a ValueError for faults that the schema cannot detect.
     UsageError: one line that says what is wrong.
     """
     from snakemake.exceptions import WorkflowError
@@ -55,12 +55,12 @@ def validated(
         validate(data, str(PACKAGE.parent / "workflow" / "schemas" / f"{schema}.schema.yaml"))
         check(data, path)
     except (WorkflowError, ValueError) as error:
-        raise UsageError(fault(path, error)) from None
+        raise UsageError(fault_line(path, error)) from None
     return data
 
 
 def refuse_other_copy() -> None:
-    """End with status 2 where an installed copy differs: commands would be of other sources."""
+    """Ends with status 2 if an installed copy differs from these sources; commands would run it."""
     if copy := other_copy():
         print(
             f"{copy}: got an installed copy that differs from the sources of this workflow; "
@@ -70,35 +70,35 @@ def refuse_other_copy() -> None:
         raise SystemExit(2)
 
 
-def fault(path: str | Path, error: Exception) -> str:
-    """What is wrong with a configuration, on one line: by a check, or by a schema.
+def fault_line(path: str | Path, error: Exception) -> str:
+    """Says what is wrong with a configuration, on one line.
 
-    error: what a check raises, or Snakemake's `validate`.
+    error: raised by a check, or by Snakemake's `validate`.
     """
     if isinstance(error, ValueError):
         return str(error)
-    found: Any = error.__context__
-    keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in found.absolute_path)
-    return f"{path}: {''.join(keys).lstrip('.') or 'the file'}: {found.message}"
+    violation: Any = error.__context__
+    keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in violation.absolute_path)
+    return f"{path}: {''.join(keys).lstrip('.') or 'the file'}: {violation.message}"
 
 
 def scene_file(scene: str) -> str:
-    """Path of the file of a scene."""
+    """Returns the path of the file of a scene."""
     return f"config/scenes/{scene}.yaml"
 
 
 def mu_name(friction: float) -> str:
-    """A friction coefficient as it stands in the names of files."""
+    """Writes a friction coefficient for the names of files."""
     return in_name(friction, 3)
 
 
 def loss_name(loss_um: float) -> str:
-    """A loss of ball diameter as it stands in the names of files."""
+    """Writes a loss of ball diameter for the names of files."""
     return in_name(loss_um, 2)
 
 
 def settings(changes: Mapping[str, Any]) -> str:
-    """Changes of a scene as `--set` takes them."""
+    """Writes changes of a scene as `--set` options."""
     words = (shlex.quote(f"{key}={json.dumps(value)}") for key, value in changes.items())
     return " ".join(["--set", *words]) if changes else ""
 
@@ -112,7 +112,7 @@ def scene_values(
     cage: bool = False,
     uncertainty: bool = False,
 ) -> Callable[[Any], str]:
-    """A function of wildcards that returns the hash of what a scene decides in a job.
+    """Returns a function of wildcards that hashes the values of a scene that a job reads.
 
     Snakemake runs a job again when its params change: after a change of a value that the job reads,
     and not after a change of a comment, the description or a value that it does not read.
@@ -133,18 +133,18 @@ def scene_values(
 
 @functools.cache
 def scene_hash(path: str, replaced: tuple[str, ...], cage: bool, uncertainty: bool) -> str:
-    """Hash of the values of a scene that decide a result; arguments as of `scene_values`."""
+    """Hashes the values of a scene that decide a result; arguments as of `scene_values`."""
     data = dict(as_data(path)[0])
-    # a warning reads in the description that the speed is assumed
+    # a warning depends on the description, which says whether the speed is assumed
     assumed = "Speed assumed:" in str(data.pop("description", ""))
-    more = ["friction", "cage", "cage_uncertainty"] * cage + ["uncertainty"] * uncertainty
-    read = decisive_data(data) | {key: data.get(key) for key in more}
-    values = {key: value for key, value in leaves(read).items() if key not in replaced}
+    more_keys = ["friction", "cage", "cage_uncertainty"] * cage + ["uncertainty"] * uncertainty
+    read_values = decisive_data(data) | {key: data.get(key) for key in more_keys}
+    values = {key: value for key, value in leaves(read_values).items() if key not in replaced}
     return text_hash(json.dumps([values, assumed], sort_keys=True))
 
 
 def page_notes(scenes: Iterable[str]) -> str:
-    """Hash of what the report page reads in scene files beside their results."""
+    """Hashes the descriptions and assumed keys that the report page reads in scene files."""
     notes = [
         [as_data(path)[0].get("description"), sorted(assumed_keys(path))]
         for path in map(scene_file, scenes)
@@ -153,10 +153,10 @@ def page_notes(scenes: Iterable[str]) -> str:
 
 
 def headlines(answers: Iterable[str]) -> list[str]:
-    """Titles of the leading answers on the report page: recommendations, if there are any."""
-    found = [load_document(Path(path)) for path in answers if path.endswith("answer.json")]
-    least = min((answer.rank for answer in found), default=0)
-    return [answer.title for answer in found if answer.rank == least]
+    """Returns the titles of the leading answers on the report page, recommendations first."""
+    documents = [load_document(Path(path)) for path in answers if path.endswith("answer.json")]
+    best_rank = min((answer.rank for answer in documents), default=0)
+    return [answer.title for answer in documents if answer.rank == best_rank]
 
 
 def has_heat_capacities(scene: str) -> bool:
@@ -170,38 +170,40 @@ def has_duty(scene: str) -> bool:
 
 
 def bearings_drawn(scene: str) -> Sequence[str]:
-    """Ends of the names of a scene's figures: one for each bearing where two of them differ."""
-    given = as_data(scene_file(scene))[0].get("arrangement")
-    alone = given is None or not (a := record(Arrangement, given)).is_pair or a.is_symmetric
-    return ("",) if alone else tuple(f"-{which}" for which in BEARINGS)
+    """Returns suffixes for the names of a scene's figures, one for each bearing if two differ."""
+    block = as_data(scene_file(scene))[0].get("arrangement")
+    arrangement = Arrangement() if block is None else record(Arrangement, block)
+    single = not arrangement.is_pair or arrangement.is_symmetric
+    return ("",) if single else tuple(f"-{which}" for which in BEARINGS)
 
 
 # checks that a schema cannot make
 
 
 def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
-    """The grid of each scene in the blocks of config.yaml. Raises ValueError."""
-    found: dict[str, Grid] = {}
+    """Returns the grid of each scene in the blocks of config.yaml. Raises ValueError."""
+    grid_of_scene: dict[str, Grid] = {}
     for number, block in enumerate(config[key]):
         place = f"config: {key}[{number}]"
         with place_of_errors(place):
             grid = Grid.from_lists(*(block[axis] for axis in GRID_AXES))
         for scene in block["scenes"]:
-            if scene in found:
+            if scene in grid_of_scene:
                 raise ValueError(f"{place}.scenes: got {scene} twice, expected it once")
-            found[scene] = grid
-    return found
+            grid_of_scene[scene] = grid
+    return grid_of_scene
 
 
 def check_config(config: Mapping[str, Any]) -> None:
-    """Refuse figures and spreads of what is not solved, and scenes that a grid makes impossible.
+    """Refuses figures and spreads of unsolved cases, and scenes that a grid makes invalid.
 
     ValueError: one line that names the key, or the scene file.
     """
     studied, dynamic = grids(config), grids(config, "dynamic")
-    figures, every_mu = config["figures"], {mu for grid in studied.values() for mu in grid.friction}
+    figures = config["figures"]
+    studied_frictions = {mu for grid in studied.values() for mu in grid.friction}
     if studied:
-        _check_each("figures.friction", map(float, figures["friction"]), every_mu)
+        _check_each("figures.friction", map(float, figures["friction"]), studied_frictions)
     for k, column in enumerate(figures["wear_columns"]):
         _check_studied(f"figures.wear_columns[{k}]", column["scene"], column["friction"], studied)
     for kind in ("spreads", "lives"):
@@ -209,9 +211,9 @@ def check_config(config: Mapping[str, Any]) -> None:
             for scene in overlay["scenes"]:
                 _check_studied(f"figures.{kind}.{name}", scene, overlay["friction"], studied)
     _check_each("figures.running_averages", figures["running_averages"], dynamic)
-    spread = config["uncertain_lives"]["scenes"]
-    _check_each("uncertain_lives.scenes", spread, studied or spread)
-    for scene in spread:
+    sampled_scenes = config["uncertain_lives"]["scenes"]
+    _check_each("uncertain_lives.scenes", sampled_scenes, studied or sampled_scenes)
+    for scene in sampled_scenes:
         if not load_scene(scene_file(scene)).uncertainty:
             problem = f"got {scene}, whose file has no uncertainty block, expected scenes with one"
             raise ValueError(f"config: uncertain_lives.scenes: {problem}")
@@ -229,37 +231,41 @@ def check_config(config: Mapping[str, Any]) -> None:
 
 
 def dynamic_model(config: Mapping[str, Any], scene: str) -> dict[str, Any]:
-    """Keys that the dynamic cases of a scene set in its block `model`."""
+    """Returns the changes of the block `model` in the dynamic cases of a scene."""
     (block,) = [block for block in config["dynamic"] if scene in block["scenes"]]
     return {f"model.{key}": value for key, value in block["model"].items()}
 
 
-def _check_each(key: str, given: Iterable[Any], known: Collection[Any]) -> None:
-    for one in given:
-        if one not in known:
-            allowed = ", ".join(map(_text, sorted(known))) or "none, because nothing is studied"
-            raise ValueError(f"config: {key}: got {_text(one)}, expected {allowed}")
+def _check_each(key: str, values: Iterable[Any], allowed_values: Collection[Any]) -> None:
+    """Refuses values of a key that are not allowed."""
+    for value in values:
+        if value not in allowed_values:
+            expected = ", ".join(map(_text, sorted(allowed_values)))
+            expected = expected or "none, because nothing is studied"
+            raise ValueError(f"config: {key}: got {_text(value)}, expected {expected}")
 
 
 def _text(value: Any) -> str:
+    """Writes a value of the configuration in a message."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid]) -> None:
+    """Refuses a scene or a friction coefficient that is in no grid."""
     _check_each(key, [scene], studied)
     _check_each(f"{key}: {scene}", [float(mu)], studied[scene].friction)
 
 
-def _check_cases(scene: str, grid: Grid, more: Mapping[str, Any]) -> None:
-    """Check a scene, read once, as some cases change it: each value of each axis is in one."""
+def _check_cases(scene: str, grid: Grid, model_changes: Mapping[str, Any]) -> None:
+    """Checks a scene with the changes of cases that cover each value of each axis."""
     data, source = as_data(scene_file(scene))
     for case in grid.cases_of_each_value():
         with place_of_errors(f"config: {scene}, {case.id}"):
-            changed_scene(data, {**case.changes, **more}, source)
+            changed_scene(data, {**case.changes, **model_changes}, source)
 
 
 def check_lives(lives: Mapping[str, Any]) -> None:
-    """Read every scene of lives.yaml as its life changes it. Raises ValueError."""
+    """Checks every scene of lives.yaml with the changes of its life. Raises ValueError."""
     for name, life in lives["lives"].items():
         path = scene_file(life["scene"])
         with place_of_errors(f"config/lives.yaml: lives.{name}"):
@@ -267,21 +273,21 @@ def check_lives(lives: Mapping[str, Any]) -> None:
 
 
 def check_design(design: Mapping[str, Any]) -> None:
-    """Read every scene of design.yaml and its requirements. Raises ValueError."""
-    for name, one in design["scenes"].items():
+    """Checks every scene of design.yaml and its requirements. Raises ValueError."""
+    for name, block in design["scenes"].items():
         path = scene_file(name)
-        limits = record(DesignLimits, one["limits"], f"config/design.yaml: scenes.{name}.limits")
+        limits = record(DesignLimits, block["limits"], f"config/design.yaml: scenes.{name}.limits")
         limits.check(life_scene(path, films=True), path)
 
 
 def check_sampled(uncertainty: Mapping[str, Any]) -> None:
-    """Refuse scenes of uncertainty.yaml whose lives cannot be sampled. Raises ValueError."""
+    """Refuses scenes of uncertainty.yaml whose lives cannot be sampled. Raises ValueError."""
     for name in uncertainty["scenes"]:
         uncertain_scene(scene_file(name))
 
 
 def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
-    """Axes of a map of design.yaml as lists."""
+    """Returns the axes of a map of design.yaml as lists."""
     numbers = {key: values for key, values in axes.items() if key != "preload_method"}
     return {"preload_method": list(axes["preload_method"])} | {
         key: values if values == [NO_FRICTION] else list(RisingAxis.from_plain(values))

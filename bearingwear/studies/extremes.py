@@ -16,6 +16,7 @@ KEEP_EXTREMES = "extremes"
 
 
 def _worst_words(measure: Measure, name: str) -> str:
+    """Describes the worst value of a measure."""
     if measure.over_preload:
         return "minimum ratio of residual to initial preload"
     return f"{measure.worst_word} {measure.words_of(name)}"
@@ -35,29 +36,29 @@ WORST_VALUES = table(
         for name in measure.extremes
     )
 )
-"""Of lives, by the names of variables; the preload is a share of that when new."""
+"""Variables of the worst values along a life; the preload is a share of that when new."""
 
 
 def worst_values(scene: Scene, life: Mapping[str, Any]) -> dict[str, float]:
-    """Values of `WORST_VALUES` of measures that a life has along its steps.
+    """Returns the values of `WORST_VALUES` of the measures that a life has along its steps.
 
-    life: values of its result [SI]. Of a pair, the worse bearing counts.
+    life: values of its result [SI]. In a pair, the worse bearing counts.
     """
-    found = {}
+    worst = {}
     for measure in MEASURES:
         for name, variable in zip(measure.extremes, measure.variables, strict=True):
             history = life.get(f"history_{variable}")
             if history is not None:
-                found[name] = _worst(measure, np.asarray(history), scene)
-    return found
+                worst[name] = _worst(measure, np.asarray(history), scene)
+    return worst
 
 
 def _worst(measure: Measure, values: np.ndarray, scene: Scene) -> float:
-    """The worst of values over (bearing and) step; those that are not known are left out."""
-    whole = 1.0
+    """Returns the worst of the known values over steps and bearings; NaN if none is known."""
+    initial = 1.0
     if measure.over_preload:
         if scene.pair is not None:  # one spring or one displacement preloads all in tandem
             values = values * np.reshape(scene.pair.tandem, (2,) + (1,) * (values.ndim - 1))
-        whole = scene.operation.preload_N
-    known = values[~np.isnan(values)]
-    return measure.extreme(known) / whole if known.size else math.nan
+        initial = scene.operation.preload_N
+    finite = values[~np.isnan(values)]
+    return measure.extreme(finite) / initial if finite.size else math.nan

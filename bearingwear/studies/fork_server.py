@@ -25,7 +25,7 @@ _MOST_BYTES = 1 << 16
 
 
 def run_job(snakemake: str, arguments: list[str]) -> int:
-    """Exit status of a command, by the server of a run of Snakemake or by a process of its own."""
+    """Runs a command by the server of a run, else as a process, and returns its status."""
     folder = _FOLDER.format(snakemake)
     try:
         with socket.socket(socket.AF_UNIX) as server:
@@ -43,7 +43,7 @@ def run_job(snakemake: str, arguments: list[str]) -> int:
 
 
 def _start_server(folder: str, snakemake: str) -> None:
-    """Start a server at the second job of a run; nothing where that is not possible."""
+    """Starts a server at the second job of a run, if the system allows it."""
     try:
         os.mkdir(folder)
         return  # at the first job: there may be no other
@@ -67,12 +67,12 @@ def _start_server(folder: str, snakemake: str) -> None:
 
 
 def tell_of_silence(status: int) -> None:
-    """Say in the log how a job ended that failed without a word."""
+    """Writes in the log how a job ended that failed without a message."""
     try:
         if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
-            by = f" (by signal {status - 128})" if status > 128 else ""
-            by = " (No space left on device)" if status == os.EX_IOERR else by
-            print(f"ended with status {status}{by} without a message", file=sys.stderr)
+            cause = f" (by signal {status - 128})" if status > 128 else ""
+            cause = " (No space left on device)" if status == os.EX_IOERR else cause
+            print(f"ended with status {status}{cause} without a message", file=sys.stderr)
     except OSError:
         pass  # a full disk
 
@@ -82,32 +82,32 @@ _RUNNING: set[int] = set()
 
 
 def serve(folder: str, snakemake: int) -> None:
-    """Fork for each command until Snakemake ends; import in between."""
+    """Forks for each command until Snakemake ends; imports in between."""
     import gc
     import selectors
     import shutil
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is for the jobs
-    waiting = {"bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"}
+    to_import = {"bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"}
     selector, listener = selectors.DefaultSelector(), socket.socket(socket.AF_UNIX)
     selector.register(os.pidfd_open(snakemake), selectors.EVENT_READ, _end)
     listener.bind(f"{folder}/socket")
     listener.listen(128)
     selector.register(listener, selectors.EVENT_READ, lambda *_: _accept(selector, listener))
-    learnt: set[str] = set()
+    imported: set[str] = set()
     try:
         while True:
-            for key, _ in selector.select(0.0 if waiting else None):
-                waiting |= key.data() or set()
-            waiting -= learnt
-            if waiting:
-                name = min(waiting)
-                learnt.add(name)
+            for event, _ in selector.select(0.0 if to_import else None):
+                to_import |= event.data() or set()
+            to_import -= imported
+            if to_import:
+                name = min(to_import)
+                imported.add(name)
                 try:
                     __import__(name)
                 except BaseException:  # it is for the log of the job that needs the module
                     pass
-                if waiting == {name}:
+                if to_import == {name}:
                     gc.freeze()  # pages that no fork has to copy
     except _Ended:
         listener.close()
@@ -117,54 +117,55 @@ def serve(folder: str, snakemake: int) -> None:
 
 
 class _Ended(Exception):
-    """Snakemake is no more."""
+    """Snakemake has ended."""
 
 
 def _end() -> None:
+    """Raises `_Ended` when Snakemake has ended."""
     raise _Ended
 
 
 def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
-    """Fork for a client, and watch both of them."""
+    """Forks a job for a client, and watches both of them."""
     client = listener.accept()[0]
     request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
     while not request.endswith(b"\n"):
         request += client.recv(_MOST_BYTES)
     folder, arguments = json.loads(request)
-    learnt, told = os.pipe()
+    report_end, pipe_end = os.pipe()
     job = os.fork()
     if job == 0:
         listener.close()
-        _run(folder, arguments, files, told)
+        _run(folder, arguments, files, pipe_end)
     _RUNNING.add(job)
-    for file in (*files, told):
+    for file in (*files, pipe_end):
         os.close(file)
-    read = 1  # selectors.EVENT_READ
-    selector.register(client, read, lambda: _gone(selector, client, job))
-    selector.register(learnt, read, lambda: _modules(selector, learnt))
-    watched = os.pidfd_open(job)
-    selector.register(watched, read, lambda: _finished(selector, client, job, watched))
+    EVENT_READ = 1  # of `selectors`
+    selector.register(client, EVENT_READ, lambda: _end_abandoned_job(selector, client, job))
+    selector.register(report_end, EVENT_READ, lambda: _imported_modules(selector, report_end))
+    job_file = os.pidfd_open(job)
+    selector.register(job_file, EVENT_READ, lambda: _send_status(selector, client, job, job_file))
 
 
-def _gone(selector: DefaultSelector, client: socket.socket, job: int) -> None:
-    """End a job for which nobody waits any more."""
+def _end_abandoned_job(selector: DefaultSelector, client: socket.socket, job: int) -> None:
+    """Ends a job whose client is gone."""
     os.kill(job, signal.SIGTERM)
     selector.unregister(client)
 
 
-def _modules(selector: DefaultSelector, learnt: int) -> set[str]:
-    """Modules that a job has imported."""
-    selector.unregister(learnt)
-    with os.fdopen(learnt, "rb") as file:
+def _imported_modules(selector: DefaultSelector, report_end: int) -> set[str]:
+    """Returns the modules that a job has imported."""
+    selector.unregister(report_end)
+    with os.fdopen(report_end, "rb") as file:
         return set(file.read().decode().split())
 
 
-def _finished(selector: DefaultSelector, client: socket.socket, job: int, watched: int) -> None:
-    """Pass the status of a job on."""
+def _send_status(selector: DefaultSelector, client: socket.socket, job: int, job_file: int) -> None:
+    """Sends the status of a finished job to its client."""
     status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
     _RUNNING.discard(job)
-    selector.unregister(watched)
-    os.close(watched)
+    selector.unregister(job_file)
+    os.close(job_file)
     try:
         selector.unregister(client)
         client.sendall(b"%d" % (status if status >= 0 else 128 - status))
@@ -173,16 +174,16 @@ def _finished(selector: DefaultSelector, client: socket.socket, job: int, watche
     client.close()
 
 
-def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None:
-    """Run a command in this process, which ends with it."""
+def _run(folder: str, arguments: list[str], files: list[int], pipe_end: int) -> None:
+    """Runs a command in this process, which ends with it."""
     import runpy
     import traceback
 
-    status, known = 1, set(sys.modules)
+    status, modules_before = 1, set(sys.modules)
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        for place, file in enumerate((os.open(os.devnull, os.O_RDONLY), *files)):
-            os.dup2(file, place)
+        for descriptor, file in enumerate((os.open(os.devnull, os.O_RDONLY), *files)):
+            os.dup2(file, descriptor)
             os.close(file)
         os.chdir(folder)
         sys.argv = ["bearingwear", *arguments]
@@ -198,8 +199,10 @@ def _run(folder: str, arguments: list[str], files: list[int], told: int) -> None
             sys.stdout.flush()
             sys.stderr.flush()
         finally:
-            more = sorted(name for name in sys.modules.keys() - known if not name.startswith("_"))
-            os.write(told, " ".join(more).encode()[:_MOST_BYTES])
+            new_modules = sorted(
+                name for name in sys.modules.keys() - modules_before if not name.startswith("_")
+            )
+            os.write(pipe_end, " ".join(new_modules).encode()[:_MOST_BYTES])
             os._exit(status)
 
 

@@ -16,7 +16,8 @@ GRACE = 10.0
 """Time in which an interrupted command has ended [s]."""
 
 
-def guarded() -> int:
+def run_guarded() -> int:
+    """Runs the command of the arguments and returns its exit status."""
     signal.signal(signal.SIGINT, lambda *_: None)  # which is for the children
     process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
     threading.Thread(target=_interrupt_later, daemon=True).start()
@@ -25,6 +26,7 @@ def guarded() -> int:
 
 
 def _interrupt_later() -> None:
+    """Interrupts the children when standard input closes, and kill them after `GRACE`."""
     while os.read(0, 1):  # until the command that started this ends
         pass
     os.killpg(0, signal.SIGINT)
@@ -33,4 +35,4 @@ def _interrupt_later() -> None:
 
 
 if __name__ == "__main__":
-    os._exit(guarded())  # its thread may still wait
+    os._exit(run_guarded())  # its thread may still wait

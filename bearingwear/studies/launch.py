@@ -30,7 +30,7 @@ class NoStudy(UsageError):
 
 
 def snakefile() -> Path:
-    """The Snakefile of this package: beside it in a checkout, else where it was installed."""
+    """Returns the Snakefile of this package: beside it in a checkout, else the installed one."""
     places = [PACKAGE.parent, Path(sys.prefix) / "share" / "bearingwear"]
     for folder in places:
         if (folder / "Snakefile").is_file():
@@ -41,42 +41,54 @@ def snakefile() -> Path:
 def run_study(
     target: str,
     jobs: int,
-    more: Sequence[str] = (),
+    extra_arguments: Sequence[str] = (),
     folder: Path = Path(),
     files: Sequence[int] = (),
     scene_folder: str = "",
 ) -> int:
-    """Run a target of the workflow in a folder with a configuration; the exit status of Snakemake.
+    """Runs a target of the workflow in a folder with a configuration.
 
-    more: further arguments of Snakemake.
+    extra_arguments: further arguments of Snakemake.
     files: open files that Snakemake keeps open while it runs.
-    scene_folder: that of the study of one scene.
+    scene_folder: folder of the study of one scene, empty for other studies.
+
+    Returns the exit status of Snakemake.
     """
     if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
     script = str(PACKAGE / "run_module.py")
-    command = [script, "snakemake", "--snakefile", str(snakefile()), f"-j{jobs}", target, *more]
+    command = [
+        script,
+        "snakemake",
+        "--snakefile",
+        str(snakefile()),
+        f"-j{jobs}",
+        target,
+        *extra_arguments,
+    ]
     environment = {**os.environ, **({OWN_STUDY: scene_folder} if scene_folder else {})}
-    return _guarded([sys.executable, "-P", *command], folder, files, environment)
+    return _run_guarded([sys.executable, "-P", *command], folder, files, environment)
 
 
-def run_own_study(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, Path | None]:
-    """Run the study of one scene in its folder; a run that was killed goes on.
+def run_own_study(
+    folder: Path, jobs: int, extra_arguments: Sequence[str] = ()
+) -> tuple[int, Path | None]:
+    """Runs the study of one scene in its folder, or continues a run that was killed.
 
     Returns `status`: the exit status of Snakemake.
-    Returns `page`: the report page, beside the folders of the study; none where none was made.
+    Returns `page`: the report page beside the folders of the study, or None without one.
     """
-    with _only_run(folder) as held:
+    with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
-        more = [*more, "--nolock", "--rerun-incomplete"]
-        status = run_study("all", jobs, more, folder, [held], str(folder))
-    return status, None if DRY_RUN & set(more) else own_page(folder)
+        extra_arguments = [*extra_arguments, "--nolock", "--rerun-incomplete"]
+        status = run_study("all", jobs, extra_arguments, folder, [lock_file], str(folder))
+    return status, None if DRY_RUN & set(extra_arguments) else own_page(folder)
 
 
-def _guarded(
+def _run_guarded(
     command: Sequence[str], folder: Path, files: Sequence[int], environment: Mapping[str, str]
 ) -> int:
-    """Run a command in a folder until it ends; it never outlives this process."""
+    """Runs a command in a folder and returns its status; it never outlives this process."""
     # the program's own handler would end without waiting for the command
     signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
@@ -99,9 +111,9 @@ def _guarded(
 
 @contextlib.contextmanager
 def _only_run(folder: Path) -> Iterator[int]:
-    """Locks a study's folder against another run; yields the open file.
+    """Locks a study's folder against another run, and yields the open file.
 
-    NoStudy: where one runs already.
+    NoStudy: another run has the lock.
     """
     path = folder / ".snakemake" / "bearingwear.lock"
     try:
@@ -119,10 +131,10 @@ def _only_run(folder: Path) -> Iterator[int]:
 
 
 def own_page(folder: Path) -> Path | None:
-    """The page of a study, copied beside its folders; none where none was made."""
-    made, page = folder / PAGE, folder / PAGE.name
-    if not made.is_file():
+    """Copies the page of a study beside its folders and returns its path; None without a page."""
+    report, page = folder / PAGE, folder / PAGE.name
+    if not report.is_file():
         return None
-    root = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
-    write_text(page, made.read_text(encoding="utf-8").replace(f'href="{root}', 'href="'))
+    root_prefix = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
+    write_text(page, report.read_text(encoding="utf-8").replace(f'href="{root_prefix}', 'href="'))
     return page

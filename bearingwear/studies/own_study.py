@@ -31,46 +31,46 @@ if TYPE_CHECKING:
     from bearingwear.solvers.compose import Remembered
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
-"""Friction coefficients of the grid over the scene's own."""
+"""Friction coefficients of the grid, relative to the scene's."""
 
 STATES_OF_WEAR = 8
-"""Steps from new to the end of the scene's life."""
+"""Number of steps of the grid from new to the end of the scene's life."""
 
 LANDS = (0.5, 1.0)
-"""Clearances of the cage at its land over the scene's own."""
+"""Clearances of the cage at its land, relative to the scene's."""
 
 CAGE_RUNS = 20
 """Runs of each cage: the fewest that workflow/schemas/cage.schema.yaml allows."""
 
 
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
-    """Configuration files of a study of a scene, as plain data by their paths.
+    """Returns the configuration files of a study of a scene, as plain data by their paths.
 
-    A scene whose friction or wear goes by films or running in has no grid of cases. A single
-    bearing with a film of its cage or a `cage_uncertainty` has a map of cages, too.
+    A scene with films or running-in has no grid of cases. A single bearing with a film of its cage
+    or a `cage_uncertainty` has a map of cages, too.
 
-    SceneError: a friction or a preload that no study can be made around.
+    SceneError: a friction or a preload of 0, around which no grid is possible.
     """
     limits.check(scene, source)
-    filmed = scene.friction.film is not None or changes_as_it_wears(scene)
+    changes_with_depth = scene.friction.film is not None or changes_as_it_wears(scene)
     frictions = [NO_FRICTION] if scene.friction.film else _frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     config: dict[str, Any] = {"studies": [], "unsolved": "warning"}
-    if not filmed:
+    if not changes_with_depth:
         config = _grid(scene, name, frictions)
-    if scene.uncertainty and not filmed:
+    if scene.uncertainty and not changes_with_depth:
         config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     design = {"scenes": {name: {"small_map": small_map, "limits": limits.stored}}}
     plans = {"config/config.yaml": config, "config/design.yaml": design}
-    asked = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
-    if asked and scene.pair is None:
+    maps_cages = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
+    if maps_cages and scene.pair is None:
         plans["config/cage.yaml"] = _cages(scene, name)
     return plans
 
 
 def _grid(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]:
-    """Configuration of cases over friction and wear, as plain data."""
+    """Returns the configuration of cases over friction and wear, as plain data."""
     losses = _losses(scene)
     return {
         "studies": [
@@ -92,10 +92,10 @@ def _grid(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]
 
 
 def _cages(scene: Scene, name: str) -> dict[str, Any]:
-    """A map of cages around the scene's, with an ensemble for each."""
+    """Returns the configuration of a map of cages around that of the scene."""
     cage = scene.cage
     assert cage is not None
-    gaps = sorted({cage.guide_clearance_mm * factor for factor in LANDS})
+    clearances = sorted({cage.guide_clearance_mm * factor for factor in LANDS})
     frictions = {float(f"{min(factor * scene.friction.cage, 1.0):.3g}") for factor in FRICTIONS[:3]}
     return {
         "scene": name,
@@ -103,7 +103,7 @@ def _cages(scene: Scene, name: str) -> dict[str, Any]:
         "guiding_race": [cage.guiding_race],
         "imbalance_um": [cage.imbalance_um],
         "pocket_clearance_mm": [cage.pocket_clearance_mm],
-        "guide_clearance_mm": gaps if cage.guiding_race != "ball" else gaps[-1:],
+        "guide_clearance_mm": clearances if cage.guiding_race != "ball" else clearances[-1:],
         "cage_friction": sorted(frictions),
         "ensemble": {"runs": CAGE_RUNS},
         "in_main_study": True,
@@ -111,44 +111,50 @@ def _cages(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _frictions(scene: Scene, source: str) -> list[float]:
-    own, key = scene.friction.coefficient, "friction.ball_race"
-    if own <= 0.0:
-        raise SceneError(key, f"got {own:g}, expected a number > 0 for a study", source=source)
+    """Returns the friction coefficients of the grid."""
+    coefficient, key = scene.friction.coefficient, "friction.ball_race"
+    if coefficient <= 0.0:
+        raise SceneError(
+            key, f"got {coefficient:g}, expected a number > 0 for a study", source=source
+        )
     part = key_of_scene(key)
     assert part is not None
-    around = {round(factor * own, 3) for factor in FRICTIONS}
-    return sorted({own, *(mu for mu in around if 0.0 < mu <= part.key.ends[1])})
+    coefficients = {round(factor * coefficient, 3) for factor in FRICTIONS}
+    largest = part.key.ends[1]
+    return sorted({coefficient, *(mu for mu in coefficients if 0.0 < mu <= largest)})
 
 
 def _losses(scene: Scene) -> list[float]:
-    """States of wear, from new to the end of the scene's own life [um].
+    """Returns losses of ball diameter [um], from new to the end of the scene's own life.
 
-    Where one of the methods has no solution so far worn, to the sooner of the ends of their lives.
+    If a preload method has no solution there, they go to the sooner end of the two lives.
     """
     from bearingwear.scene.arrangement import held_by
     from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
 
     operation = scene.operation
-    ends, states = {}, []
+    loss_at_end, solvers = {}, []
     for method in PRELOAD_METHODS:
-        one = held_by(scene, method)
-        ends[method] = 1e6 * life_point(one, None).get("loss_at_end", 0.0)
-        states.append(solver_of(one))
-    last = math.ceil(100.0 * (ends[operation.preload_method] or max(ends.values()))) / 100.0
-    if any(_status_at(one, 1e-6 * last) != OK for one in states):
-        last = math.floor(100.0 * min((end for end in ends.values() if end), default=0.0)) / 100.0
-    return sorted({round(last * k / STATES_OF_WEAR, 2) for k in range(STATES_OF_WEAR + 1)})
+        method_scene = held_by(scene, method)
+        loss_at_end[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
+        solvers.append(solver_of(method_scene))
+    end_of_life = loss_at_end[operation.preload_method] or max(loss_at_end.values())
+    last_loss = math.ceil(100.0 * end_of_life) / 100.0
+    if any(_status_at(solver, 1e-6 * last_loss) != OK for solver in solvers):
+        sooner_end = min((end for end in loss_at_end.values() if end), default=0.0)
+        last_loss = math.floor(100.0 * sooner_end) / 100.0
+    return sorted({round(last_loss * k / STATES_OF_WEAR, 2) for k in range(STATES_OF_WEAR + 1)})
 
 
 def _status_at(solver: Remembered, loss: float) -> int:
-    """Of the bearings, all at a loss of ball diameter [m]."""
-    worn = (one._replace(loss=loss) for one in solver.bearings.start)
-    return next((state.status for state in solver((*worn,)) if state.status != OK), OK)
+    """Returns the first status of the bearings that is not ok, at a loss of ball diameter [m]."""
+    worn_bearings = (bearing._replace(loss=loss) for bearing in solver.bearings.start)
+    return next((state.status for state in solver((*worn_bearings,)) if state.status != OK), OK)
 
 
 def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
-    """Write the configuration of a study of a scene, and the scene, into a folder.
+    """Writes the configuration of a study of a scene, and the scene, into a folder.
 
     folder: new, empty, or of an earlier call for this scene.
     """
@@ -165,45 +171,49 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     }
     for path in map(Path, scene_files(file)):
         bodies[f"config/scenes/{path.name}"] = text_of(path)
-    head = f"# Written by `bearingwear study {file.name}`"
-    _check_folder(folder, head)
+    heading = f"# Written by `bearingwear study {file.name}`"
+    _check_folder(folder, heading)
+    advice = (
+        f"Edit {file.name} and run that command again, or edit this file and run "
+        "`bearingwear study` here."
+    )
     texts = {
-        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that command again, or "
-        f"edit this file and run `bearingwear study` here.\n{body}"
+        folder / path: f"{heading} ({_hash(body)}). {advice}\n{body}"
         for path, body in bodies.items()
     }
     for path in texts:
-        _check_unedited(path, head, folder)
+        _check_unedited(path, heading, folder)
     for path, text in texts.items():
         if _text(path) != text:
             write_text(path, text)
 
 
 def _hash(text: str) -> str:
+    """Returns the hash by which edited files are recognised."""
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 def _check_folder(folder: Path, head: str) -> None:
-    """Refuse a folder that holds anything else."""
+    """Refuses a folder with other files than those of a study of this scene."""
     try:
         if folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir()):
             config = folder / "config" / "config.yaml"
             if not (_text(config) or "").startswith(head):
-                what = head.removeprefix("# Written by ")
+                command = head.removeprefix("# Written by ")
                 raise UsageError(
                     f"{folder}: got a folder with other files, expected a new folder, or one "
-                    f"written by {what}"
+                    f"written by {command}"
                 )
     except OSError as error:
         raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
 
 
-def _check_unedited(path: Path, head: str, folder: Path) -> None:
-    """Refuse to replace what somebody edited."""
+def _check_unedited(path: Path, heading: str, folder: Path) -> None:
+    """Refuses to replace an edited file."""
     text = _text(path)
     if text is not None:
-        first, _, rest = text.partition("\n")
-        if not first.startswith(head) or _hash(rest) not in first:
+        first_line, _, body = text.partition("\n")
+        if not first_line.startswith(heading) or _hash(body) not in first_line:
             raise UsageError(
                 f"{path}: got an edited file, expected an unchanged file, or none (to run the "
                 f"edited study, use `bearingwear study` in {folder})"
@@ -211,5 +221,5 @@ def _check_unedited(path: Path, head: str, folder: Path) -> None:
 
 
 def _text(path: Path) -> str | None:
-    """What a file holds, if it is there."""
+    """Returns the contents of a file; None if it does not exist."""
     return path.read_bytes().decode("utf-8", "replace") if path.is_file() else None

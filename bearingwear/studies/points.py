@@ -48,31 +48,33 @@ class SweepPoints:
     in_rows: bool
 
     @classmethod
-    def of(cls, scenes: Sequence[Scene], given: Axes | Rows) -> SweepPoints:
-        """The points of scenes at axes or rows, where keys, values and names are allowed.
+    def of(cls, scenes: Sequence[Scene], points: Axes | Rows) -> SweepPoints:
+        """Checks keys, names of scenes and values on axes, and returns the points.
 
-        Values in rows are not checked, nor combinations of values on axes: some of them may make no
-        bearing. Raises SceneError.
+        Values in rows and combinations of values on axes are not checked: some of them may make no
+        valid bearing. Raises SceneError.
         """
         names = tuple(scene.name for scene in scenes)
-        if again := _repeated(names):
-            raise SceneError("name", f"got two scenes named {again[0]}, expected different names")
-        if isinstance(given, Mapping):
-            columns = {key: _plain_values(key, values) for key, values in given.items()}
+        if repeated := _repeated(names):
+            raise SceneError(
+                "name", f"got two scenes named {repeated[0]}, expected different names"
+            )
+        if isinstance(points, Mapping):
+            columns = {key: _plain_values(key, values) for key, values in points.items()}
         else:
-            columns = _columns_of_rows(given)
+            columns = _columns_of_rows(points)
         if not columns and len(scenes) < 2:
             raise SceneError("", "got no key, expected one or more", source="axes")
         for key, values in columns.items():
             _check_key(scenes, key, values[0])
-            if isinstance(given, Mapping):
+            if isinstance(points, Mapping):
                 _check_axis(key, values)
         _check_kinds(scenes, columns.get(KIND_KEY))
-        return cls(names, columns, not isinstance(given, Mapping))
+        return cls(names, columns, not isinstance(points, Mapping))
 
     @classmethod
     def from_json(cls, text: str) -> SweepPoints:
-        """The points that `json` describes."""
+        """Reads the points from the text of `json`."""
         data = json.loads(text)
         return cls(tuple(data["names"]), data["columns"], data["in_rows"])
 
@@ -89,47 +91,47 @@ class SweepPoints:
     def __len__(self) -> int:
         return math.prod(self.lengths([]).values())
 
-    def key_names(self, taken: Iterable[str]) -> dict[str, str]:
-        """Name of each key in a dataset that has variables of other names."""
-        return names_of_keys(self.columns, {*taken, SCENE, ROW})
+    def key_names(self, used_names: Iterable[str]) -> dict[str, str]:
+        """Returns the name of each key in a dataset that already has some names."""
+        return names_of_keys(self.columns, {*used_names, SCENE, ROW})
 
-    def lengths(self, taken: Iterable[str]) -> dict[str, int]:
-        """Names and lengths of the dimensions of a dataset that has variables of other names."""
-        several = {SCENE: len(self.names)} if len(self.names) > 1 else {}
+    def lengths(self, used_names: Iterable[str]) -> dict[str, int]:
+        """Returns names and lengths of the dimensions of a dataset that already has some names."""
+        scene_length = {SCENE: len(self.names)} if len(self.names) > 1 else {}
         if self.in_rows:
-            return several | {ROW: len(next(iter(self.columns.values())))}
-        keys = self.key_names(taken)
-        return several | {keys[key]: len(values) for key, values in self.columns.items()}
+            return scene_length | {ROW: len(next(iter(self.columns.values())))}
+        keys = self.key_names(used_names)
+        return scene_length | {keys[key]: len(values) for key, values in self.columns.items()}
 
-    def coordinates(self, taken: Iterable[str]) -> dict[str, xr.Variable]:
-        """Coordinates of the dimensions; rows have one of each key."""
+    def coordinates(self, used_names: Iterable[str]) -> dict[str, xr.Variable]:
+        """Returns the coordinates of the dimensions; rows have a coordinate for each key."""
         import numpy as np
         import xarray as xr
 
-        keys = self.key_names(taken)
-        found = {
+        keys = self.key_names(used_names)
+        coordinates = {
             keys[key]: _coordinate(key, ROW if self.in_rows else keys[key], values)
             for key, values in self.columns.items()
         }
         if len(self.names) > 1:
-            about = {"long_name": "name of the scene"}
-            found[SCENE] = xr.Variable(SCENE, np.array(self.names), about)
-        return found
+            attributes = {"long_name": "name of the scene"}
+            coordinates[SCENE] = xr.Variable(SCENE, np.array(self.names), attributes)
+        return coordinates
 
 
-def names_of_keys(keys: Iterable[str], taken: Iterable[str]) -> dict[str, str]:
-    """Name of each key in a dataset: that of a study, else its last part, if it is free."""
-    of_study = {key: name for name, key in GRID_KEYS.items() if name not in taken}
-    last = {key: of_study.get(key, key.rpartition(".")[2]) for key in keys}
-    often = Counter(last.values())
+def names_of_keys(keys: Iterable[str], used_names: Iterable[str]) -> dict[str, str]:
+    """Returns the name of each key in a dataset: that of a study, else its last part, if unused."""
+    study_names = {key: name for name, key in GRID_KEYS.items() if name not in used_names}
+    short_names = {key: study_names.get(key, key.rpartition(".")[2]) for key in keys}
+    counts = Counter(short_names.values())
     return {
-        key: key.replace(".", "_") if often[name] > 1 or name in taken else name
-        for key, name in last.items()
+        key: key.replace(".", "_") if counts[name] > 1 or name in used_names else name
+        for key, name in short_names.items()
     }
 
 
 def _plain_values(key: str, values: Any) -> list[Any]:
-    """The values of one key as plain data."""
+    """Returns the values of a key as plain data; refuses an empty list and other data."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
         raise SceneError("", f"got {shown(values)}, expected a list of values", source=key)
     plain = values.tolist() if hasattr(values, "tolist") else list(values)
@@ -139,6 +141,7 @@ def _plain_values(key: str, values: Any) -> list[Any]:
 
 
 def _columns_of_rows(rows: Any) -> dict[str, list[Any]]:
+    """Returns the values of each key in all rows; refuses rows of different keys."""
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
         problem = f"got {shown(rows)}, expected axes KEY: VALUES, or a list of rows KEY: VALUE"
         raise SceneError("", problem, source="axes")
@@ -152,42 +155,46 @@ def _columns_of_rows(rows: Any) -> dict[str, list[Any]]:
 
 
 def _part_of(key: str) -> Part | None:
+    """Returns the field of a key of a scene or of its second bearing; None for no key."""
     return key_of_scene(key.removeprefix("arrangement.second."))
 
 
 def _check_key(scenes: Sequence[Scene], key: str, value: Any) -> None:
+    """Refuses an unknown key; the error names similar ones."""
     if _part_of(key) is None:
-        scenes[0].with_({key: value})  # which names the keys that are near
+        scenes[0].with_({key: value})  # raises an error with similar keys
         raise SceneError("", "got no key of a scene, expected one", source=key)
 
 
 def _check_axis(key: str, values: Sequence[Any]) -> None:
+    """Refuses values on an axis that the key does not take, or that are repeated."""
     part = _part_of(key)
     assert part is not None
     for value in values:
         if not fits(value, part):
             problem = f"got {shown(value)}, expected {part.allowed}"
             raise SceneError("", problem, source=key)
-    if again := _repeated([value for value in values if not isinstance(value, dict | list)]):
-        problem = f"got {shown(again[0])} twice, expected each value once"
+    if repeated := _repeated([value for value in values if not isinstance(value, dict | list)]):
+        problem = f"got {shown(repeated[0])} twice, expected each value once"
         raise SceneError("", problem, source=key)
 
 
 def _check_kinds(scenes: Sequence[Scene], kinds: Sequence[Any] | None) -> None:
-    """Refuse pairs beside single bearings, which have values of other dimensions."""
-    own = [scene.arrangement.kind if scene.arrangement else "single" for scene in scenes]
-    kinds = [*dict.fromkeys(own if kinds is None else kinds)]
+    """Refuses pairs together with single bearings, whose results have other dimensions."""
+    scene_kinds = [scene.arrangement.kind if scene.arrangement else "single" for scene in scenes]
+    kinds = [*dict.fromkeys(scene_kinds if kinds is None else kinds)]
     if len({kind in METHODS for kind in kinds}) > 1:
         problem = f"got {' and '.join(kinds)}, expected either pairs or single bearings"
         raise SceneError(KIND_KEY, problem, source=scenes[0].name)
 
 
 def _repeated(values: Iterable[Any]) -> list[Any]:
+    """Returns the values that occur more than once."""
     return [value for value, count in Counter(values).items() if count > 1]
 
 
 def _coordinate(key: str, dim: str, values: Sequence[Any]) -> xr.Variable:
-    """The coordinate of a key; values that are neither numbers nor names stand in it as text."""
+    """Returns the coordinate of a key; values that are neither numbers nor texts become JSON."""
     import numpy as np
     import xarray as xr
 

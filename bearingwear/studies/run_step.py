@@ -28,28 +28,29 @@ class StepError(UsageError):
 
 
 def run_step(name: str, words: Sequence[str], outputs: Sequence[Path]) -> None:
-    """Call a function and write its outputs, each whole or not at all.
+    """Calls a function and writes its outputs, each whole or not at all.
 
-    name: its dotted name.
+    name: dotted name of the function.
     words: its arguments, `NAME=VALUE`; words that follow belong to the same list. The annotation of
-        a parameter says whether they are paths, texts, or plain data. A parameter without
-        words takes its default.
-    NotSolved: where the function itself fails; nothing is written.
+        a parameter says whether they are paths, texts or plain data. A parameter without words
+        takes its default.
+    NotSolved: raised by the function itself; nothing is written.
     """
     function = _function(name)
     try:
-        given = arguments(inspect.signature(function), words)
-        called = inspect.signature(function).bind(**given)
+        values = arguments(inspect.signature(function), words)
+        call = inspect.signature(function).bind(**values)
     except (TypeError, ValueError) as error:
         raise StepError(f"step: got wrong arguments for {name}; {error}") from None
-    made = function(*called.args, **called.kwargs)
-    if _is_a(made, "Figure"):
-        _save(made, outputs)
+    results = function(*call.args, **call.kwargs)
+    if _is_a(results, "Figure"):
+        _save(results, outputs)
     else:
-        write_outputs(made if isinstance(made, (tuple, Iterator)) else [made], outputs)
+        write_outputs(results if isinstance(results, (tuple, Iterator)) else [results], outputs)
 
 
 def _function(name: str) -> Any:
+    """Imports a function of this program by its dotted name."""
     module, _, function = name.rpartition(".")
     if not module.startswith(_OURS):
         raise StepError(f"step: got {name}, expected bearingwear.MODULE.FUNCTION")
@@ -62,7 +63,7 @@ def _function(name: str) -> Any:
 
 
 def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, Any]:
-    """Arguments of a function by name, from `NAME=VALUE` and values that follow."""
+    """Reads the arguments of a function from `NAME=VALUE` and further values."""
     texts: dict[str, list[str]] = {}
     name = ""
     for word in words:
@@ -72,21 +73,24 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
         if not name:
             raise ValueError(f"got {word!r}, expected NAME=VALUE")
         texts[name] += [word] if word else []
-    found: dict[str, Any] = {}
+    values_by_name: dict[str, Any] = {}
     for name, values in texts.items():
         kind = str(getattr(signature.parameters.get(name), "annotation", ""))
-        each: list[Any] = [Path(one) if "Path" in kind else _value(one, kind) for one in values]
+        parsed: list[Any] = [
+            Path(text) if "Path" in kind else _value(text, kind) for text in values
+        ]
         if kind.partition("[")[0].endswith(("Sequence", "Iterable")):
-            found[name] = each[0] if len(each) == 1 and isinstance(each[0], list) else each
-        elif len(each) > 1:
-            raise ValueError(f"got {len(each)} values of {name}, expected one")
-        elif each:
-            found[name] = each[0]
-    return found
+            is_one_list = len(parsed) == 1 and isinstance(parsed[0], list)
+            values_by_name[name] = parsed[0] if is_one_list else parsed
+        elif len(parsed) > 1:
+            raise ValueError(f"got {len(parsed)} values of {name}, expected one")
+        elif parsed:
+            values_by_name[name] = parsed[0]
+    return values_by_name
 
 
 def _value(text: str, kind: str) -> Any:
-    """A text, or a number, list or block as a rule's params are written in its command."""
+    """Reads a text, or a number, list or block as a rule's params are written in its command."""
     if kind.startswith("str"):
         return text
     try:
@@ -95,45 +99,47 @@ def _value(text: str, kind: str) -> Any:
         return text
 
 
-def write_outputs(made: Iterator[Any] | Sequence[Any], outputs: Sequence[Path]) -> None:
-    """Write each result to its file; a figure to the files of one name in several formats."""
-    left = list(outputs)
-    for one in made:
-        if not left:
+def write_outputs(results: Iterator[Any] | Sequence[Any], outputs: Sequence[Path]) -> None:
+    """Writes each result to its file; a figure to the files of one name in several formats."""
+    paths_left = list(outputs)
+    for result in results:
+        if not paths_left:
             raise StepError(f"step: got {len(outputs)} files, expected one for each result")
-        first = left.pop(0)
-        if _is_a(one, "Figure"):
-            formats = [first]
-            while left and left[0].with_suffix("") == first.with_suffix(""):
-                formats.append(left.pop(0))
-            _save(one, formats)
+        path = paths_left.pop(0)
+        if _is_a(result, "Figure"):
+            formats = [path]
+            while paths_left and paths_left[0].with_suffix("") == path.with_suffix(""):
+                formats.append(paths_left.pop(0))
+            _save(result, formats)
         else:
-            write_output(one, first)
-    if left:
-        raise StepError(f"step: got no result for {left[0]}")
+            write_output(result, path)
+    if paths_left:
+        raise StepError(f"step: got no result for {paths_left[0]}")
 
 
 def _save(figure: Any, paths: Sequence[Path]) -> None:
+    """Saves a figure in the formats of some paths."""
     from bearingwear.plotting.drawing import save
 
     save(figure, paths)
 
 
-def _is_a(made: Any, name: str) -> bool:
-    return any(kind.__name__ == name for kind in type(made).__mro__)
+def _is_a(result: Any, name: str) -> bool:
+    """Whether a result has a class or base class of a name, which need not be imported."""
+    return any(kind.__name__ == name for kind in type(result).__mro__)
 
 
-def write_output(made: Any, path: Path) -> None:
-    """Write a text, a Result or a Dataset."""
-    if isinstance(made, str):
+def write_output(result: Any, path: Path) -> None:
+    """Writes a text, a Result or a Dataset."""
+    if isinstance(result, str):
         from bearingwear.atomic import write_text
 
-        write_text(path, made)
-    elif _is_a(made, "Result"):
+        write_text(path, result)
+    elif _is_a(result, "Result"):
         from bearingwear.results.netcdf import write_result
 
-        write_result(made, path)
+        write_result(result, path)
     else:
         from bearingwear.studies.dataset import write_dataset
 
-        write_dataset(made, path)
+        write_dataset(result, path)

@@ -24,10 +24,10 @@ def usable_cores() -> int:
 
 
 SAMPLES = 128
-"""Bearings of each sample that quantiles are taken from, where none are given."""
+"""Default number of sampled bearings for quantiles."""
 
 INDEX_SAMPLES = 256
-"""Base samples of Sobol indices, where none are given."""
+"""Default number of base samples for Sobol indices."""
 
 
 @keyed
@@ -45,7 +45,7 @@ class Sampling:
 
 
 def sampling_of(samples: int, seed: int) -> Sampling:
-    """The sampling that options of a command or a step ask for. Raises SceneError."""
+    """Checks sample size and seed given as options. Raises SceneError."""
     try:
         return record(Sampling, {"samples": samples, "seed": seed})
     except SceneError as error:
@@ -55,36 +55,36 @@ def sampling_of(samples: int, seed: int) -> Sampling:
 DIAMETER = "ball_diameter_mm"
 
 
-def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
-    """The scene with other values under keys of `UNCERTAIN`.
+def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None:
+    """Returns the scene with other values under keys of `UNCERTAIN`.
 
-    Groove factors and contact angle are those of nominal balls. A ball diameter then changes the
-    balls alone, as a batch out of tolerance does: grooves and their centres keep their places
+    Groove factors and contact angle are those of nominal balls. A ball diameter then changes only
+    the balls, like a batch out of tolerance: grooves and their centres keep their places
     (theory.md Eq. 54).
 
     values: in the units of the keys. A wear coefficient or a hardness is that of the races; those
         of the balls and of films change in proportion.
 
-    Returns: none where the balls have become too large to touch both grooves without load.
+    Returns None where the balls become too large for the play between the grooves.
     """
     blocks: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         if name not in WORN and name != DIAMETER:
-            block, _, inner = UNCERTAIN[name].partition(".")
-            if inner:
-                part = replace(getattr(getattr(scene, block), inner), **{name: value})
-                blocks.setdefault(block, {})[inner] = part
+            block, _, inner_block = UNCERTAIN[name].partition(".")
+            if inner_block:
+                new_block = replace(getattr(getattr(scene, block), inner_block), **{name: value})
+                blocks.setdefault(block, {})[inner_block] = new_block
             else:
                 blocks.setdefault(block, {})[name] = value
-    changed = {key: replace(getattr(scene, key), **part) for key, part in blocks.items()}
-    ratio = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
-    if ratio:
-        K_s = ratio.get("wear_coefficient", 1.0) * ratio.get("wear_scatter", 1.0)
-        worn = with_wear(
+    changed = {block: replace(getattr(scene, block), **new) for block, new in blocks.items()}
+    ratios = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
+    if ratios:
+        K_s = ratios.get("wear_coefficient", 1.0) * ratios.get("wear_scatter", 1.0)
+        worn_scene = with_wear(
             replace(scene, **changed),
-            {"wear_coefficient": K_s, "brinell_hardness_GPa": ratio.get(WORN[0], 1.0)},
+            {"wear_coefficient": K_s, "brinell_hardness_GPa": ratios.get(WORN[0], 1.0)},
         )
-        changed |= {"materials": worn.materials, "friction": worn.friction}
+        changed |= {"materials": worn_scene.materials, "friction": worn_scene.friction}
     if DIAMETER in values:
         bearing = with_balls(changed.get("bearing", scene.bearing), values[DIAMETER])
         if bearing is None:
@@ -96,10 +96,9 @@ def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
 
 
 def _cases_with(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[str, Any]]:
-    """Cases of a scene with other values: those that a case gives itself change in proportion.
+    """Returns the cases of a scene with other values; those that a case gives change in proportion.
 
-    Wear coefficients and hardness are left as they are: `with_wear` and `wear_factor` say what
-    they do.
+    Wear coefficients and hardness stay; `with_wear` and `wear_factor` apply them.
     """
     assert scene.cases is not None
     ratios = {
@@ -110,14 +109,14 @@ def _cases_with(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[str
     return {
         case: {
             key: value * ratios[key] if key in ratios and value else value
-            for key, value in one.items()
+            for key, value in changes.items()
         }
-        for case, one in scene.cases.items()
+        for case, changes in scene.cases.items()
     }
 
 
 def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
-    """Factor (n,) on lives by values (n, names) of K_s and H in place of the scene's."""
+    """Returns the factor (n,) on lives by values (n, names) of K_s and H instead of the scene's."""
     factor = np.ones(len(values))
     for k, name in enumerate(names):
         ratio = values[:, k] / scene.nominal(name)
@@ -126,17 +125,17 @@ def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.nd
 
 
 def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
-    """The scene with wear coefficients or hardness, of balls, races and films, times factors."""
+    """Multiplies wear coefficients or hardness of balls, races and films by factors."""
 
     def scaled(part: Any) -> Any:
-        """A material or a film, and what is on it."""
-        given = {name: getattr(part, name, None) for name in (*factors, "film", "running_in")}
-        new = {
-            name: scaled(value) if name not in factors else value * factors[name]
-            for name, value in given.items()
-            if value is not None
+        """Returns a material or a film with scaled values, also in its film and running-in."""
+        values = {name: getattr(part, name, None) for name in (*factors, "film", "running_in")}
+        scaled_values = {
+            name: scaled(old_value) if name not in factors else old_value * factors[name]
+            for name, old_value in values.items()
+            if old_value is not None
         }
-        return replace(part, **new)
+        return replace(part, **scaled_values)
 
     pair = {scene.bearing.ball_material, scene.bearing.race_material}
     materials = {n: scaled(m) if n in pair else m for n, m in scene.materials.items()}
@@ -145,20 +144,20 @@ def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
     return replace(scene, materials=materials, friction=friction)
 
 
-def with_balls(b: Bearing, ball_diameter_mm: float) -> Bearing | None:
-    """The bearing with other balls between the same grooves; None where they leave no play."""
-    D, D0 = ball_diameter_mm, b.ball_diameter_mm
-    r_i, r_o = b.inner_groove_factor * D0, b.outer_groove_factor * D0
-    cos_a0 = math.cos(math.radians(b.contact_angle_deg))
+def with_balls(bearing: Bearing, ball_diameter_mm: float) -> Bearing | None:
+    """Returns the bearing with other balls between the same grooves; None if they have no play."""
+    D, D0 = ball_diameter_mm, bearing.ball_diameter_mm
+    r_i, r_o = bearing.inner_groove_factor * D0, bearing.outer_groove_factor * D0
+    cos_a0 = math.cos(math.radians(bearing.contact_angle_deg))
     cosine = (r_i + r_o - D0) * cos_a0 / (r_i + r_o - D)
     if not 0.0 < cosine <= 1.0 or min(r_i, r_o) <= 0.5 * D:
         return None
     # the outer groove's centre stays at R_o = dm/2 - (r_o - D/2) cos a0
     shift = 2.0 * ((r_o - 0.5 * D) * cosine - (r_o - 0.5 * D0) * cos_a0)
     return replace(
-        b,
+        bearing,
         ball_diameter_mm=D,
-        pitch_diameter_mm=b.pitch_diameter_mm + shift,
+        pitch_diameter_mm=bearing.pitch_diameter_mm + shift,
         contact_angle_deg=math.degrees(math.acos(cosine)),
         inner_groove_factor=r_i / D,
         outer_groove_factor=r_o / D,

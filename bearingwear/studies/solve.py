@@ -1,4 +1,4 @@
-"""Solves a case of a scene, or its life, as steps of several studies do."""
+"""Solves a case of a scene, or its life, for steps of several studies."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 def solved_case(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
-    """One case. A failure is in its status and on standard error."""
+    """Solves a case. A failure is in its status and on standard error."""
     from bearingwear.solvers.solve import solve
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
-    return told(solved, scene)
+    return reported(solved, scene)
 
 
 def solved_variants(
@@ -41,7 +41,7 @@ def solved_variants(
     fidelity: str | None = None,
     case: str | None = None,
 ) -> Iterator[Result]:
-    """A case for each set of changes of a scene, whose file is read once.
+    """Solves a case for each set of changes of a scene, whose file is read once.
 
     case: name of a case of the scene. A failure is in the status and on standard error.
     """
@@ -50,33 +50,34 @@ def solved_variants(
     data, source = as_data(scene)
     for changes in variants:
         changed = changed_scene(data, changes, source)
-        one = changed if case is None else in_case(changed, case, "--case")
-        yield told(solve(one, fidelity), scene)
+        variant_scene = changed if case is None else in_case(changed, case, "--case")
+        yield reported(solve(variant_scene, fidelity), scene)
 
 
 def solved_life(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
-    """The wear life of a scene. A failure is reported as by `told`."""
+    """Computes the wear life of a scene. A failure is in its status and on standard error."""
     from bearingwear.lives.life import life
 
-    return told(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
+    return reported(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
 
 
-def told(result: Result, scene: str | Path) -> Result:
-    """The result; a failure is reported on standard error."""
+def reported(result: Result, scene: str | Path) -> Result:
+    """Returns the result; a failure is reported on standard error."""
     if result.status != "ok":
         _report(f"{scene}: {result.status}: {result.reason}")
     return result
 
 
 def _report(text: str) -> None:
+    """Writes a line to standard error at once."""
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
 
 
 def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False) -> Scene:
-    """A scene with an end of life and a steady state; `films` says whether it may have any."""
+    """Returns a scene with an end of life and a steady state; `films` allows solid films."""
     from bearingwear.solvers.effects.choice import choice_for_life
 
     source = source_name(scene)

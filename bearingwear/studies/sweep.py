@@ -16,7 +16,7 @@ from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
 from bearingwear.studies.sampling import usable_cores
 from bearingwear.studies.sweep_dataset import (
-    Kept,
+    KeptVariables,
     part_of_sweep,
     points_dataset,
     sweep_attributes,
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Question = str | Callable[[Scene], Mapping[str, Any]]
-"""What is asked of a scene: "solve", "life", or a function of it."""
+"""What a sweep computes of a scene: "solve", "life", or a function of it."""
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-"""Multiples of it, modulo 1, spread evenly."""
+"""Multiples of the golden ratio, modulo 1, spread evenly."""
 
 _MOST_LOOKED_AT = 20
-"""Points at which it is seen which models a sweep needs."""
+"""Number of points from which a sweep finds the models that it needs."""
 
 COARSEST = {
     "model.strips": 4,
@@ -55,7 +55,7 @@ def sweep(
     keep: str | Sequence[str] | None = None,
     part: tuple[int, int] | None = None,
 ) -> xr.Dataset:
-    """Solve scenes or their lives at many values of their keys.
+    """Solves scenes or their lives at many values of their keys.
 
     Parameters
     ----------
@@ -108,27 +108,27 @@ def sweep(
         Some points were not solved, or have warnings. Each warning is reported once, for the worst
         case.
     """
-    asked = Sweep.of(scene, points, what, fidelity, keep)
-    made = asked.dataset(workers, progress, part)
-    for text in sweep_warnings(made):
-        warnings.warn(f"{', '.join(asked.points.names)}: {text}", stacklevel=2)
-    return made
+    planned = Sweep.of(scene, points, what, fidelity, keep)
+    results = planned.dataset(workers, progress, part)
+    for text in sweep_warnings(results):
+        warnings.warn(f"{', '.join(planned.points.names)}: {text}", stacklevel=2)
+    return results
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked at each point of a sweep; called with a point, it answers."""
+class SceneQuestion:
+    """Computation at each point of a sweep: called with a point, it returns the answer."""
 
     scenes: tuple[Scene, ...]
     keys: tuple[str, ...]
     what: Question
     fidelity: str | None
-    kept: Kept
+    kept: KeptVariables
 
     def scene(self, point: ScenePoint) -> Scene:
-        """The scene of a point. Raises SceneError."""
-        made = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
-        return for_life(made) if self.what == "life" else made
+        """Returns the scene of a point. Raises SceneError."""
+        scene = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
+        return for_life(scene) if self.what == "life" else scene
 
     def __call__(self, point: ScenePoint) -> Answer:
         scene = self.scene(point)
@@ -138,6 +138,7 @@ class Asked:
 
 
 def _result(scene: Scene, what: str, fidelity: str | None) -> Any:
+    """Solves a scene or its life."""
     from bearingwear.lives.life import life
     from bearingwear.solvers.solve import solve
 
@@ -148,7 +149,7 @@ def _result(scene: Scene, what: str, fidelity: str | None) -> Any:
 class Sweep:
     """A sweep whose keys, values and names are allowed."""
 
-    asked: Asked
+    question: SceneQuestion
     points: SweepPoints
 
     @classmethod
@@ -160,16 +161,23 @@ class Sweep:
         fidelity: str | None = None,
         keep: str | Sequence[str] | None = None,
     ) -> Sweep:
-        """The sweep that `sweep` is asked for. Raises SceneError."""
+        """Checks the arguments of `sweep`. Raises SceneError."""
         if not callable(what) and what not in ("solve", "life"):
             raise ValueError(f"what: got {what!r}, expected solve, life or a function")
-        given: Sequence[Any] = scene if isinstance(scene, list | tuple) else [scene]
-        if not given:
+        sources: Sequence[Any] = scene if isinstance(scene, list | tuple) else [scene]
+        if not sources:
             raise SceneError("", "got no scene, expected one or more", source="scene")
-        scenes = tuple(as_scene(one) for one in given)
+        scenes = tuple(as_scene(source) for source in sources)
         all_points = SweepPoints.of(scenes, points)
-        kept = Kept.of(keep, "function" if callable(what) else what)
-        return cls(Asked(scenes, (*all_points.columns,), what, fidelity, kept), all_points)
+        kept = KeptVariables.of(keep, "function" if callable(what) else what)
+        question = SceneQuestion(
+            scenes=scenes,
+            keys=(*all_points.columns,),
+            what=what,
+            fidelity=fidelity,
+            kept=kept,
+        )
+        return cls(question, all_points)
 
     def dataset(
         self,
@@ -177,13 +185,14 @@ class Sweep:
         progress: bool | Tell = True,
         part: tuple[int, int] | None = None,
     ) -> xr.Dataset:
-        """The answers at all points, or at those of a part along `point`."""
-        every = list(self.points)
-        numbers = range(len(every)) if part is None else _numbers_of_part(part, len(every))
-        what = self.asked.what
+        """Computes the answers at all points, or at those of a part along `point`."""
+        all_points = list(self.points)
+        count = len(all_points)
+        numbers = range(count) if part is None else _numbers_of_part(part, count)
+        what = self.question.what
         cores = min(len(numbers), usable_cores() if workers is None else workers)
         order = _even_order(len(numbers), points_at_once(len(numbers), cores))
-        points = [every[numbers[k]] for k in order]
+        points = [all_points[numbers[k]] for k in order]
         with Workers(cores, "sweep", progress) as pool:
             if cores > 1:
                 if not callable(what):
@@ -191,70 +200,72 @@ class Sweep:
                     pool.start()
                 else:
                     check_can_be_sent(what)
-            found = dict(zip(order, pool.answers_at(self.asked, points), strict=True))
-        answers = [found[k] for k in range(len(numbers))]
-        self._check_some_valid(every[numbers[0]], answers)
-        made = points_dataset(self.asked.kept, answers)
-        made.attrs |= sweep_attributes(self.asked.scenes, self.points, self.asked.kept.what)
+            answer_by_number = dict(zip(order, pool.answers_at(self.question, points), strict=True))
+        answers = [answer_by_number[k] for k in range(len(numbers))]
+        self._check_some_valid(all_points[numbers[0]], answers)
+        results = points_dataset(self.question.kept, answers)
+        results.attrs |= sweep_attributes(
+            self.question.scenes, self.points, self.question.kept.what
+        )
         if part is not None:
-            return part_of_sweep(made, self.points, numbers, part)
-        return whole_sweep(made, self.points)
+            return part_of_sweep(results, self.points, numbers, part)
+        return whole_sweep(results, self.points)
 
     def in_even_order(self) -> list[ScenePoint]:
-        """All points, the first few of which lie far apart."""
-        every = list(self.points)
-        return [every[k] for k in _even_order(len(every))]
+        """Returns all points in an order whose first few lie far apart."""
+        points = list(self.points)
+        return [points[k] for k in _even_order(len(points))]
 
     def compile(self, points: Sequence[ScenePoint]) -> None:
-        """Compile and load the kernels that points need; processes that are forked have them."""
-        what = self.asked.what
+        """Compiles and load the kernels that points need; processes that are forked have them."""
+        what = self.question.what
         if callable(what):
             return
         for fidelity, scene in self.models(points).items():
             _result(scene.with_(COARSEST), "solve" if fidelity == "dynamic" else what, fidelity)
 
     def models(self, points: Sequence[ScenePoint]) -> dict[str, Scene]:
-        """The models that some of the points need, each with a scene that needs it."""
+        """Returns the models that the first points need, each with a scene that needs it."""
         from bearingwear.solvers.effects.choice import choice, choice_for_life
 
-        chosen = choice_for_life if self.asked.what == "life" else choice
-        found = {}
+        model_choice = choice_for_life if self.question.what == "life" else choice
+        scenes = {}
         for point in points[:_MOST_LOOKED_AT]:
             try:
-                scene = self.asked.scene(point)
-                found[chosen(scene, self.asked.fidelity).fidelity] = scene
+                scene = self.question.scene(point)
+                scenes[model_choice(scene, self.question.fidelity).fidelity] = scene
             except FAILURES:
                 continue
-        return found
+        return scenes
 
     def _check_some_valid(self, first: ScenePoint, answers: Sequence[Answer]) -> None:
-        """Raise the error of the first point where all of them have one."""
+        """Raises the error of the first point if all points have one."""
         if all(PROBLEM in answer for answer in answers):
-            self.asked(first)
+            self.question(first)
             raise NotAvailable(answers[0][PROBLEM])
 
 
-def _even_order(count: int, together: int = 1) -> list[int]:
-    """Numbers below a count, mixed: neighbours take alike long, and a time left is of others.
+def _even_order(count: int, block_size: int = 1) -> list[int]:
+    """Returns the numbers below a count, mixed so that the time left is estimated well.
 
-    together: how many neighbours stay so; what they share is computed once.
+    block_size: how many neighbours stay together, because they share computations.
     """
-    blocks = [range(k, min(k + together, count)) for k in range(0, count, together)]
-    mixed = sorted(range(len(blocks)), key=lambda k: k * _GOLDEN % 1.0)
-    return [number for k in mixed for number in blocks[k]]
+    blocks = [range(k, min(k + block_size, count)) for k in range(0, count, block_size)]
+    block_order = sorted(range(len(blocks)), key=lambda k: k * _GOLDEN % 1.0)
+    return [number for k in block_order for number in blocks[k]]
 
 
 def _numbers_of_part(part: tuple[int, int], count: int) -> range:
-    """Numbers of the points of a part, which lie far apart: neighbours take alike long."""
-    number, parts = part
-    if not 1 <= number <= parts <= count:
-        problem = f"got {number}/{parts}, expected K/N with 1 <= K <= N <= {count} points"
+    """Returns the numbers of the points of a part, spread so that parts take equal time."""
+    part_number, parts = part
+    if not 1 <= part_number <= parts <= count:
+        problem = f"got {part_number}/{parts}, expected K/N with 1 <= K <= N <= {count} points"
         raise SceneError("", problem, source="part")
-    return range(number - 1, count, parts)
+    return range(part_number - 1, count, parts)
 
 
 def check_can_be_sent(what: Callable[..., Any]) -> None:
-    """Refuse a function that other processes cannot import."""
+    """Refuses a function that other processes cannot import."""
     try:
         pickle.dumps(what)
     except (pickle.PicklingError, AttributeError, TypeError):

@@ -1,4 +1,4 @@
-"""What a sweep will cost, from a few of its points."""
+"""Estimate of the time and memory of a sweep from a few of its points."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from bearingwear.studies.sweep import Sweep
 from bearingwear.studies.sweep_dataset import points_dataset
 
 _MOST_TIMED, _LONGEST = 5, 20.0
-"""Points that are timed, and the time [s] after which no other one is.
+"""Number of timed points, and the time [s] after which no further point is timed.
 
-One before them loads what they have in common, unless it takes that long by itself.
+A point before them, which is not counted, loads the kernels.
 """
 
 
 def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list[str]:
-    """How many points a sweep has, and its CPU time, wall time and memory by a few of them."""
+    """Returns lines on the number of points of a sweep, its CPU time, wall time and memory."""
     cores = usable_cores() if workers is None else workers
-    every = sweep.in_even_order()
-    sweep.compile(every)
+    points = sweep.in_even_order()
+    sweep.compile(points)
     seconds, answers = [], []
-    begun = time.monotonic()
-    for point in every[: _MOST_TIMED + 1]:
-        started = time.process_time()
-        answers.append(answer_of(sweep.asked, point))
-        seconds.append(time.process_time() - started)
-        if time.monotonic() - begun > _LONGEST:
+    start = time.monotonic()
+    for point in points[: _MOST_TIMED + 1]:
+        point_start = time.process_time()
+        answers.append(answer_of(sweep.question, point))
+        seconds.append(time.process_time() - point_start)
+        if time.monotonic() - start > _LONGEST:
             break
     seconds = seconds[1:] or seconds
-    mean, count = sum(seconds) / len(seconds), len(every)
+    mean, count = sum(seconds) / len(seconds), len(points)
     lengths = ", ".join(f"{name} {n}" for name, n in sweep.points.lengths(()).items())
     lines = [
         f"{count} points ({lengths}); {len(seconds)} timed: {_duration(min(seconds))} to "
@@ -40,13 +40,14 @@ def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list
     ]
     if parts > 1:
         lines.append(f"each of {parts} parts: {_duration(mean * count / parts)} of CPU time")
-    if any("problem" not in one for one in answers):
-        size = points_dataset(sweep.asked.kept, answers).nbytes / len(answers) * count
+    if any("problem" not in answer for answer in answers):
+        size = points_dataset(sweep.question.kept, answers).nbytes / len(answers) * count
         lines.append(f"about {max(size / 1e6, 0.1):.3g} MB of memory for the dataset")
     return lines
 
 
 def _duration(seconds: float) -> str:
+    """Writes a time in milliseconds, seconds, minutes or hours."""
     if seconds < 1.0:
         return f"{1e3 * seconds:.2g} ms"
     if seconds < 120.0:

@@ -1,4 +1,4 @@
-"""The answers of a sweep as a dataset, and the sweep that its parts make."""
+"""Datasets of the answers of a sweep, and of the sweep that is gathered from its parts."""
 
 from __future__ import annotations
 
@@ -28,27 +28,27 @@ if TYPE_CHECKING:
     from bearingwear.solvers.result import Result
 
 NUMBERED = "point"
-"""Dimension of the points of a part, and its coordinate: their numbers."""
+"""Dimension of the points of a part; its coordinate holds their numbers."""
 
 KEEP_STUDY = "study"
 _OF_EXTREMES = ("life", "loss_at_end", "end_criterion")
-"""Variables of a life that stand beside the worst values."""
+"""Variables of a life that are kept beside the worst values."""
 
 _SHARED = ("kind", "title", "scenes", "points", "source_hash", "package_version")
 """Attributes that are the same in all parts of a sweep."""
 
 
 @dataclass(frozen=True)
-class Kept:
-    """What is kept of the answers: variables by name, or all."""
+class KeptVariables:
+    """Choice of the variables of a sweep: some by name, or all."""
 
     what: str  # solve, life or function
     names: tuple[str, ...] | None
     with_worst: bool = False
 
     @classmethod
-    def of(cls, keep: str | Sequence[str] | None, what: str) -> Kept:
-        """What `keep` asks for. SceneError: a name that no result has."""
+    def of(cls, keep: str | Sequence[str] | None, what: str) -> KeptVariables:
+        """Reads the argument `keep` of a sweep. SceneError: a name that no result has."""
         if keep == KEEP_EXTREMES:
             if what != "life":
                 raise SceneError(
@@ -65,185 +65,196 @@ class Kept:
         return cls(what, names)
 
     def of_function(self, values: Mapping[str, Any]) -> Answer:
-        """The answer of a function at a point."""
+        """Returns the answer at a point from the values of a function."""
         if not isinstance(values, Mapping):
             kind = type(values).__name__
             raise TypeError(
                 f"what: got a function that returns {kind}, expected a mapping of names"
             )
-        return {"status": OK} | {n: v for n, v in values.items() if self._has(n)}
+        return {"status": OK} | {name: value for name, value in values.items() if self._has(name)}
 
     def of_result(self, scene: Scene, result: Result) -> Answer:
-        """The answer of a solve or a life of a scene."""
-        values = {n: v for n, v in result.values.items() if self._has(n)}
+        """Returns the answer at a point from a solve or a life of its scene."""
+        values = {name: value for name, value in result.values.items() if self._has(name)}
         names = ("fidelity", "warnings", "phases")
         attrs = {name: result.attrs[name] for name in names if name in result.attrs}
-        about = {  # of its scene, what decides the layout of a file
+        layout = {  # the part of the scene that decides the layout of a file
             "arrangement": scene.arrangement and {"kind": scene.arrangement.kind},
             "model": {"strips": scene.model.strips},
             "bearing": {"ball_count": scene.bearing.ball_count},
         }
         worst = worst_values(scene, result.values) if self.with_worst else {}
-        return {"values": values, "attrs": attrs, "scene": about, "worst": worst}
+        return {"values": values, "attrs": attrs, "scene": layout, "worst": worst}
 
     def _has(self, name: str) -> bool:
+        """Whether a variable is kept."""
         return self.names is None or name in (*self.names, "status", "end_criterion")
 
 
 def _names_of_study() -> tuple[str, ...]:
+    """Returns the variables of a case that a study keeps."""
     from bearingwear.results.variables import CASE
 
     left_out = {*ONLY_IN_CASES}
-    return tuple(name for name, one in CASE.items() if not {name, *one.dims} & left_out)
+    return tuple(name for name, variable in CASE.items() if not {name, *variable.dims} & left_out)
 
 
 def _check_names(names: Iterable[str], what: str) -> None:
+    """Refuses a name that is no variable of a solve or a life."""
     from bearingwear.results.variables import CASE, LIFE
 
-    known = LIFE if what == "life" else CASE
+    variables = LIFE if what == "life" else CASE
     for name in names:
-        if name not in known:
+        if name not in variables:
             import difflib
 
-            near = difflib.get_close_matches(name, known, n=3)
-            allowed = ", ".join(near) if near else f"a variable of a {what} (docs/data.md)"
+            similar = difflib.get_close_matches(name, variables, n=3)
+            allowed = ", ".join(similar) if similar else f"a variable of a {what} (docs/data.md)"
             raise SceneError("", f"got {name}, expected {allowed}", source="keep")
 
 
-def points_dataset(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
-    """Answers along `point`, as files have them; NaN where a point has none."""
-    from bearingwear.studies.dataset import filled
+def points_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
+    """Makes a dataset of answers along `point`, with codes; NaN where a point has no value."""
+    from bearingwear.studies.dataset import dataset_of_rows
 
     if kept.what == "function":
-        answers = _of_equal_shapes(answers)
-        rows = [answer_values(one) for one in answers]
-        made = filled(_table_of(rows), {NUMBERED: len(rows)}, rows)
+        answers = _answers_of_equal_shapes(answers)
+        rows = [answer_values(answer) for answer in answers]
+        dataset = dataset_of_rows(_table_of(rows), {NUMBERED: len(rows)}, rows)
     else:
-        made = _of_results(kept, answers)
+        dataset = _results_dataset(kept, answers)
     if kept.with_worst:
-        rows = [one.get("worst", {}) for one in answers]
-        known = {name for row in rows for name in row}
-        worst = {name: v for name, v in WORST_VALUES.items() if name in known}
-        made = made.assign(filled(worst, {NUMBERED: len(rows)}, rows).variables)
-    attrs = [one.get("attrs", {}) for one in answers]
-    made.attrs = {
-        "fidelity": ", ".join(sorted({one["fidelity"] for one in attrs if "fidelity" in one})),
+        rows = [answer.get("worst", {}) for answer in answers]
+        solved_names = {name for row in rows for name in row}
+        worst = {name: variable for name, variable in WORST_VALUES.items() if name in solved_names}
+        dataset = dataset.assign(dataset_of_rows(worst, {NUMBERED: len(rows)}, rows).variables)
+    attrs = [answer.get("attrs", {}) for answer in answers]
+    fidelities = {attributes["fidelity"] for attributes in attrs if "fidelity" in attributes}
+    dataset.attrs = {
+        "fidelity": ", ".join(sorted(fidelities)),
         "warnings": merged_warnings(attrs),
-        "problem": next((one[PROBLEM] for one in answers if PROBLEM in one), ""),
+        "problem": next((answer[PROBLEM] for answer in answers if PROBLEM in answer), ""),
     }
-    return made
+    return dataset
 
 
-def _of_results(kept: Kept, answers: Sequence[Answer]) -> xr.Dataset:
+def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
+    """Makes a dataset of solves or lives along `point`; refused points take a layout of others."""
     from bearingwear.results.netcdf import stacked_datasets
     from bearingwear.solvers.result import Result
-    from bearingwear.studies.dataset import stacked
+    from bearingwear.studies.dataset import stacked_dataset
 
     refused: dict[str, Any] = {"status": REFUSED}
     if kept.what == "life":
         refused["end_criterion"] = len(CRITERIA) - 1
-    about = next(one["scene"] for one in answers if "scene" in one)
-    phases = {one["attrs"].get("phases") for one in answers if "attrs" in one}
+    first_layout = next(answer["scene"] for answer in answers if "scene" in answer)
+    phases = {answer["attrs"].get("phases") for answer in answers if "attrs" in answer}
     same = {"phases": name} if len(phases) == 1 and (name := phases.pop()) else {}
     results = []
-    for one in answers:
-        attrs = {name: value for name, value in one.get("attrs", {}).items() if name != "phases"}
-        result = Result(one.get("values", refused), attrs | same)
-        result.scene = one.get("scene", about)
-        results.append(result)
-    made = stacked(stacked_datasets(results, NUMBERED), {NUMBERED: len(results)}, along=NUMBERED)
-    names = kept.names
-    return made if names is None else made[[n for n in made.data_vars if n in (*names, "status")]]
-
-
-def _of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
-    """Answers of a function, of which those with values of other shapes than before are refused."""
-    shapes: dict[str, tuple[int, ...]] = {}
-    found: list[Answer] = []
     for answer in answers:
-        own = {name: np.shape(value) for name, value in answer_values(answer).items()}
-        shapes = own | shapes
-        other = [name for name in own if own[name] != shapes[name]]
-        problem = "".join(f"{n}: got shape {own[n]}, expected {shapes[n]}" for n in other[:1])
-        found.append({"status": REFUSED, PROBLEM: problem} if problem else answer)
-    return found
+        attrs = {name: v for name, v in answer.get("attrs", {}).items() if name != "phases"}
+        result = Result(answer.get("values", refused), attrs | same)
+        result.scene = answer.get("scene", first_layout)
+        results.append(result)
+    lengths = {NUMBERED: len(results)}
+    dataset = stacked_dataset(stacked_datasets(results, NUMBERED), lengths, along=NUMBERED)
+    if kept.names is None:
+        return dataset
+    return dataset[[name for name in dataset.data_vars if name in (*kept.names, "status")]]
+
+
+def _answers_of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
+    """Refuses answers of a function with other shapes of values than the answers before."""
+    shapes: dict[str, tuple[int, ...]] = {}
+    checked: list[Answer] = []
+    for answer in answers:
+        answer_shapes = {name: np.shape(value) for name, value in answer_values(answer).items()}
+        shapes = answer_shapes | shapes
+        for name, shape in answer_shapes.items():
+            if shape != shapes[name]:
+                problem = f"{name}: got shape {shape}, expected {shapes[name]}"
+                answer = {"status": REFUSED, PROBLEM: problem}
+                break
+        checked.append(answer)
+    return checked
 
 
 def _table_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
-    """Variables of the values that a function returns; dimensions of arrays go by their names."""
-    found = table(STATUS)
+    """Describes the values that a function returns; dimensions of arrays are named after them."""
+    variables = table(STATUS)
     for name, value in (item for row in rows for item in row.items()):
-        if name not in found:
+        if name not in variables:
             array = np.asarray(value)
             dims = tuple(f"{name}_{k}" for k in range(array.ndim))
             kind = "O" if array.dtype.kind in "OUS" else "f8"
-            found[name] = Variable(name, dims, "", "value of a function", kind)
-    return found
+            variables[name] = Variable(name, dims, "", "value of a function", kind)
+    return variables
 
 
-def whole_sweep(made: xr.Dataset, points: SweepPoints) -> xr.Dataset:
-    """Answers at all points, in their order, over the dimensions of a sweep; with names."""
+def whole_sweep(results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
+    """Lays results along `point` over the dimensions of a sweep, with names instead of codes."""
     from bearingwear.results.labels import labelled
-    from bearingwear.studies.dataset import reshaped
+    from bearingwear.studies.dataset import reshaped_dataset
 
-    taken = {str(name) for name in made.variables} - {NUMBERED}
-    found = labelled(
-        reshaped(made.drop_vars(NUMBERED, errors="ignore"), NUMBERED, points.lengths(taken))
-    )
-    found = found.assign_coords(points.coordinates(taken))
-    found.attrs = dict(made.attrs) | {
-        "changed_keys": json.dumps({name: key for key, name in points.key_names(taken).items()}),
-        "message": _message(found, made.attrs["problem"]),
+    used_names = {str(name) for name in results.variables} - {NUMBERED}
+    unnumbered = results.drop_vars(NUMBERED, errors="ignore")
+    over_axes = labelled(reshaped_dataset(unnumbered, NUMBERED, points.lengths(used_names)))
+    over_axes = over_axes.assign_coords(points.coordinates(used_names))
+    changed_keys = {name: key for key, name in points.key_names(used_names).items()}
+    over_axes.attrs = dict(results.attrs) | {
+        "changed_keys": json.dumps(changed_keys),
+        "message": _message(over_axes, results.attrs["problem"]),
     }
     for name in ("problem", "points", "part"):
-        found.attrs.pop(name, None)
-    return found
+        over_axes.attrs.pop(name, None)
+    return over_axes
 
 
 def part_of_sweep(
-    made: xr.Dataset, points: SweepPoints, numbers: Sequence[int], part: tuple[int, int]
+    results: xr.Dataset, points: SweepPoints, numbers: Sequence[int], part: tuple[int, int]
 ) -> xr.Dataset:
-    """Answers at the points of a part along `point`; with names."""
+    """Completes the results of a part along `point`, with names instead of codes."""
     from bearingwear.results.labels import labelled
 
-    found = labelled(made).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
-    message = _message(found, made.attrs["problem"])
-    return found.assign_attrs(points=points.json, part=f"{part[0]}/{part[1]}", message=message)
+    labelled_part = labelled(results).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
+    message = _message(labelled_part, results.attrs["problem"])
+    part_name = f"{part[0]}/{part[1]}"
+    return labelled_part.assign_attrs(points=points.json, part=part_name, message=message)
 
 
 def sweep_attributes(scenes: Sequence[Scene], points: SweepPoints, what: str) -> dict[str, Any]:
-    """Attributes of a sweep, but those of its answers."""
+    """Returns the attributes of a sweep that do not depend on its answers."""
     from bearingwear.results.entries import common_attributes
 
-    several = {"scenes": json.dumps([scene.to_dict() for scene in scenes])}
+    scenes_attribute = {"scenes": json.dumps([scene.to_dict() for scene in scenes])}
     return common_attributes() | {
         "title": f"{what}: {', '.join(points.names)} at {len(points)} points",
         "kind": SWEEP_KIND,
-        **(several if len(scenes) > 1 else {"scene": scenes[0].json}),
+        **(scenes_attribute if len(scenes) > 1 else {"scene": scenes[0].json}),
     }
 
 
 def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
-    """The sweep of which all parts are in files, as one call would have made it.
+    """Joins the files of all parts of a sweep to the dataset of the whole sweep.
 
-    CaseFileError: a file that is no part, of another sweep, or there twice; or a missing part.
+    CaseFileError: a file that is no part, a part of another sweep, a repeated or a missing part.
     """
     from bearingwear.results.netcdf import CaseFileError, load_kind
-    from bearingwear.studies.dataset import stacked
+    from bearingwear.studies.dataset import stacked_dataset
 
     parts: dict[str, xr.Dataset] = {}
     for path in map(Path, paths):
-        one = load_kind(path, SWEEP_KIND)
-        part = one.attrs.get("part")
-        if part is None:
+        dataset = load_kind(path, SWEEP_KIND)
+        part_name = dataset.attrs.get("part")
+        if part_name is None:
             raise CaseFileError(f"{path}: got a whole sweep, expected a part of one")
-        if part in parts:
-            raise CaseFileError(f"{path}: got part {part} twice, expected each part once")
-        first = next(iter(parts.values()), one)
+        if part_name in parts:
+            raise CaseFileError(f"{path}: got part {part_name} twice, expected each part once")
+        first_part = next(iter(parts.values()), dataset)
         for key in (*_SHARED, "scene"):
-            if one.attrs.get(key) != first.attrs.get(key):
+            if dataset.attrs.get(key) != first_part.attrs.get(key):
                 raise CaseFileError(f"{path}: {key} differs from that of the other parts")
-        parts[part] = one
+        parts[part_name] = dataset
     count = int(next(iter(parts)).partition("/")[2])
     missing = [k for k in range(1, count + 1) if f"{k}/{count}" not in parts]
     if missing:
@@ -251,31 +262,31 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
             f"{path}: got {len(parts)} of {count} parts, expected also "
             f"{', '.join(f'{k}/{count}' for k in missing)}"
         )
-    each = list(parts.values())
-    points = SweepPoints.from_json(each[0].attrs["points"])
-    numbers = np.concatenate([one[NUMBERED].values for one in each])
-    made = stacked(each, {NUMBERED: len(numbers)}, along=NUMBERED).isel(
+    datasets = list(parts.values())
+    points = SweepPoints.from_json(datasets[0].attrs["points"])
+    numbers = np.concatenate([dataset[NUMBERED].values for dataset in datasets])
+    answers = stacked_dataset(datasets, {NUMBERED: len(numbers)}, along=NUMBERED).isel(
         {NUMBERED: np.argsort(numbers)}
     )
-    fidelities = {name for one in each for name in one.attrs["fidelity"].split(", ")}
-    problems = [one.attrs["problem"] for one in each if one.attrs["problem"]]
-    made.attrs = each[0].attrs | {
+    fidelities = {name for dataset in datasets for name in dataset.attrs["fidelity"].split(", ")}
+    problems = [dataset.attrs["problem"] for dataset in datasets if dataset.attrs["problem"]]
+    answers.attrs = datasets[0].attrs | {
         "fidelity": ", ".join(sorted(fidelities)),
-        "warnings": merged_warnings(one.attrs for one in each),
+        "warnings": merged_warnings(dataset.attrs for dataset in datasets),
         "problem": problems[0] if problems else "",
     }
-    return whole_sweep(made, points)
+    return whole_sweep(answers, points)
 
 
-def sweep_warnings(made: xr.Dataset) -> list[str]:
-    """What a sweep warns of: points not solved, and the warnings of the solved ones."""
-    failed = [made.attrs["message"]] if (made["status"] != STATUS_NAMES[OK]).any() else []
-    return [*failed, *(line.removeprefix(WARNING) for line in warning_lines(made.attrs))]
+def sweep_warnings(results: xr.Dataset) -> list[str]:
+    """Returns the warnings of a sweep: unsolved points, and the warnings of the solved ones."""
+    failed = [results.attrs["message"]] if (results["status"] != STATUS_NAMES[OK]).any() else []
+    return [*failed, *(line.removeprefix(WARNING) for line in warning_lines(results.attrs))]
 
 
-def _message(made: xr.Dataset, problem: str) -> str:
-    """How many points were not solved, and why."""
-    statuses = made["status"].values.ravel().tolist()
+def _message(results: xr.Dataset, problem: str) -> str:
+    """Says how many points were not solved, and why."""
+    statuses = results["status"].values.ravel().tolist()
     failed = Counter(status for status in statuses if status != STATUS_NAMES[OK])
     if not failed:
         return "all points solved and verified"

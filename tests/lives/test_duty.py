@@ -34,7 +34,7 @@ from bearingwear.studies.design import map as design_map
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.lives.duty_report import duty_report
-from bearingwear.studies.sampling import perturbed
+from bearingwear.studies.sampling import scene_with_values
 
 HOUR = 3600.0
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -247,7 +247,7 @@ def test_any_phase_may_end_the_life(scene):
     found, cycle = even_life(made)
     assert CRITERIA[found.criterion] == "preload_fraction"
     assert cycle.cases[DutyLife(cycle, found).ending_case] == "idle"
-    each = DutyCriteria(cycle).of_cases(found.last.states)
+    each = DutyCriteria(cycle).margins_by_case(found.last.states)
     left = {name: one[found.criterion] for name, one in zip(cycle.cases, each, strict=True)}
     assert left["idle"] == pytest.approx(0.0, abs=1e-6)
     assert min(left["nominal"], left["fast"]) > 0.01
@@ -427,14 +427,14 @@ def test_films_wear_through_in_all_phases_at_once(scene):
     spans = np.array([phase["hours"] for phase in MIXED.values()])
     spans *= found.last.time / CYCLES / spans.sum()
     mixed = DutySurfaces(cycle, [solver_of(one) for one in cycle.scenes])
-    ways = [OneWay(way, lambda worn, span, rate: worn + span * rate) for way in mixed.each]
+    ways = [OneWay(way, lambda worn, span, rate: worn + span * rate) for way in mixed.ways]
     gone = []
 
     def passed(one, worn):
         node = SimpleNamespace(states=one.states(worn), worn=worn)
         for event in np.flatnonzero(one.way.events(node)[1:] <= 0.0):
             gone.append(event)
-            assert one.way.passes(1 + int(event), node)
+            assert one.way.pass_event(1 + int(event), node)
         return worn[0] + worn[1] + worn[2] >= 0.15e-6
 
     time, worn = cycles_run(ways, mixed.start, spans, spans.sum(), passed)
@@ -464,10 +464,10 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
         return tuple(w.plus(span, rate) for w, rate in zip(worn, rates, strict=True))
 
     def passed(one, worn):
-        margins = DutyCriteria(cycle).each[0].margins(one.states(worn))
+        margins = DutyCriteria(cycle).criteria[0].margins(one.states(worn))
         return margins.min() <= 0.0
 
-    ways = [OneWay(way, plus) for way in mixed.each]
+    ways = [OneWay(way, plus) for way in mixed.ways]
     for one in ways:
         one.states(mixed.start)  # equivalent losses count from there
     time, worn = cycles_run(ways, mixed.start, spans, spans.sum(), passed)
@@ -727,12 +727,12 @@ def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
 def test_values_of_a_case_vary_with_those_of_the_scene(scene):
     made = scene("gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}}))
     own = made.friction.ball_race
-    other = perturbed(made, {"ball_race": 1.5 * own, "preload_N": 9.0})
+    other = scene_with_values(made, {"ball_race": 1.5 * own, "preload_N": 9.0})
     friction = {name: one.friction.ball_race for name, one in other.in_cases.items()}
     assert friction["hot"] == pytest.approx(1.5 * 0.05)
     assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * own)
     assert {one.operation.preload_N for one in other.in_cases.values()} == {9.0}
-    assert perturbed(made, {"ball_race": own}) == made
+    assert scene_with_values(made, {"ball_race": own}) == made
 
 
 def test_a_start_of_the_duty_is_the_ramp_of_a_warm_up(scene):

@@ -145,7 +145,7 @@ def test_without_a_state_after_its_film_the_life_ends_there(scene, monkeypatch):
     solved = Motion.state
 
     def gone(self, worn, near=()):
-        if any(self.films.bare):
+        if any(self.surfaces.bare):
             return (State(code.NOT_CONVERGED, {}, Run(code.NOT_CONVERGED)),)
         return solved(self, worn, near)
 

@@ -88,7 +88,7 @@ def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
         left = []
         for speed in (0.0, 500.0, 20000.0):
             slower = scene.with_({"operation.shaft_speed_rpm": speed})
-            (state,) = wearing.elsewhere(slower, life.last.worn)
+            (state,) = wearing.states_elsewhere(slower, life.last.worn)
             assert STATUS_NAMES[state.status] == "ok", (preload, speed)
             assert state["system_axial_stiffness"] > 0.0
             left.append(state["residual_preload"])

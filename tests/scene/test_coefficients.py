@@ -45,7 +45,7 @@ def test_each_row_has_a_source_and_a_number(name):
     row = MEASURED_WEAR[name]
     assert row.url.startswith("https://") and row.source and row.conditions
     # what was opened; nothing is known by recollection alone
-    assert row.read in ("abstract", "excerpt", "page", "table", "examples")
+    assert row.read in ("abstract", "text", "page", "table", "examples")
     known = [end for end in (*row.wear, *row.friction) if not math.isnan(end)]
     assert known and all(end > 0.0 for end in known)
     assert not row.wear[0] > row.wear[1] and not row.friction[0] > row.friction[1]

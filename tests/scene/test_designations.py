@@ -269,7 +269,7 @@ def test_another_makers_name():
      # letters that could say angle, balls or type, and are not known
      "HCM7008C", "RS7008-D", "40BNR11S", "41BNR10S",
      "ABC7008C", "7008-P4-C", "7008F", "S6005", "6005C", "6204DDUCM", "6204ZZC4", "16008",
-     "7" * 500, "7008\0", "608B", "6204C4"],
+     "7" * 500, "7008\0", "608B", "6204C4", "KH608C", "608ETXM", "S 608 E"],
 )  # fmt: skip
 def test_what_is_not_known_takes_one_line(text):
     with pytest.raises(ValueError, match="designation: got .*, expected ") as error:

@@ -6,7 +6,7 @@ import pytest
 from support import scene_file
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import keys, whole
+from bearingwear.scene.checking.records import file_part, keys
 from bearingwear.scene.read import as_scene, load_scene
 from bearingwear.scene.scene import Scene, key_of_scene
 
@@ -22,7 +22,7 @@ NETWORK = {
 }
 KEYS = [
     key
-    for key, part in keys(whole(Scene))
+    for key, part in keys(file_part(Scene))
     if part.kind != "block" and ".NAME" not in key and "[]" not in key
 ]
 

@@ -48,6 +48,17 @@ def test_skf_prints_a_factor():
         "SKF minimum preload for a 7210AC: 146 N at 5000 r/min (0.00584 (n/1000)^2 kN); "
         "preload here 100 N"
     ]
+    fast = scene.with_({"operation.shaft_speed_rpm": 14000.0})
+    assert ": 1140 N at 14000 r/min" in minimum_preload_lines(fast.plain)[0]
+
+
+@pytest.mark.parametrize("designation", ["7214ACB", "7205 ACCBM", "7310AC", "7217BECBP"])
+def test_a_factor_that_is_missing_is_named(designation):
+    """Bearings of SKF's tables whose place in the text is unclear: no silence, and no guess."""
+    scene = bearingwear.new(designation=designation, preload=100.0, speed=5000.0)
+    (line,) = minimum_preload_lines(scene.plain)
+    assert line.endswith(": factor not known here; see SKF's product table")
+    assert least(scene) is None
 
 
 @pytest.mark.parametrize("known", [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
@@ -70,6 +81,7 @@ launch: {axial_g: 5.0}
         "show a.yaml",
         "life a.yaml --set model.contact=hertz",
         "launch a.yaml",
+        "uncertainty a.yaml --samples 8 -j 1 -o u.nc",
     ],
 )
 def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):

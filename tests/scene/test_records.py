@@ -8,7 +8,7 @@ import pytest
 
 from bearingwear.scene.checking.check import read_record, record
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import keyed, part_at, setting, whole
+from bearingwear.scene.checking.records import file_part, keyed, part_at, setting
 
 
 @keyed
@@ -114,7 +114,7 @@ def test_files_may_hold_anchors(tmp_path):
 
 
 def test_parts_are_found_by_path():
-    assert part_at(whole(Plan), "sweeps.one.title").key.meaning == "Heading"
-    assert part_at(whole(Plan), "sampling.seed").unit == "1"
-    assert part_at(whole(Plan), "scenes[0]").allowed == "a or b"
-    assert part_at(whole(Plan), "nothing.here") is None
+    assert part_at(file_part(Plan), "sweeps.one.title").key.meaning == "Heading"
+    assert part_at(file_part(Plan), "sampling.seed").unit == "1"
+    assert part_at(file_part(Plan), "scenes[0]").allowed == "a or b"
+    assert part_at(file_part(Plan), "nothing.here") is None

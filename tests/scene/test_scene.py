@@ -17,7 +17,7 @@ from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.checking.errors import yaml_number
-from bearingwear.scene.checking.records import keys, whole
+from bearingwear.scene.checking.records import file_part, keys
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
@@ -203,7 +203,9 @@ def test_schema_allows_no_unknown_key():
 
 
 def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
-    decided = {path for path, part in keys(whole(Scene)) if part.key.default_by == "model.accuracy"}
+    decided = {
+        path for path, part in keys(file_part(Scene)) if part.key.default_by == "model.accuracy"
+    }
     standard = STANDARD.keys("ellipse")
     assert decided == set(standard)
     for path, value in standard.items():

@@ -6,7 +6,7 @@ import pytest
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.lives.groove_life import grooves_followed, wear_over_gap
+from bearingwear.lives.groove_life import groove_choice, wear_over_gap
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.effects.sizes import effect_sizes, wear_over_gap_estimate
@@ -44,7 +44,7 @@ def test_wear_over_gap_against_exact_factors_of_hertz(name, method):
 )
 def test_the_table_says_whether_a_life_follows_grooves(changes):
     scene = load_scene(S1, changes)
-    followed = grooves_followed(scene, "steady")[0] is not None
+    followed = groove_choice(scene, "steady").follows
     assert sizes(*changes)["worn grooves, in a life"].is_on == followed
 
 

@@ -245,7 +245,7 @@ def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(sce
         ((False, True, False), [5e-6, 2e-6], [5e-6, 2e-6]),
         ((False, False, False), [5e-6, 5e-6], [5e-6, 5e-6]),
     ):
-        ball, race = films.wearing(np.array(cover))
+        ball, race = films.contact_factors(np.array(cover))
         for factor, K_s in ((ball, balls), (race, races)):
             assert_allclose(np.broadcast_to(factor * films.ball.below.H, 2), K_s, rtol=1e-14)
         inner, outer, on_ball = cover

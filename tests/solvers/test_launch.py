@@ -9,8 +9,9 @@ import pytest
 from support import benchmark
 
 import bearingwear
-from bearingwear.applications.launch.sheet import SOFT_PAIR_GAPS, launch_document
+from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.cli import main
+from bearingwear.document.launch import SOFT_PAIR_GAPS
 from bearingwear.lives.margin import launched_by_wear
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, SceneError
@@ -21,10 +22,11 @@ from bearingwear.solvers.bearing.launch import (
     RotorAtRest,
     check_launch,
     expected_peak,
+    launch_result,
     launch_values,
-    launched,
     miles,
 )
+from bearingwear.studies.design.machine import machine_answers
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
 
@@ -97,7 +99,7 @@ def test_a_program_written_apart(case):
         }
         for name, value in values.items():
             assert value == pytest.approx(other[name], **near), (k, name)
-    assert rest.along.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
+    assert rest.axial_rotor.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
 
 
 def test_random_rotors_by_plain_scipy():
@@ -115,7 +117,7 @@ def test_random_rotors_by_plain_scipy():
 def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
     """2^1.5 preloads as the preload goes to nothing, and more as the contact angle opens."""
     ratios = [
-        RotorAtRest.of(pair.with_({"operation.preload_N": F})).along.opening_force / F
+        RotorAtRest.of(pair.with_({"operation.preload_N": F})).axial_rotor.opening_force / F
         for F in (1e-6, 1e-3, 75.0)
     ]
     assert ratios[0] == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
@@ -127,7 +129,7 @@ def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
 @pytest.mark.parametrize("way", [{}, SPRING | {"arrangement.spring_stiffness_N_um": 1.0}])
 def test_opening_and_denting_are_where_the_solve_has_them(pair, way):
     rest = RotorAtRest.of(pair.with_(way))
-    opening, denting = rest.along.opening_force, rest.denting_force(4.2e9)
+    opening, denting = rest.axial_rotor.opening_force, rest.denting_force(4.2e9)
     senses = [-1.0] if way else [-1.0, 1.0]
     for sense in senses:
         assert rest.under(sense * opening * (1.0 - 1e-6)).gap == 0.0
@@ -139,7 +141,7 @@ def test_opening_and_denting_are_where_the_solve_has_them(pair, way):
 def test_a_spring_bottoms_on_its_stop(pair):
     """Beyond the spring's force nothing holds the rotor; a stop does, after its way."""
     loose = RotorAtRest.of(pair.with_(SPRING))
-    assert loose.along.opening_force == pytest.approx(75.0)
+    assert loose.axial_rotor.opening_force == pytest.approx(75.0)
     assert loose.under(-76.0) is None and loose.under(1e4).gap == 0.0  # the other way it follows
     stopped = RotorAtRest.of(pair.with_(SPRING | {"arrangement.stop_um": 20.0})).under(-500.0)
     first, second = stopped.bearings
@@ -153,7 +155,7 @@ def test_a_spring_bottoms_on_its_stop(pair):
 def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
     """That of `solve` differs by the turn of tilted ball loads, and by speed."""
     a = pair.arrangement
-    K = RestingPair.of(pair).one.stiffness_matrix(75.0)
+    K = RestingPair.of(pair).bearing.stiffness_matrix(75.0)
     known = natural_frequencies(a, np.array([K, K]), 2.0 * K[0, 0])
     found = RotorAtRest.of(pair).frequencies(a)
     assert found[:2] == pytest.approx(known[:2], rel=1e-3)
@@ -169,15 +171,15 @@ def test_miles_equation(pair):
     random = pair.with_(
         {"launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0, "launch.duration_s": 0.0}
     )
-    found = launched(random)
+    found = launch_result(random)
     by_hand = 3.0 * math.sqrt(0.5 * math.pi * found.frequencies[0] * 20.0 * 0.1)
     assert found.axial_g == pytest.approx(by_hand, rel=1e-12)
-    longer = launched(random.with_({"launch.duration_s": 120.0}))
+    longer = launch_result(random.with_({"launch.duration_s": 120.0}))
     factor = math.sqrt(2.0 * math.log(120.0 * found.frequencies[0]))
     assert longer.random["axial"].three_sigma_g == pytest.approx(by_hand, rel=1e-12)
     assert longer.axial_g == pytest.approx(by_hand * factor / 3.0, rel=1e-12)
     assert longer.pressure_share > found.pressure_share
-    plain = launched(pair.with_({"launch.axial_g": by_hand}))
+    plain = launch_result(pair.with_({"launch.axial_g": by_hand}))
     assert plain.gap == pytest.approx(found.gap, rel=1e-12) and plain.gap > 0.0
 
 
@@ -218,13 +220,13 @@ def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
     assert first.axial < 0.0 and first.gap == 0.0 and second.past == 0.0 and not second.is_open
     assert through.gap == first.past > 100e-6 and first.is_open
     assert launch_values(soft)["launch_gap"] > 100e-6
-    heading = launch_document(soft, {"new": launched(soft)}).heading
+    heading = launch_document(soft, {"new": launch_result(soft)}).heading
     assert any("passes its gap" in line for line in heading)
     assert not any("no gap" in line for line in heading)
 
 
 def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
-    """Not a hard pair, nor a soft one that stays loaded."""
+    """Not a hard pair, nor a soft one that stays loaded; in recommendations as on the sheet."""
     soft = SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_density_g2_Hz": 0.1}
     for changes, is_told in (
         (soft, True),
@@ -232,11 +234,12 @@ def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
         ({"launch.axial_g": 100.0}, False),
     ):
         scene = pair.with_(changes)
-        found = {"new": launched(scene)}
+        found = {"new": launch_result(scene)}
         heading = launch_document(scene, found).heading
         assert (SOFT_PAIR_GAPS in heading) == is_told
+        assert any(SOFT_PAIR_GAPS in line for line in machine_answers(scene)["said"]) == is_told
     rows = {row.name: row.values[0] for row in launch_document(pair.with_(soft), {
-        "new": launched(pair.with_(soft))}).blocks[1].rows}  # fmt: skip
+        "new": launch_result(pair.with_(soft))}).blocks[1].rows}  # fmt: skip
     assert rows["axial_largest_g"] / rows["axial_three_sigma_g"] == pytest.approx(
         rows["axial_expected_peak"] / 3.0
     )
@@ -244,9 +247,9 @@ def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
 
 def test_warmth_changes_what_a_rigid_pair_holds(pair):
     warm = pair.with_({"temperature.inner_ring_C": 25.0})
-    assert launched(warm).opening_g > 1.3 * launched(pair).opening_g
-    spring = launched(warm.with_(SPRING))
-    assert spring.opening_g == pytest.approx(launched(pair.with_(SPRING)).opening_g, rel=1e-9)
+    assert launch_result(warm).opening_g > 1.3 * launch_result(pair).opening_g
+    spring = launch_result(warm.with_(SPRING))
+    assert spring.opening_g == pytest.approx(launch_result(pair.with_(SPRING)).opening_g, rel=1e-9)
 
 
 def test_what_limits_look_at(pair):
@@ -262,8 +265,8 @@ def test_what_limits_look_at(pair):
 def test_a_launch_is_judged_new_and_worn(pair):
     """The worse of both, and no more wear than the scene says that there is before a launch."""
     asked = pair.with_({"launch.axial_g": 100.0})
-    worn = launched(asked.with_({"wear.ball_diameter_loss_um": 0.5}))
-    new = launched(asked)
+    worn = launch_result(asked.with_({"wear.ball_diameter_loss_um": 0.5}))
+    new = launch_result(asked)
     assert worn.opening_g < 0.9 * new.opening_g and worn.gap > new.gap
     found = launch_values(asked, [(0.0,), (0.5e-6,)])
     assert found["opening_acceleration"] == pytest.approx(GRAVITY * worn.opening_g, rel=1e-12)
@@ -282,7 +285,7 @@ def test_the_sheet_of_a_launch_says_new_and_worn(pair):
     )  # fmt: skip
     found = launched_by_wear(asked)
     assert list(found) == ["new", "worn"]
-    by_hand = launched(asked.with_({"wear.ball_diameter_loss_um": 0.5})).opening_g
+    by_hand = launch_result(asked.with_({"wear.ball_diameter_loss_um": 0.5})).opening_g
     # within what a life's end is found to
     assert found["worn"].opening_g == pytest.approx(by_hand, rel=1e-3)
     sheet = launch_document(asked, found)
@@ -309,8 +312,8 @@ def test_a_required_acceleration_at_launch_holds_worn():
         {"operation.preload_N": float(found["preload"]),
          "wear.ball_diameter_loss_um": 1e6 * float(found["loss_at_end"])}
     )  # fmt: skip
-    assert launched(worn).opening_g == pytest.approx(30.0, rel=0.01)
-    assert launched(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0
+    assert launch_result(worn).opening_g == pytest.approx(30.0, rel=0.01)
+    assert launch_result(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0
 
 
 def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):

@@ -11,7 +11,7 @@ from bearingwear.kernels.contact.summary import LOAD, PRESSURE
 from bearingwear.kernels.dynamic.record import clear
 from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import dataset, write_result
-from bearingwear.solvers.dynamic.run import begin
+from bearingwear.solvers.dynamic.run import system_at_start
 from bearingwear.solvers.dynamic.windows import LoadRange, TimeRun
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of
@@ -35,7 +35,7 @@ def solved(scene):
 
 def every_instant(scene, windows):
     """Loads and pressures (instants, n, 2) of the last window, one interval at a time."""
-    system, _ = begin(scene, start_of(scene), None)
+    system, _ = system_at_start(scene, start_of(scene), None)
     run, rows = TimeRun(scene, system, None), []
     for window in range(windows):
         for _ in range(run.grid.window):

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.solvers.bearing.rotor_balance import Nearby, RotorTrial, balanced
+from bearingwear.solvers.bearing.rotor_balance import Nearby, RotorTrial, balanced_place
 from bearingwear.solvers.condition import Condition, SolvedBearing
 from bearingwear.solvers.solve import solve
 
@@ -28,7 +28,7 @@ def search(left, start=0.0, nearby=None):
         states = (lost if beyond else solved, solved)
         return RotorTrial(states, left(x), HELD, 10.0)
 
-    x, found = balanced(trial, start, 1e-20, nearby or Nearby())
+    x, found = balanced_place(trial, start, 1e-20, nearby or Nearby())
     return x, found if isinstance(found, int) else code.OK, len(trials)
 
 
@@ -69,9 +69,9 @@ def test_what_was_found_leads_to_the_next():
     trials = []
     for loss in (0.0, 1e-7, 2e-7, 3e-7):
         losses = (loss, 2.0 * loss)
-        start = nearby.at(losses) if nearby.known else 0.0
+        start = nearby.expected_place(losses) if nearby.has_place else 0.0
         x, status, n = search(lambda x, t=loss: 3.0 * HELD * (x - 1e-6 - 0.7 * t), start, nearby)
-        nearby.found(losses, x)
+        nearby.remember(losses, x)
         assert status == code.OK
         trials.append(n)
     assert trials[2:] == [1, 1] and trials[0] > 1
@@ -130,12 +130,12 @@ def test_found_by_random_pairs(scene, name):
 
 def test_rough_places_alone_lead_to_the_next_without_a_slope():
     nearby = Nearby()
-    assert not nearby.known
-    nearby.found((0.0, 0.0), 1e-6, exact=False)
-    assert nearby.known and nearby.at((1e-7, 1e-7)) == 1e-6
-    nearby.found((1e-9, 0.0), 2e-6, exact=False)
-    assert nearby.at((1e-7, 1e-7)) == 2e-6 and not nearby.slope.any()
+    assert not nearby.has_place
+    nearby.remember_rough((0.0, 0.0), 1e-6)
+    assert nearby.has_place and nearby.expected_place((1e-7, 1e-7)) == 1e-6
+    nearby.remember_rough((1e-9, 0.0), 2e-6)
+    assert nearby.expected_place((1e-7, 1e-7)) == 2e-6 and not nearby.slope.any()
     for loss in (0.0, 1e-7):
-        nearby.found((loss, loss), 1e-6 + 0.5 * loss)
-    nearby.found((1.01e-7, 1e-7), 3e-6, exact=False)  # its slope is not learned
+        nearby.remember((loss, loss), 1e-6 + 0.5 * loss)
+    nearby.remember_rough((1.01e-7, 1e-7), 3e-6)  # its slope is not learned
     assert_allclose(nearby.slope.sum(), 0.5, rtol=1e-6)

@@ -8,7 +8,7 @@ from support import ROOT, scene_file
 
 from bearingwear.console import UsageError
 from bearingwear.measures import LIMITED
-from bearingwear.scene.checking.records import whole
+from bearingwear.scene.checking.records import file_part
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.decisive import reads_cage
 from bearingwear.scene.read import load_scene, variant
@@ -117,19 +117,19 @@ def test_what_the_schema_refuses_takes_one_line(keys, value, said, tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
-        configuration.validated(path, "config", lambda data, path: None)
+        configuration.validated_config(path, "config", lambda data, path: None)
     assert str(error.value).startswith(f"{path}: {said}")
 
 
 def test_the_configurations_of_the_project_are_right():
-    read = {name: configuration.read(f"config/{name}.yaml") for name in ("design", "lives")}
+    read = {name: configuration.read_config(f"config/{name}.yaml") for name in ("design", "lives")}
     configuration.check_lives(
         {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
     )
     design = {name: {"limits": {}, **one} for name, one in read["design"]["scenes"].items()}
     configuration.check_design({"scenes": design})
-    configuration.check_sampled(configuration.read("config/uncertainty.yaml"))
-    assert configuration.read("config/none.yaml") == {}
+    configuration.check_sampled(configuration.read_config("config/uncertainty.yaml"))
+    assert configuration.read_config("config/none.yaml") == {}
 
 
 @pytest.mark.parametrize(
@@ -161,7 +161,7 @@ def test_a_faulty_design_is_named_in_one_line(changed, said):
 def test_limits_of_the_schema_are_those_of_the_measures():
     schema = yaml.safe_load((ROOT / "workflow/schemas/design.schema.yaml").read_text())
     scene = schema["properties"]["scenes"]["additionalProperties"]
-    own = whole(DesignLimits).below
+    own = file_part(DesignLimits).below
     assert set(scene["properties"]["limits"]["properties"]) == set(own) >= set(LIMITED)
 
 

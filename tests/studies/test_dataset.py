@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bearingwear.results.variable import Variable, table
-from bearingwear.studies.dataset import filled, write_dataset
+from bearingwear.studies.dataset import dataset_of_rows, write_dataset
 
 POINT = Variable("point", ("point",), "um", "place", scale=1e6)
 RACE = Variable("race", ("race",), "", "race", "i1", flags=("inner", "outer"))
@@ -22,7 +22,7 @@ def test_rows_along_axes():
         {"side": 1, "shear": [np.nan, 4.0]},
         {"shear": [5.0, 6.0], "side": 1},
     ]
-    found = filled(SIDES, {POINT: PLACES, RACE: None}, rows, title="sides")
+    found = dataset_of_rows(SIDES, {POINT: PLACES, RACE: None}, rows, title="sides")
     assert list(found.variables) == ["side", "shear", "point", "race"]
     assert found["shear"].dims == ("point", "race") and found["side"].dims == ("point",)
     np.testing.assert_array_equal(found["shear"], [[0.5, 1.0], [np.nan, 2.0], [2.5, 3.0]])
@@ -35,7 +35,7 @@ def test_rows_along_axes():
 
 
 def test_what_a_row_lacks_is_missing(tmp_path):
-    found = filled(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
+    found = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
     assert np.isnan(found["shear"].values).all() and found["shear"].shape == (2, 2)
     np.testing.assert_array_equal(found["side"], [1.0, np.nan])
     assert "row" not in found.coords
@@ -46,21 +46,21 @@ def test_what_a_row_lacks_is_missing(tmp_path):
 
 def test_rows_over_two_axes_are_in_c_order():
     rows = [{"side": k % 2, "shear": [k, 10.0 * k]} for k in range(6)]
-    found = filled(SIDES, {"line": 2, POINT: PLACES}, rows)
+    found = dataset_of_rows(SIDES, {"line": 2, POINT: PLACES}, rows)
     assert found["shear"].dims == ("line", "point", "race")
     np.testing.assert_array_equal(found["shear"][1, :, 0], [1.5, 2.0, 2.5])
 
 
 def test_names_shapes_and_numbers_of_rows_are_checked():
     with pytest.raises(KeyError, match="top"):
-        filled(SIDES, {"race": 2}, [{"top": 1}])
+        dataset_of_rows(SIDES, {"race": 2}, [{"top": 1}])
     with pytest.raises(ValueError, match="shear"):
-        filled(SIDES, {"row": 2}, [{"shear": [1.0, 2.0]}, {"shear": 1.0}])
+        dataset_of_rows(SIDES, {"row": 2}, [{"shear": [1.0, 2.0]}, {"shear": 1.0}])
     with pytest.raises(ValueError, match="1 rows"):
-        filled(SIDES, {"row": 2, "race": 2}, [{}])
+        dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{}])
 
 
 def test_a_scene_stands_as_text(scene):
     s1 = scene("gyro_s1")
-    found = filled({}, {}, [{}], scene=s1)
+    found = dataset_of_rows({}, {}, [{}], scene=s1)
     assert json.loads(found.attrs["scene"]) == s1.to_dict()

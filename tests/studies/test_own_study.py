@@ -11,7 +11,7 @@ from bearingwear.console import UsageError
 from bearingwear.lives.life import life
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.own_study import plan_of, write_study
 
@@ -92,7 +92,7 @@ def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
     (tmp_path / "cage.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
     (tmp_path / "scenes").mkdir()
     (tmp_path / "scenes/mine.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
-    axes = cage_axes(validated(tmp_path / "cage.yaml", "cage", check_cage))
+    axes = cage_axes(validated_config(tmp_path / "cage.yaml", "cage", check_cage))
     assert axes["guide_clearance_mm"] == [0.1, 0.2]
     assert axes["cage_friction"] == [0.025, 0.05, 0.075]
 

@@ -67,6 +67,11 @@ JOBS = re.compile(r"^Job stats.*\n(?:.*\n)*?((?: *[a-z].*? +\d+ *\n)+)", re.M)
 """Rows of the table of jobs, by Snakemake itself or by the plugin that shows its progress."""
 
 
+def _options(jobs: int | None) -> list[str]:
+    """Options of each run; `jobs` is None for a command that runs no job."""
+    return [*([] if jobs is None else [f"-j{jobs}"]), "--nocolor"]
+
+
 @dataclass(frozen=True)
 class Project:
     """A copy of the project."""
@@ -78,10 +83,10 @@ class Project:
         kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
         return kept | {"NUMBA_CACHE_DIR": str(Path(PROJECT.code_folder).parent)}
 
-    def command(self, *arguments: str, jobs: int = 2) -> list[str]:
-        return [sys.executable, "-P", "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]
+    def command(self, *arguments: str, jobs: int | None = 2) -> list[str]:
+        return [sys.executable, "-P", "-m", "snakemake", *_options(jobs), *arguments]
 
-    def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
+    def run(self, *arguments: str, jobs: int | None = 2, prefix: Sequence[str] = ()) -> "Run":
         """Run Snakemake in the copy, by another program if a prefix is given."""
         before = self._logs()
         made = self._run(arguments, jobs, prefix)
@@ -97,9 +102,9 @@ class Project:
     def _logs(self) -> set[Path]:
         return set((self.root / ".snakemake/log").glob("*.log"))
 
-    def _run(self, arguments: Sequence[str], jobs: int, prefix: Sequence[str]) -> "Run":
+    def _run(self, arguments: Sequence[str], jobs: int | None, prefix: Sequence[str]) -> "Run":
         if not prefix:
-            return self._planned([f"-j{jobs}", "--nocolor", *arguments])
+            return self._planned([*_options(jobs), *arguments])
         done = subprocess.run(
             [*prefix, *self.command(*arguments, jobs=jobs)],
             cwd=self.root,

@@ -65,11 +65,17 @@ def test_every_study_is_planned(repository):
 
 
 def test_lint(repository):
-    run = repository.run("--lint")
+    run = repository.run("--lint", jobs=None)
     findings = re.findall(r"^    \* (.*)$", run.text, re.M)
     # the study is one package in one environment: no rule needs one of its own
     allowed = "Specify a conda environment or container for each rule.:"
     assert findings and set(findings) == {allowed}, run.text
+
+
+@pytest.mark.parametrize("option", ["--list", "--unlock", "--summary", "--rulegraph"])
+def test_what_runs_no_job_needs_no_number_of_jobs(repository, option):
+    run = repository.run(option, jobs=None)
+    assert run.status == 0, run.text
 
 
 def test_a_run_makes_everything_and_then_nothing(first_run, solved):
@@ -135,7 +141,7 @@ def test_one_result_again_outside_a_clone(solved):
 
 
 def test_the_report_of_the_jobs(solved):
-    run = solved.run("--report", "report.html")
+    run = solved.run("--report", "report.html", jobs=None)
     assert run.status == 0, run.text
     report = (solved.root / "report.html").read_text(encoding="utf-8")
     for category in ("across scenes", "gyro_s1_drag", "the report page"):

@@ -1,5 +1,7 @@
 # Error and computing time of the settings of a solve: `snakemake -j2 accuracy` (config/accuracy.yaml).
 
+from os import cpu_count
+
 from workflow.studies.accuracy import plan as accuracy_plan
 
 ACCURACY = checked("accuracy", accuracy_plan.check_accuracy)
@@ -22,7 +24,7 @@ rule sweep:
         trade_scene="|".join(ACCURACY["scenes"]) or "none",
         sweep="|".join([*ACCURACY["references"], *ACCURACY["sweeps"]]) or "none",
     localrule: True
-    threads: workflow.cores
+    threads: cpu_count()  # Snakemake lowers it to its own number of cores
     params:
         code=sources("workflow.studies.accuracy.run"),
         scene=scene_values(scene_of_trade, cage=True),

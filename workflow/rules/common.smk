@@ -24,11 +24,11 @@ def checked(name, check, data=None):
     """A configuration with the defaults of its schema; one line says what is wrong with it."""
     path = f"config/{name}.yaml"
     try:
-        data = configuration.read(path) if data is None else data
+        data = configuration.read_config(path) if data is None else data
         validate(data, f"../schemas/{name}.schema.yaml")
         check(data)
     except (WorkflowError, ValueError) as error:
-        raise WorkflowError(configuration.fault(path, error)) from None
+        raise WorkflowError(configuration.fault_line(path, error)) from None
     return data
 
 

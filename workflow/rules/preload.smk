@@ -1,5 +1,7 @@
 # The recommended preload: small maps, a part of the main study, and large ones (config/design.yaml).
 
+from os import cpu_count
+
 SMALL_MAPS = [
     scene
     for scene, one in DESIGN["scenes"].items()
@@ -22,7 +24,7 @@ rule small_map:
         "logs/small_map/{scene}.tsv"
     priority: 1
     localrule: True
-    threads: workflow.cores
+    threads: cpu_count()  # Snakemake lowers it to its own number of cores
     params:
         code=sources("bearingwear.studies.design.recommend"),
         scene=scene_values(uncertainty=True),

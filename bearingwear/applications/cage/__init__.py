@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def cage_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear cage`."""
+    """Adds the arguments of `bearingwear cage`."""
     from pathlib import Path
 
     from bearingwear.options import add_formats, add_jobs, add_scene, share_below_one

@@ -19,25 +19,25 @@ if TYPE_CHECKING:
 
 
 def cage_command(args: argparse.Namespace) -> int:
-    """Run an ensemble, write its file and print its sheet."""
+    """Runs an ensemble, writes its file and prints its sheet."""
     args.output = output_of(args, "-cage.nc")
     scene = given_scene(args)
-    from bearingwear.applications.cage.life import cage_found
+    from bearingwear.applications.cage.life import cage_results
     from bearingwear.applications.cage.plan import Ensemble
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.sampling import usable_cores
 
     names = ("runs", "within", "seed", "least_turns", "most_turns")
-    given = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
-    plan = record(Ensemble, given, "cage")
+    settings = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
+    plan = record(Ensemble, settings, "cage")
     tell_of_new_folder(args.output)
     with ProgressLines(args.scene) as tell:
         workers = args.jobs or usable_cores()
-        found = cage_found(scene, plan, args.life, workers, tell, args.output)
+        results = cage_results(scene, plan, args.life, workers, tell, args.output)
     tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
-    if (found["status"] == 0).any():
+    if (results["status"] == 0).any():
         return SUCCESS
     sys.stderr.write(one_line(f"{args.scene}: none of the cage runs succeeded"))
     return SUCCESS if args.record_failures else NOT_SOLVED
@@ -86,14 +86,14 @@ def cage(
     SceneError
         A ValueError with a one-line message.
     """
-    from bearingwear.applications.cage.life import cage_found
+    from bearingwear.applications.cage.life import cage_results
     from bearingwear.applications.cage.plan import Ensemble
     from bearingwear.results.labels import labelled
     from bearingwear.scene.checking.check import record
     from bearingwear.scene.read import as_scene
 
-    given = {"runs": runs, "within": within, "seed": seed}
-    given |= {"least_turns": least_turns, "most_turns": turns}
-    plan = record(Ensemble, given, "cage")
+    settings = {"runs": runs, "within": within, "seed": seed}
+    settings |= {"least_turns": least_turns, "most_turns": turns}
+    plan = record(Ensemble, settings, "cage")
     file = None if path is None else Path(path)
-    return labelled(cage_found(as_scene(scene), plan, life, workers, path=file))
+    return labelled(cage_results(as_scene(scene), plan, life, workers, path=file))

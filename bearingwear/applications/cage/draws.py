@@ -1,4 +1,4 @@
-"""What the runs of an ensemble draw: values of the scene, gravity, and where the cage starts.
+"""Random input of the runs of an ensemble: values of the scene, gravity, start of the cage.
 
 A run depends on the seed and its number alone, so that any share of the work gives the same runs.
 """
@@ -14,14 +14,14 @@ import numpy as np
 
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
-from bearingwear.scene.distributions import possible, quantile, values_at
+from bearingwear.scene.distributions import possible_range, quantile, values_at
 from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.solvers.dynamic.system import CageStart
-from bearingwear.studies.sampling import perturbed
+from bearingwear.studies.sampling import scene_with_values
 
 CLOSE = 0.95
-"""Of its clearance: a cage starts anywhere within."""
+"""Share of its clearance within which a cage starts anywhere."""
 
 ASSUMED_CLEARANCE = 0.05
 """Standard deviation of a clearance over itself where the scene has none."""
@@ -38,30 +38,30 @@ class CageDraw(NamedTuple):
 
 
 def cage_spread(scene: Scene) -> tuple[dict[str, Distribution], str]:
-    """Distributions of the values of a cage, and what they are; empty where they are its own."""
+    """Returns the distributions of a cage's values, and a sentence if they are assumed."""
     if scene.cage_uncertainty is not None:
         return dict(scene.cage_uncertainty), ""
     cage = scene.cage
     assert cage is not None
     friction, wear = f"{ASSUMED_FRICTION.factor:.2g}", f"{ASSUMED_WEAR.factor:.2g}"
     names = ["pocket_clearance_mm", "guide_clearance_mm"][: 1 + (cage.guiding_race != "ball")]
-    found = {
+    spread = {
         name: Distribution(
             distribution="normal", standard_deviation=ASSUMED_CLEARANCE * getattr(cage, name)
         )
         for name in names
     }
-    found["cage"] = Distribution(distribution="lognormal", factor=float(friction))
-    found[WEAR] = Distribution(distribution="lognormal", factor=float(wear))
-    said = (
+    spread["cage"] = Distribution(distribution="lognormal", factor=float(friction))
+    spread[WEAR] = Distribution(distribution="lognormal", factor=float(wear))
+    sentence = (
         f"assumed scatter in the cage parameters: friction by a factor of {friction}, clearances "
         f"by {100.0 * ASSUMED_CLEARANCE:g} %, K_s/H by a factor of {wear}"
     )
-    return found, said
+    return spread, sentence
 
 
 def cage_value(scene: Scene, name: str) -> float:
-    """A scene's own value of a name of `UNCERTAIN_CAGE`."""
+    """Returns the value that the scene itself has for a name of `UNCERTAIN_CAGE`."""
     if name == WEAR:
         return 1.0
     if name == GRAVITY_ANGLE:
@@ -70,49 +70,59 @@ def cage_value(scene: Scene, name: str) -> float:
     return float(getattr(getattr(scene, UNCERTAIN_CAGE[name]), name))
 
 
-def cage_drawn(
+def cage_draw(
     scene: Scene, spread: Mapping[str, Distribution], plan: Ensemble, run: int
 ) -> CageDraw:
-    """The draw of a run of an ensemble.
+    """Draws the input of a run.
 
-    spread: of the new cage, as `cage_spread` has it.
+    spread: distributions of the new cage, from `cage_spread`.
     """
     random = np.random.default_rng([plan.seed, run])
-    offset, angle, whirl, about = random.random(4)
+    offset, angle, whirl, gravity_turn = random.random(4)
     start = CageStart(CLOSE * math.sqrt(offset), 2.0 * math.pi * angle, whirl)
     names = [name for name in scene.uncertainty or {} if name not in WORN]
-    of_bearing = values_at(scene, names, random.random((1, len(names))))[0].tolist()
-    values = dict(zip(names, of_bearing, strict=True))
-    of_cage = {}
-    for name, given in spread.items():
+    bearing_values = values_at(scene, names, random.random((1, len(names))))[0].tolist()
+    drawn_values = dict(zip(names, bearing_values, strict=True))
+    cage_values = {}
+    for name, distribution in spread.items():
         probability = np.array(random.random())
         if name != WEAR:
-            own, key = cage_value(scene, name), f"{UNCERTAIN_CAGE[name]}.{name}"
-            ends = (0.0, 180.0) if name == GRAVITY_ANGLE else possible(key)
-            of_cage[name] = float(quantile(given, own, ends, probability))
-    changed = perturbed(scene, values)
-    if changed is not None:
-        changed = worn_cage(_with_cage(changed, of_cage, 2.0 * math.pi * about), plan.worn_um)
-    return CageDraw(changed, start, values | of_cage)
+            nominal, key = cage_value(scene, name), f"{UNCERTAIN_CAGE[name]}.{name}"
+            limits = (0.0, 180.0) if name == GRAVITY_ANGLE else possible_range(key)
+            cage_values[name] = float(quantile(distribution, nominal, limits, probability))
+    drawn_scene = scene_with_values(scene, drawn_values)
+    if drawn_scene is not None:
+        drawn_scene = worn_cage(
+            _with_cage(drawn_scene, cage_values, 2.0 * math.pi * gravity_turn), plan.worn_um
+        )
+    return CageDraw(drawn_scene, start, drawn_values | cage_values)
 
 
 def _with_cage(scene: Scene, values: Mapping[str, float], about: float) -> Scene:
-    """The scene with other values of its cage, gravity at an angle `about` the shaft."""
+    """Returns the scene with other values of its cage, and gravity turned about the shaft.
+
+    about: angle of gravity about the shaft [rad].
+    """
     parts = {
         block: {name: value for name, value in values.items() if UNCERTAIN_CAGE[name] == block}
         for block in ("friction", "cage")
     }
-    changed = {block: replace(getattr(scene, block), **part) for block, part in parts.items()}
+    changed_blocks = {
+        block: replace(getattr(scene, block), **part) for block, part in parts.items()
+    }
     if GRAVITY_ANGLE in values:
         size, angle = math.hypot(*scene.operation.gravity_m_s2), math.radians(values[GRAVITY_ANGLE])
         across = size * math.sin(angle)
         gravity = (size * math.cos(angle), across * math.cos(about), across * math.sin(about))
-        changed["operation"] = replace(scene.operation, gravity_m_s2=gravity)
-    return replace(scene, **changed)
+        changed_blocks["operation"] = replace(scene.operation, gravity_m_s2=gravity)
+    return replace(scene, **changed_blocks)
 
 
 def worn_cage(scene: Scene, depth_um: Sequence[float]) -> Scene:
-    """The scene with depths worn off the walls of its pockets and off its guiding surface [um]."""
+    """Returns the scene with worn pocket walls and a worn guiding surface.
+
+    depth_um: wear depths of the pocket walls and of the guiding surface [um].
+    """
     cage = scene.cage
     assert cage is not None
     pocket, guide = (2e-3 * depth for depth in depth_um)

@@ -1,4 +1,4 @@
-"""An ensemble of runs of one cage: which motions, how often, and what they wear.
+"""An ensemble of runs of one cage: its motions, their shares, and the wear that they cause.
 
 Theory: docs/theory/10-cage.md.
 """
@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm, t
 
-from bearingwear.applications.cage.draws import CageDraw, cage_drawn, cage_spread
+from bearingwear.applications.cage.draws import CageDraw, cage_draw, cage_spread
 from bearingwear.applications.cage.motion import MOTIONS
 from bearingwear.applications.cage.plan import FEWEST, Ensemble
 from bearingwear.applications.cage.run import ACROSS, CAGE_RUN, cage_run
@@ -33,10 +33,10 @@ from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.warm import warm_scene
 from bearingwear.studies.answers import PROBLEM, Tell, Workers
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 RunRow = dict[str, Any]
-"""Values of `CAGE_RUN` of a run, and what it drew."""
+"""Values of `CAGE_RUN` of a run, and the values that it drew."""
 
 ENSEMBLE_KIND = "cage ensemble"
 
@@ -46,7 +46,9 @@ OF_MOTION = Variable("of_motion", ("of_motion",), "", "motion", "i1", flags=MOTI
 END = Variable("end", ("end",), "", "end of an interval", "i1", flags=("low", "high"))
 
 MEANS = tuple(
-    name for name, one in CAGE_RUN.items() if not one.dims and one.units and not one.flags
+    name
+    for name, variable in CAGE_RUN.items()
+    if not variable.dims and variable.units and not variable.flags
 )
 """Variables of a run whose means an ensemble has."""
 
@@ -56,9 +58,9 @@ SUMMARY = table(
         "share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of the share of runs"
     ),
     *(
-        one
+        variable
         for name in MEANS
-        for one in (
+        for variable in (
             Variable(f"mean_{name}", GROUP.dims, CAGE_RUN[name].units,
                 f"mean over the runs: {CAGE_RUN[name].long_name}"),
             Variable(f"mean_{name}_interval", GROUP.dims + END.dims, CAGE_RUN[name].units,
@@ -66,34 +68,34 @@ SUMMARY = table(
         )
     ),
 )  # fmt: skip
-"""What is found of an ensemble."""
+"""Results of an ensemble."""
 
 _CHECKED_EVERY = 10  # runs
 _SAME_RUNS = ("scene", "spread", "drawn_by", "run_sources")
-"""Attributes of ensembles whose runs are the same, as far as both have come."""
+"""Attributes that agree where two ensembles consist of the same runs."""
 
 
 def ensemble_scene(scene: Scene) -> Scene:
-    """A scene as its runs solve it: with the cage, at temperatures that are known.
+    """Returns a scene as its runs solve it: with the cage, at known temperatures.
 
-    SceneError: it has no cage, or no temperatures at which its heat goes.
+    SceneError: it has no cage, or no temperatures at which its heat is carried away.
     """
     if scene.cage is None:
         raise SceneError("cage", "got nothing, expected a cage")
-    solved = variant(scene, {"model.cage_results": True, "model.fidelity": "dynamic"})
-    warm = warm_scene(solved)
+    dynamic_scene = variant(scene, {"model.cage_results": True, "model.fidelity": "dynamic"})
+    warm = warm_scene(dynamic_scene)
     if warm.status != OK:
         raise SceneError("thermal", f"got {warm.sentence}, expected a thermal balance")
     return warm.scene
 
 
 def work(rows: Sequence[RunRow]) -> np.ndarray:
-    """Work at the cage in a shaft turn, of each run that was solved [J]."""
+    """Returns the work at the cage per shaft turn, of each run that was solved [J]."""
     return np.array([row["work"] for row in rows if "work" in row])
 
 
 def half_interval(values: np.ndarray) -> float:
-    """Half of the interval of the mean of independent values, by Student's t."""
+    """Returns half of the interval of the mean of independent values, by Student's t."""
     n = len(values)
     if n < 2:
         return math.nan
@@ -101,14 +103,14 @@ def half_interval(values: np.ndarray) -> float:
 
 
 def is_met(rows: Sequence[RunRow], plan: Ensemble) -> bool:
-    """Whether the interval of the mean work is as narrow as was asked for."""
+    """Returns whether the interval of the mean work is as narrow as the plan requires."""
     values = work(rows)
-    known = len(values) >= FEWEST
-    return known and half_interval(values) <= plan.within * abs(float(values.mean()))
+    enough = len(values) >= FEWEST
+    return enough and half_interval(values) <= plan.within * abs(float(values.mean()))
 
 
 def share_interval(count: int, total: int) -> tuple[float, float]:
-    """Wilson's interval of a share."""
+    """Returns Wilson's interval of the share that a count is of a total."""
     z = float(norm.ppf(INTERVAL[1]))
     p, weight = count / total, z * z / total
     middle = (p + 0.5 * weight) / (1.0 + weight)
@@ -117,42 +119,45 @@ def share_interval(count: int, total: int) -> tuple[float, float]:
 
 
 def summary(rows: Sequence[RunRow]) -> dict[str, Any]:
-    """Values of `SUMMARY` of runs."""
+    """Returns the values of `SUMMARY` over runs."""
     motions = np.array([row.get("motion", -1) for row in rows])
     counts = [int((motions == code).sum()) for code in range(len(MOTIONS))]
-    named = max(sum(counts), 1)
-    found: dict[str, Any] = {
-        "share": [count / named for count in counts],
-        "share_interval": [share_interval(count, named) for count in counts],
+    classified = max(sum(counts), 1)
+    results: dict[str, Any] = {
+        "share": [count / classified for count in counts],
+        "share_interval": [share_interval(count, classified) for count in counts],
     }
     groups = [np.ones(len(rows), bool), *(motions == code for code in range(len(MOTIONS)))]
     for name in MEANS:
-        every = np.array([row.get(name, math.nan) for row in rows], dtype=float)
-        parts = [every[group & np.isfinite(every)] for group in groups]
-        means = [float(part.mean()) if part.size else math.nan for part in parts]
-        found[f"mean_{name}"] = means
-        found[f"mean_{name}_interval"] = [
-            _ends(part, mean) for part, mean in zip(parts, means, strict=True)
+        run_values = np.array([row.get(name, math.nan) for row in rows], dtype=float)
+        group_values = [run_values[group & np.isfinite(run_values)] for group in groups]
+        means = [float(values.mean()) if values.size else math.nan for values in group_values]
+        results[f"mean_{name}"] = means
+        results[f"mean_{name}_interval"] = [
+            _mean_interval(values, mean) for values, mean in zip(group_values, means, strict=True)
         ]
-    return found
+    return results
 
 
-def _ends(part: np.ndarray, mean: float) -> tuple[float, float]:
-    """Interval of a mean; of what is never negative it has no negative end."""
-    half = half_interval(part)
-    least = 0.0 if part.size and part.min() >= 0.0 else -math.inf
+def _mean_interval(values: np.ndarray, mean: float) -> tuple[float, float]:
+    """Returns the interval of a mean; values that are never negative have no negative end."""
+    half = half_interval(values)
+    least = 0.0 if values.size and values.min() >= 0.0 else -math.inf
     return max(mean - half, least) if math.isfinite(half) else math.nan, mean + half
 
 
 class _Job(NamedTuple):
+    """A run to make."""
+
     scene: Scene
     spread: Mapping[str, Any]
     plan: Ensemble
     run: int
 
 
-def _done(job: _Job) -> RunRow:
-    draw: CageDraw = cage_drawn(job.scene, job.spread, job.plan, job.run)
+def _run_row(job: _Job) -> RunRow:
+    """Draws a run and solves it."""
+    draw: CageDraw = cage_draw(job.scene, job.spread, job.plan, job.run)
     row: RunRow = {"status": BEYOND_GROOVE}
     if draw.scene is not None:
         row = cage_run(draw.scene, draw.start, job.plan.least_turns, job.plan.most_turns)
@@ -167,54 +172,54 @@ def ensemble_of(
     before: xr.Dataset | None = None,
     journal: Path | None = None,
 ) -> xr.Dataset:
-    """Runs of a scene's cage until the interval asked for is met, or all have been made.
+    """Makes runs of a scene's cage until the required interval is met, or all have been made.
 
     workers: processes; they change nothing but the time.
     tell: given a line every few seconds.
-    before: an ensemble to go on from. That of another scene or plan is not used.
-    journal: file that the ensemble will be written to, beside which runs are kept till then.
+    before: an ensemble to continue. That of another scene or plan is not used.
+    journal: file that the ensemble will be written to; until then, runs are kept beside it.
     """
-    solved = ensemble_scene(scene)
-    spread, said = cage_spread(solved)
-    names = [*cage_drawn(solved, spread, plan, 0).values]
+    dynamic_scene = ensemble_scene(scene)
+    spread, assumed = cage_spread(dynamic_scene)
+    names = [*cage_draw(dynamic_scene, spread, plan, 0).values]
     attributes = {
         "title": f"Ensemble of cage runs: {scene.name}",
         "kind": ENSEMBLE_KIND,
         "scene": scene.json,
         "ensemble": json.dumps(asdict(plan)),
-        "spread": json.dumps({name: asdict(one) for name, one in spread.items()}),
-        "assumed": said,
+        "spread": json.dumps({name: asdict(distribution) for name, distribution in spread.items()}),
+        "assumed": assumed,
         "drawn_by": json.dumps([plan.seed, plan.least_turns, plan.most_turns, plan.worn_um]),
-        "dynamic_tolerance": solved.model.dynamic_tolerance,
+        "dynamic_tolerance": dynamic_scene.model.dynamic_tolerance,
         "run_sources": result_hash("bearingwear.applications.cage.run"),
     }
 
-    rows = _rows_of(before, attributes)
-    kept = None if journal is None else Journal(journal, attributes)
-    if kept is not None:
-        kept.read(rows)
-    jobs = [_Job(solved, spread, plan, k) for k in range(len(rows), plan.runs)]
-    made = _answers(jobs, workers)
+    rows = _rows_before(before, attributes)
+    journal_file = None if journal is None else Journal(journal, attributes)
+    if journal_file is not None:
+        journal_file.read(rows)
+    jobs = [_Job(dynamic_scene, spread, plan, k) for k in range(len(rows), plan.runs)]
+    new_runs = _solved_rows(jobs, workers)
     begun = last = time.monotonic()
-    before_these = len(rows)
-    with contextlib.closing(made):
-        while not _is_enough(rows, plan) and (row := next(made, None)) is not None:
-            if kept is not None:
-                kept.add(len(rows), row)
+    rows_before = len(rows)
+    with contextlib.closing(new_runs):
+        while not _is_enough(rows, plan) and (row := next(new_runs, None)) is not None:
+            if journal_file is not None:
+                journal_file.add(len(rows), row)
             rows.append(row)
             now = time.monotonic()
             if tell and now - last > LINE_EVERY:
-                last, done = now, len(rows) - before_these
+                last, done = now, len(rows) - rows_before
                 left = (now - begun) / done * (_expected_runs(rows, plan) - len(rows))
                 tell(f"{done} of at most {len(jobs)} runs, about {left:.0f} s left")
     return _dataset(rows[: plan.runs], names, attributes)
 
 
-def _answers(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, None]:
-    """Runs one by one in their order; who closes this waits for no other."""
+def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, None]:
+    """Yields runs one by one in their order; whoever closes this waits for no other run."""
     with Workers(workers, "bearingwear.cage", progress=False) as pool:
         pool.start()
-        for answer in pool.answers_at(_done, jobs, at_once=1):
+        for answer in pool.answers_at(_run_row, jobs, at_once=1):
             if PROBLEM in answer:
                 raise ValueError(answer[PROBLEM])
             yield dict(answer)
@@ -225,7 +230,7 @@ def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
 
 
 def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
-    """Runs in all after which the interval is met, if further runs scatter as those so far do."""
+    """Estimates the number of runs that meet the interval, if all scatter like those so far."""
     values = work(rows)
     if len(values) < 3 or not values.any():
         return plan.runs
@@ -238,68 +243,77 @@ def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
 def _dataset(
     rows: Sequence[RunRow], names: Sequence[str], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
+    """Returns runs and their summary as a dataset.
+
+    names: names of the sampled values.
+    """
     plan = Ensemble(**json.loads(attributes["ensemble"]))
     value = Variable("value", ("value",), "", "name of the sampled value", "i1", flags=tuple(names))
     drawn_values = Variable("drawn", ("value",), "", "sampled value, in the unit of its key")
     runs = CAGE_RUN | ({"drawn": drawn_values} if names else {})
-    kept = [{name: one[name] for name in runs if name in one} for one in rows]
+    stored_rows = [{name: row[name] for name in runs if name in row} for row in rows]
     axes: dict[Any, Any] = {OF_RUN: range(len(rows)), ACROSS: None}
-    made = filled(runs, axes | ({value: None} if names else {}), kept)
-    of_all = filled(SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)])
+    run_dataset = dataset_of_rows(runs, axes | ({value: None} if names else {}), stored_rows)
+    summary_dataset = dataset_of_rows(
+        SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)]
+    )
     met = np.int64(len(rows) > 0 and is_met(rows, plan))
-    return xr.merge([made, of_all], combine_attrs="override").assign_attrs(attributes, met=met)
+    return xr.merge([run_dataset, summary_dataset], combine_attrs="override").assign_attrs(
+        attributes, met=met
+    )
 
 
-def _rows_of(before: xr.Dataset | None, attributes: Mapping[str, Any]) -> list[RunRow]:
-    """The runs of an ensemble that was begun; none of another one."""
+def _rows_before(before: xr.Dataset | None, attributes: Mapping[str, Any]) -> list[RunRow]:
+    """Returns the runs of an ensemble that was begun, or none if it is another one."""
     if before is None or any(before.attrs.get(k) != attributes[k] for k in _SAME_RUNS):
         return []
     names = [name for name in (*CAGE_RUN, "drawn") if name in before]
     rows = []
     for k in range(before.sizes["run"]):
         values = {name: before[name].values[k] for name in names}
-        known = {name: value for name, value in values.items() if np.isfinite(value).all()}
-        rows.append({name: np.asarray(value).tolist() for name, value in known.items()})
+        finite_values = {name: value for name, value in values.items() if np.isfinite(value).all()}
+        rows.append({name: np.asarray(value).tolist() for name, value in finite_values.items()})
     return rows
 
 
 class Journal:
-    """Runs that are not in a file yet, a line each: what is killed loses none of them."""
+    """Runs that are not in a file yet, one on each line, so that a killed process loses none."""
 
     def __init__(self, path: Path, attributes: Mapping[str, Any]) -> None:
         self.path = path.with_name(f".{path.name}.runs")
         self.head = json.dumps([attributes[key] for key in _SAME_RUNS])
 
     def read(self, rows: list[RunRow]) -> None:
-        """Add the runs that follow some."""
+        """Adds the runs that follow the given rows; drops a line that is incomplete."""
         lines = self.path.read_text(encoding="utf-8").split("\n") if self.path.is_file() else []
         if lines[:1] != [self.head]:
             write_text(self.path, f"{self.head}\n")
             return
-        *whole, torn = lines[1:]  # the last one ends with a line break, if it is whole
-        for number, row in map(json.loads, whole):
+        *complete, incomplete = lines[1:]  # the last one is empty if it was written to its end
+        for number, row in map(json.loads, complete):
             if number == len(rows):
                 rows.append(row)
-        if torn:
-            write_text(self.path, "\n".join([self.head, *whole, ""]))
+        if incomplete:
+            write_text(self.path, "\n".join([self.head, *complete, ""]))
 
     def add(self, number: int, row: RunRow) -> None:
+        """Adds a run."""
         with self.path.open("a", encoding="utf-8") as file:
             file.write(f"{json.dumps([number, row])}\n")
 
 
 @contextlib.contextmanager
-def kept_in(
+def resumed_ensemble(
     path: Path, scene: Scene, plan: Ensemble, workers: int = 1, tell: Tell | None = None
 ) -> Iterator[xr.Dataset]:
-    """An ensemble that goes on from its file, or from where a run was killed.
+    """Yields an ensemble that continues from its file, or from where a run was killed.
 
-    Its runs are kept till the block has ended, which writes the file.
+    Its journal is removed after the block, which must write the file.
     """
     before = None
     if path.is_file():
         with contextlib.suppress(CaseFileError):
             before = load(path)
-    found = ensemble_of(scene, plan, workers, tell, before, path)
-    yield found
-    Journal(path, found.attrs).path.unlink(missing_ok=True)
+    ensemble = ensemble_of(scene, plan, workers, tell, before, path)
+    yield ensemble
+    Journal(path, ensemble.attrs).path.unlink(missing_ok=True)

@@ -13,7 +13,7 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.variable import Variable
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import variant
-from bearingwear.studies.dataset import coordinate, stacked
+from bearingwear.studies.dataset import coordinate, stacked_dataset
 
 MAP_KIND = "cage map"
 
@@ -51,27 +51,27 @@ def gathered_ensembles(
     axes: Mapping[str, Sequence[Any]],
     changes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """The ensembles of all cages, over the axes of their map.
+    """Returns the ensembles of all cages, over the axes of their map.
 
-    scene: that has all that is not varied.
-    paths: in the order of `plan.cage_points`.
-    axes: values along the dimensions, as of `plan.cage_axes`.
+    scene: file with all values that are not varied.
+    paths: files of the ensembles in the order of `plan.cage_points`.
+    axes: values along the dimensions, from `plan.cage_axes`.
     changes: keys to set in the scene.
     """
     parts = [load(path) for path in paths]
     shape = {CAGE_AXES[name][0].name: len(values) for name, values in axes.items()}
-    together = stacked(parts, shape, leave_out=("run", "value", "across"))
+    ensembles = stacked_dataset(parts, shape, leave_out=("run", "value", "across"))
     counts = np.reshape([part.sizes["run"] for part in parts], tuple(shape.values()))
-    about = {"long_name": "number of runs in the ensemble", "units": "1"}
-    together = together.assign(runs=(tuple(shape), counts, about))
-    for name, given in axes.items():
+    attributes = {"long_name": "number of runs in the ensemble", "units": "1"}
+    ensembles = ensembles.assign(runs=(tuple(shape), counts, attributes))
+    for name, values in axes.items():
         axis, factor = CAGE_AXES[name]
-        codes = [GUIDES.index(one) if factor is None else factor * one for one in given]
-        together = together.assign_coords(coordinate(axis, codes))
+        codes = [GUIDES.index(code) if factor is None else factor * code for code in values]
+        ensembles = ensembles.assign_coords(coordinate(axis, codes))
     changed = variant(scene, changes)
-    together.attrs = dict(parts[0].attrs) | {
+    ensembles.attrs = dict(parts[0].attrs) | {
         "title": f"Cage map: {changed.name}",
         "kind": MAP_KIND,
         "scene": changed.json,
     }
-    return together
+    return ensembles

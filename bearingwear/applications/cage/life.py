@@ -1,4 +1,4 @@
-"""How long a cage lasts: ensembles along its wear, until a film is gone or a clearance too large.
+"""The life of a cage: ensembles along its wear, until a film is gone or a clearance too large.
 
 Work per shaft turn in pockets and at the land, from ensembles, times K_s/H is what they lose; the
 loss opens the clearances, and the next ensemble is made there (docs/theory/10-cage.md). What balls
@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.applications.cage.draws import WEAR, cage_spread
-from bearingwear.applications.cage.ensemble import END, OF_MOTION, ensemble_of, kept_in
+from bearingwear.applications.cage.ensemble import END, OF_MOTION, ensemble_of, resumed_ensemble
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.kernels.status import OK
 from bearingwear.lives.dynamic_life import steady_life
@@ -39,7 +39,7 @@ from bearingwear.solvers.bearing.mounted import UM
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
 from bearingwear.studies.answers import Tell
-from bearingwear.studies.dataset import filled, write_dataset
+from bearingwear.studies.dataset import dataset_of_rows, write_dataset
 from bearingwear.studies.sampling import wear_factor
 
 WEARING = ("pockets", "land")
@@ -83,11 +83,11 @@ CAGE_LIFE = table(
 
 
 WornEnsembles = Callable[[int, np.ndarray], xr.Dataset]
-"""The ensemble of a number along a life, with so much worn off pockets and land (2,) [m]."""
+"""Returns the ensemble of a number along a life, at wear depths of pockets and land (2,) [m]."""
 
 
 def with_cage_end(scene: Scene) -> Scene:
-    """The scene with an end for its cage: a film that is worn through, if it has no other.
+    """Returns the scene with an end for its cage: a film worn through, if it has no other.
 
     SceneError: nothing ends the life of the cage, or it has ended.
     """
@@ -101,9 +101,9 @@ def with_cage_end(scene: Scene) -> Scene:
             raise SceneError("cage.film", problem)
         end = replace(end, **{"cage_film_worn_share": 1.0})
     for name in ("pocket_clearance_mm", "guide_clearance_mm"):
-        limit, own = getattr(end, name), getattr(cage, name)
-        if limit is not None and limit <= own:
-            problem = f"got {limit:g}, expected a number > {own:g}, the initial value"
+        limit, initial = getattr(end, name), getattr(cage, name)
+        if limit is not None and limit <= initial:
+            problem = f"got {limit:g}, expected a number > {initial:g}, the initial value"
             raise SceneError(f"wear.end_of_life.{name}", problem)
     return with_end(scene, end)
 
@@ -111,38 +111,42 @@ def with_cage_end(scene: Scene) -> Scene:
 class EnsembleWear(Motion):
     """The wear of a cage by ensembles; balls and races do not wear.
 
-    A state has the mean work in pockets and at the land (2,) [J], half of its interval over it, and
-    the share of each motion.
+    The values of a state are the mean work in pockets and at the land (2,) [J], the half-width of
+    its interval relative to it, and the share of each motion.
     """
 
     def __init__(
-        self, scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None
+        self,
+        scene: Scene,
+        ensemble_at: WornEnsembles,
+        progress: Callable[[str], None] | None = None,
     ) -> None:
-        super().__init__(with_cage_end(scene), progress=tell)
-        self.found, self.made, self.steps = found, 0, LIFE_STEPS
+        super().__init__(with_cage_end(scene), progress=progress)
+        self.ensemble_at, self.ensembles, self.steps = ensemble_at, 0, LIFE_STEPS
         self.turn = 60.0 / scene.operation.fastest_rpm
         assert scene.cage is not None
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """The ensemble at that wear."""
-        ensemble = self.found(self.made, self.parts.cage_depths(worn))
-        self.made += 1
+        """Returns the state at a wear, from an ensemble there."""
+        ensemble = self.ensemble_at(self.ensembles, self.parts.cage_depths(worn))
+        self.ensembles += 1
         work = np.array([float(ensemble[f"mean_{part}_work"][0]) for part in CAGE_PARTS])
         status = OK if np.isfinite(work).all() else int(ensemble["status"].values[0])
-        ends = [ensemble[f"mean_{part}_work_interval"].values[0] for part in CAGE_PARTS]
-        half = 0.5 * np.diff(ends)[:, 0]
-        error = np.divide(half, work, out=np.zeros(work.size), where=work > 0.0)
-        values = {"work": work, "work_error": error, "share": ensemble["share"].values}
+        intervals = [ensemble[f"mean_{part}_work_interval"].values[0] for part in CAGE_PARTS]
+        half_widths = 0.5 * np.diff(intervals)[:, 0]
+        relative_error = np.divide(half_widths, work, out=np.zeros(work.size), where=work > 0.0)
+        values = {"work": work, "work_error": relative_error, "share": ensemble["share"].values}
         return self.with_worn((State(status, values),), worn)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
-        return (states[0].with_values(self.parts.of_cage(worn)),)
+        return (states[0].with_values(self.parts.cage_values(worn)),)
 
     def rates(self, node: Node) -> np.ndarray:
+        """Returns wear rates by the mean work in pockets and at the land."""
         pockets, land = self.per_second * node.states[0]["work"]
-        each = pockets / self.scene.bearing.ball_count
-        return self.parts.cage_rates({"pocket_wear_rate": each, "cage_land_wear_rate": land})
+        per_pocket = pockets / self.scene.bearing.ball_count
+        return self.parts.cage_rates({"pocket_wear_rate": per_pocket, "cage_land_wear_rate": land})
 
     def wears(self, node: Node) -> bool:
         return bool(self.rates(node).any())
@@ -164,73 +168,83 @@ class BetweenEnsembles(Trapezoid):
     So an end or a film that is worn through within a step requires no further ensemble.
     """
 
-    def again(self, node: Node) -> Node:
+    def node_after_event(self, node: Node) -> Node:
         return node
 
-    def after(self, x: float) -> Node:
-        end = max(self.known.values(), key=lambda node: node.x, default=None)
+    def node_after(self, x: float) -> Node:
+        """Returns the node at a time after the last one, between two ensembles if there are two."""
+        end = max(self.nodes_by_time.values(), key=lambda node: node.x, default=None)
         if end is None:
-            return super().after(x)
+            return super().node_after(x)
         wearing, now = self.wearing, self.now
         h, share = x - now.x, (x - now.x) / (end.x - now.x)
-        first, last = wearing.rates(now), wearing.rates(end)
-        worn = now.worn + h * (first + 0.5 * share * (last - first))
-        limits = now.states[0].values, end.states[0].values
-        mixed = {
-            name: (1.0 - share) * value + share * limits[1][name]
-            for name, value in limits[0].items()
+        first_rate, last_rate = wearing.rates(now), wearing.rates(end)
+        worn = now.worn + h * (first_rate + 0.5 * share * (last_rate - first_rate))
+        first, last = now.states[0].values, end.states[0].values
+        between = {
+            name: (1.0 - share) * value + share * last[name] for name, value in first.items()
         }
-        states = wearing.with_worn((State(OK, mixed),), worn)
+        states = wearing.with_worn((State(OK, between),), worn)
         return Node(x, worn, states, x)
 
 
-def followed(scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None) -> Life:
-    """The life of a cage by ensembles along it."""
-    wearing = EnsembleWear(scene, found, tell)
+def ensemble_life(
+    scene: Scene, ensemble_at: WornEnsembles, tell: Callable[[str], None] | None = None
+) -> Life:
+    """Returns the life of a cage, from ensembles along it."""
+    wearing = EnsembleWear(scene, ensemble_at, tell)
     method = BetweenEnsembles(_MOST_STEPS)
     return follow(wearing, Criteria(wearing.scene), method)
 
 
-def cage_life(life: Life, other: bool = True) -> xr.Dataset:
-    """Life of a cage by the ensembles along it, beside that of balls and races."""
+def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Dataset:
+    """Returns the life of a cage from the ensembles along it.
+
+    with_other_parts: whether to add the steady life of balls and races.
+    """
     wearing: EnsembleWear = life.wearing
     scene, parts = wearing.scene, wearing.parts
     depths = np.array([parts.cage_depths(node.worn) for node in life.nodes])
     turns = np.array([node.x for node in life.nodes]) / wearing.turn
-    share, error = (
-        np.array([one[name] for one in life.states]) for name in ("share", "work_error")
+    share, relative_error = (
+        np.array([state[variable] for state in life.states]) for variable in ("share", "work_error")
     )
-    values: dict[str, Any] = {"cage_end": life.criterion}
+    results: dict[str, Any] = {"cage_end": life.criterion}
     attrs = {}
     if life.status == OK:
         criterion = CRITERIA[life.criterion]
         measure, limit = ENDS[criterion], getattr(wearing.end, criterion)
-        worst, name = measure.critical(life.states[-1].__getitem__)
-        attrs = {"cage_ended_by": measure.criterion_phrase(worst, limit, name)}
+        value, variable = measure.critical(life.states[-1].__getitem__)
+        attrs = {"cage_ended_by": measure.criterion_phrase(value, limit, variable)}
         # Runs along the life draw alike, so errors add.
-        half = np.trapezoid(error[:, int(not name.startswith(CAGE_PARTS[0]))], turns) / turns[-1]
-        interval = turns[-1] * np.array([1.0 - half, 1.0 + half])
-        values |= {
+        half_width = (
+            np.trapezoid(relative_error[:, int(not variable.startswith(CAGE_PARTS[0]))], turns)
+            / turns[-1]
+        )
+        interval = turns[-1] * np.array([1.0 - half_width, 1.0 + half_width])
+        results |= {
             "cage_life": turns[-1],
             "cage_life_interval": interval,
             "cage_life_interval_with_wear": interval / _wear_quantiles(scene)[::-1],
             "cage_hours": life.last.x,
         }
-    values |= {
-        "film_gone": [_gone(parts.coating.whole[0], depth, turns) for depth in depths.T],
-        "motion_changes": _change(share, turns),
+    results |= {
+        "film_gone": [
+            _film_gone_turns(parts.coating.new_thickness[0], depth, turns) for depth in depths.T
+        ],
+        "motion_changes": _motion_change_turns(share, turns),
         "node_turns": turns,
         "node_depth": depths,
-        "node_work": [one["work"] for one in life.states],
+        "node_work": [state["work"] for state in life.states],
         "node_share": share,
     }
-    values |= _of_balls_and_races(scene) if other else {}
+    results |= _steady_life_values(scene) if with_other_parts else {}
     axes = {END: None, PART: None, NODE: range(len(turns)), OF_MOTION: None}
-    return filled(CAGE_LIFE, axes, [values], **attrs)
+    return dataset_of_rows(CAGE_LIFE, axes, [results], **attrs)
 
 
-def _gone(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
-    """When a film is worn through; infinite if it is not, NaN without one."""
+def _film_gone_turns(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
+    """Returns when a film is worn through; infinite if it is not, NaN without one."""
     if not film:
         return math.nan
     is_gone = depth[-1] >= (1.0 - _ENDS_WITHIN) * film
@@ -238,25 +252,25 @@ def _gone(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
 
 
 def _wear_quantiles(scene: Scene) -> np.ndarray:
-    """Ends of the interval of the cage's wear coefficient, over the scene's own."""
+    """Returns the ends of the cage's wear coefficient interval, relative to the scene's value."""
     spread, _ = cage_spread(scene)
     if WEAR not in spread:
         return np.ones(2)
-    own = scene.materials[scene.cage.material].wear_coefficient if scene.cage else 1.0
+    nominal = scene.materials[scene.cage.material].wear_coefficient if scene.cage else 1.0
     if scene.cage and scene.cage.film and scene.cage.film.wear_coefficient:
-        own = scene.cage.film.wear_coefficient
-    return quantile(spread[WEAR], own, (0.0, 1.0), np.array(INTERVAL)) / own
+        nominal = scene.cage.film.wear_coefficient
+    return quantile(spread[WEAR], nominal, (0.0, 1.0), np.array(INTERVAL)) / nominal
 
 
-def _change(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
-    """Between which turns another motion than that of the new cage begins to prevail."""
+def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
+    """Returns the turns between which another motion than that of the new cage prevails."""
     motions = share.argmax(axis=1)
-    other = np.flatnonzero(motions != motions[0])
-    return (turns[other[0] - 1], turns[other[0]]) if other.size else (math.nan, math.nan)
+    changed = np.flatnonzero(motions != motions[0])
+    return (turns[changed[0] - 1], turns[changed[0]]) if changed.size else (math.nan, math.nan)
 
 
-def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
-    """Steady life of the rest of the bearing; nothing where it has none."""
+def _steady_life_values(scene: Scene) -> dict[str, Any]:
+    """Returns the steady life of balls and races; nothing where it has none."""
     end = scene.wear.end_of_life
     if end is None or not end.without_cage.criteria:
         return {}
@@ -278,7 +292,7 @@ def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
     }
 
 
-def cage_found(
+def cage_results(
     scene: Scene,
     plan: Ensemble,
     life: bool = False,
@@ -286,32 +300,35 @@ def cage_found(
     tell: Tell | None = None,
     path: Path | None = None,
 ) -> xr.Dataset:
-    """The ensemble of a cage, and its life if that is asked for.
+    """Returns the ensemble of a cage, and its life if that is required.
 
-    path: file to write. What is killed goes on from there. Ensembles along the life stand beside
-        it, NAME-1.nc and so on.
+    path: file to write, from which a killed calculation continues. Ensembles along the life stand
+        beside it, NAME-1.nc and so on.
     """
     if life:
         with_cage_end(scene)  # refused before anything is solved
-    with contextlib.ExitStack() as kept:
-        first: list[xr.Dataset] = []
+    with contextlib.ExitStack() as journals:  # that no interruption loses
+        ensembles: list[xr.Dataset] = []
 
-        def found(number: int, depth: np.ndarray) -> xr.Dataset:
-            pocket, land = (1e6 * depth).tolist()
-            worn = replace(plan, worn_um=(pocket, land))
+        def ensemble_at(number: int, depth: np.ndarray) -> xr.Dataset:
+            pocket_um, land_um = (1e6 * depth).tolist()
+            worn_plan = replace(plan, worn_um=(pocket_um, land_um))
             if path is None:
-                made = ensemble_of(scene, worn, workers, tell)
+                ensemble = ensemble_of(scene, worn_plan, workers, tell)
             else:
-                place = path.with_name(f"{path.stem}-{number}{path.suffix}") if number else path
-                made = kept.enter_context(kept_in(place, scene, worn, workers, tell))
-                write_dataset(made, place)
-            first.append(made)
-            return made
+                file = path.with_name(f"{path.stem}-{number}{path.suffix}") if number else path
+                ensemble = journals.enter_context(
+                    resumed_ensemble(file, scene, worn_plan, workers, tell)
+                )
+                write_dataset(ensemble, file)
+            ensembles.append(ensemble)
+            return ensemble
 
         if not life:
-            return found(0, np.zeros(2))
-        of_life = cage_life(followed(scene, found, tell))
-        whole = xr.merge([first[0], of_life]).assign_attrs(of_life.attrs | first[0].attrs)
+            return ensemble_at(0, np.zeros(2))
+        life_data = cage_life_dataset(ensemble_life(scene, ensemble_at, tell))
+        new = ensembles[0]
+        results = xr.merge([new, life_data]).assign_attrs(life_data.attrs | new.attrs)
         if path is not None:
-            write_dataset(whole, path)
-        return whole
+            write_dataset(results, path)
+        return results

@@ -31,13 +31,13 @@ class CagePath:
     motion: int
 
 
-def path_of(place: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
-    """Motion of a cage over a stretch.
+def cage_path(place: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
+    """Returns the motion of a cage over a stretch of time.
 
-    place: its centre from the axis of what guides it, Y + i Z, at even instants [m].
-    turns: of the shaft from one instant to the next.
-    power: normal force times slip in pockets and at the land, the mean [W].
-    ball_ratio: orbit rate of the balls over the shaft's.
+    place: positions Y + i Z of its centre from the axis of its guide, at even instants [m].
+    turns: shaft turns from one instant to the next.
+    power: mean of normal force times slip in pockets and at the land [W].
+    ball_ratio: orbit rate of the balls over the speed of the shaft.
     """
     distance = np.abs(place)
     # The angle from one instant to the next, by its area: noise about the axis counts little.
@@ -54,11 +54,14 @@ def path_of(place: np.ndarray, turns: float, power: float, ball_ratio: float) ->
         motion = WITH_BALLS
     else:
         motion = WHIRLS
-    return CagePath(centre, offset, scatter, whirl, motion)
+    return CagePath(centre=centre, offset=offset, scatter=scatter, whirl=whirl, motion=motion)
 
 
 def is_drifting(values: Sequence[float], allowed: float) -> bool:
-    """Whether successive values rise, or fall, all the way by more than a share of the last."""
+    """Returns whether successive values rise, or fall, all the way by more than allowed.
+
+    allowed: largest change, relative to the last value.
+    """
     steps = np.diff(values)
     one_way = bool((steps > 0.0).all() or (steps < 0.0).all())
     return one_way and abs(values[-1] - values[0]) > allowed * abs(values[-1])

@@ -76,7 +76,7 @@ class CagePoint(NamedTuple):
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Keys of a scene that make it this cage."""
+        """Returns the keys of a scene that make it this cage."""
         return {
             "operation.gravity_m_s2": [0.0, 0.0, -self.gravity_m_s2],
             "cage.guiding_race": self.guiding_race,
@@ -88,7 +88,10 @@ class CagePoint(NamedTuple):
 
 
 def cage_axes(cage: Mapping[str, Any]) -> dict[str, list[Any]]:
-    """Values along the dimensions of the map in config/cage.yaml, in the order of `CagePoint`."""
+    """Returns the values along each dimension of a map, in the order of `CagePoint`.
+
+    cage: content of config/cage.yaml.
+    """
     axes = {name: [*cage[name]] for name in ("gravity_m_s2", "guiding_race", "imbalance_um")}
     for name in ("gravity_m_s2", "imbalance_um"):
         check_rising(name, axes[name])
@@ -99,7 +102,7 @@ def cage_axes(cage: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
-    """The cages of the map by the names of their files; none without a scene."""
+    """Returns the cages of the map by the names of their files; none without a scene."""
     if "scene" not in cage:
         return {}
     points = itertools.starmap(CagePoint, itertools.product(*cage_axes(cage).values()))
@@ -107,7 +110,7 @@ def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
 
 
 def check_cage(cage: Mapping[str, Any], path: Path = CAGE_FILE) -> None:
-    """Read the scene as every cage of the map changes it. Raises ValueError."""
+    """Reads the scene as every cage of the map changes it. Raises ValueError."""
     with place_of_errors(str(path)):
         record(Ensemble, cage["ensemble"], "ensemble")
         for name, point in cage_points(cage).items():

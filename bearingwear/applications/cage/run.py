@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingwear.applications.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
+from bearingwear.applications.cage.motion import JAMS, MOTIONS, CagePath, cage_path, is_drifting
 from bearingwear.applications.cage.plan import STRETCH
 from bearingwear.kernels.status import CAGE_JAMMED, OK, UNVERIFIED
 from bearingwear.results.variable import STATUS, Variable, table
@@ -51,7 +51,7 @@ CAGE_RUN = table(
     Variable("energy_account_error", (), "1", "residual of the energy balance, relative to the "
                                               "friction heat"),
 )  # fmt: skip
-"""What is kept of a run: of its last stretches, where no other is named."""
+"""Results of a run, over its last stretches where no other time is named."""
 
 EVALUATED = 2
 """Stretches at the end of a run over which it is averaged."""
@@ -67,9 +67,11 @@ POINTS = 20  # instants a turn
 
 
 def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
-    """Values of `CAGE_RUN` of one start; a run whose energy balance stays open is repeated.
+    """Returns the values of `CAGE_RUN` of one start.
 
-    scene: solved with its cage, at the temperatures that it has.
+    A run whose energy balance does not close is repeated with a tighter tolerance.
+
+    scene: with its cage and with given temperatures.
     least_turns, most_turns: shaft turns, multiples of `STRETCH`.
     """
     model = replace(
@@ -80,50 +82,57 @@ def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) 
     )
     scene, tolerance = replace(scene, model=model), scene.model.dynamic_tolerance
     while True:
-        row = _run(scene, start, least_turns, tolerance)
+        row = _single_run(scene, start, least_turns, tolerance)
         if row["status"] != UNVERIFIED or tolerance < TIGHTEST_RUN:
             return row
         tolerance /= TIGHTER
 
 
-def _run(scene: Scene, start: CageStart, least_turns: int, tolerance: float) -> dict[str, Any]:
+def _single_run(
+    scene: Scene, start: CageStart, least_turns: int, tolerance: float
+) -> dict[str, Any]:
+    """Returns the values of one run, which ends when its motion has settled."""
     system = DynamicSystem.of(scene, start_of(scene).u)
     system.start_cage(start)
-    begun = system.packed(), system.time
+    start_state = system.packed(), system.time
     status = system.diagnose(system.update())
     if status != OK:
-        return _stopped(status)
+        return _failed_run(status)
     with Interrupt():
         run = TimeRun(scene, system, None, tolerance)
-        system.unpack(*begun)  # what compiles first has moved it
-        found: list[_Stretch] = []
+        system.unpack(*start_state)  # what compiles first has moved it
+        stretches: list[_Stretch] = []
         for length in run.grid.windows:
             status = run.window(length)
             if status != OK:
-                return _stopped(system.diagnose(status))
-            found.append(_stretch(run, length))
-            if run.turns >= least_turns and _is_settled(found):
+                return _failed_run(system.diagnose(status))
+            stretches.append(_stretch(run, length))
+            if run.turns >= least_turns and _is_settled(stretches):
                 break
     values = window_values(scene, run)
-    account = values["energy_account_error"]
+    energy_error = values["energy_account_error"]
     verified = values["equilibrium_residual"] <= LARGEST_UNBALANCED
-    if not (verified and abs(account) <= LARGEST_ACCOUNT):
-        return {"status": UNVERIFIED, "energy_account_error": account}
-    return _evaluated(run, found) | {"energy_account_error": account}
+    if not (verified and abs(energy_error) <= LARGEST_ACCOUNT):
+        return {"status": UNVERIFIED, "energy_account_error": energy_error}
+    return _run_values(run, stretches) | {"energy_account_error": energy_error}
 
 
-def _stopped(status: int) -> dict[str, Any]:
+def _failed_run(status: int) -> dict[str, Any]:
+    """Returns the values of a run that failed with a status."""
     jams = {"motion": JAMS} if status == CAGE_JAMMED else {}
     return {"status": int(status)} | jams
 
 
 class _Stretch(NamedTuple):
+    """Motion, work and torque over `STRETCH` turns."""
+
     path: CagePath
     work: float  # in pockets and at the land in a turn [J]
     torques: np.ndarray  # sums over its turns of 1, torque and its square
 
 
 def _stretch(run: TimeRun, length: int) -> _Stretch:
+    """Returns motion, work and torque over the last intervals of a run."""
     last = slice(run.done - length, run.done)
     trend, history = run.trend, run.recorder.history
     torques = np.array(
@@ -134,41 +143,43 @@ def _stretch(run: TimeRun, length: int) -> _Stretch:
     return _Stretch(_path(run, last, power), power * run.system.turn, torques)
 
 
-def _path(run: TimeRun, part: slice, power: float) -> CagePath:
-    y, z = run.cage_offset(part).T
-    return path_of(y + 1j * z, 1.0 / POINTS, power, run.system.ball_ratio)
+def _path(run: TimeRun, stretch: slice, power: float) -> CagePath:
+    """Returns the motion over a stretch of the recorded instants."""
+    y, z = run.cage_offset(stretch).T
+    return cage_path(y + 1j * z, 1.0 / POINTS, power, run.system.ball_ratio)
 
 
-def _is_settled(found: list[_Stretch]) -> bool:
-    """Whether the last stretches have one motion, and neither work nor place drift."""
-    last = found[-ALIKE:]
+def _is_settled(stretches: list[_Stretch]) -> bool:
+    """Returns whether the last stretches have one motion, and neither work nor place drift."""
+    last = stretches[-ALIKE:]
     return (
         len(last) == ALIKE
-        and len({one.path.motion for one in last}) == 1
-        and not is_drifting([one.work for one in last], DRIFT_OF_WORK)
-        and not is_drifting([one.path.offset for one in last], DRIFT_OF_PLACE)
+        and len({stretch.path.motion for stretch in last}) == 1
+        and not is_drifting([stretch.work for stretch in last], DRIFT_OF_WORK)
+        and not is_drifting([stretch.path.offset for stretch in last], DRIFT_OF_PLACE)
     )
 
 
-def _evaluated(run: TimeRun, found: list[_Stretch]) -> dict[str, Any]:
+def _run_values(run: TimeRun, stretches: list[_Stretch]) -> dict[str, Any]:
+    """Returns the results over the last stretches of a run."""
     history, turn = run.recorder.history, run.system.turn
     last = slice(run.done - EVALUATED * STRETCH * POINTS, run.done)
     pockets = float(history.pocket_power[last].sum(axis=1).mean())
     land = float(history.land_power[last].mean())
     path = _path(run, last, pockets + land)
-    count, total, squares = np.sum([one.torques for one in found[-EVALUATED:]], axis=0)
+    count, total, squares = np.sum([stretch.torques for stretch in stretches[-EVALUATED:]], axis=0)
     torque = total / count
-    force, at_land = history.force[last, :-2], history.force[last, -2:].sum(axis=1)
+    pocket_force, land_force = history.force[last, :-2], history.force[last, -2:].sum(axis=1)
     return {
         "status": OK,
         "motion": path.motion,
         "work": (pockets + land) * turn,
         "pocket_work": pockets * turn,
         "land_work": land * turn,
-        "pocket_force": float(force.mean()),
-        "pocket_force_99": float(np.quantile(force, 0.99)),
-        "land_force": float(at_land.mean()),
-        "land_force_99": float(np.quantile(at_land, 0.99)),
+        "pocket_force": float(pocket_force.mean()),
+        "pocket_force_99": float(np.quantile(pocket_force, 0.99)),
+        "land_force": float(land_force.mean()),
+        "land_force_99": float(np.quantile(land_force, 0.99)),
         "shaft_torque": float(torque),
         "torque_noise": math.sqrt(max(squares / count - torque**2, 0.0) * count / (count - 1.0)),
         "whirl_ratio": path.whirl,

@@ -41,13 +41,17 @@ _ROWS = (
 
 
 def shares_in_words(shares: Any) -> str:
-    """Motions with the share of the runs that end in each, the most frequent first."""
-    order = [int(k) for k in np.argsort(-np.asarray(shares), kind="stable") if shares[k] > 0.0]
-    return ", ".join(f"{name_in_words(MOTIONS[k])} {100.0 * shares[k]:.0f} %" for k in order)
+    """Lists the motions with the share of the runs that end in each, most frequent first."""
+    codes = [
+        int(code) for code in np.argsort(-np.asarray(shares), kind="stable") if shares[code] > 0.0
+    ]
+    return ", ".join(
+        f"{name_in_words(MOTIONS[code])} {100.0 * shares[code]:.0f} %" for code in codes
+    )
 
 
 def ensemble_sheet(file: Any) -> Document:
-    """Motions of an ensemble, what they wear, and how long the cage lasts."""
+    """Reports the motions of an ensemble, their wear, and the life of the cage."""
     scene, plan = json.loads(file.scene), json.loads(file.ensemble)
     status = values(file, "status").astype(int)
     share, runs = values(file, "share"), status.size
@@ -57,16 +61,16 @@ def ensemble_sheet(file: Any) -> Document:
         f"{100.0 * plan['within']:g} %{'' if int(file.met) else f' after {runs} runs'}",
     ]
     facts = {"kind": "cage ensemble", "scene": scene["name"], "runs": runs, "met": int(file.met)}
-    blocks = [_motions(file), _means(file), *_life(file)]
+    blocks = [_motion_block(file), _mean_block(file), *_life_blocks(file)]
     unsolved = [STATUS_NAMES[code] for code in status if code != OK]
     lines = [file.assumed] if file.assumed else []
-    unnamed = sum(values(file, "motion")[status != OK] != JAMS)
+    unclassified = sum(values(file, "motion")[status != OK] != JAMS)
     if unsolved:
         counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
-        text = ", ".join(f"{name_in_words(name)} {n}" for name, n in counted.items())
+        counts = ", ".join(f"{name_in_words(name)} {n}" for name, n in counted.items())
         lines.append(
-            f"runs not solved: {len(unsolved)} ({text}); motion that could not be classified: "
-            f"{unnamed}"
+            f"runs not solved: {len(unsolved)} ({counts}); motion that could not be classified: "
+            f"{unclassified}"
         )
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
@@ -88,46 +92,42 @@ def ensemble_sheet(file: Any) -> Document:
 
 
 def _interval(file: Any, name: str, group: int, factor: float) -> Interval:
+    """Returns the interval of a mean in another unit."""
     low, high = (factor * values(file, f"mean_{name}_interval")[group]).tolist()
     return Interval(low, high)
 
 
-def _motions(file: Any) -> Block:
+def _motion_block(file: Any) -> Block:
+    """Returns a row for each motion that occurs: share, work and whirl rate."""
     share, ends = values(file, "share"), values(file, "share_interval")
     work = [values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
     unit = display("J", *work)
-    rows = [
-        Row(
-            name_in_words(motion),
-            "",
-            (
-                f"{100.0 * share[k]:.0f} %",
-                Interval(*(100.0 * ends[k]).tolist()),
-                *(float(unit.of(one[k + 1])) for one in work),
-                float(values(file, "mean_whirl_ratio")[k + 1]),
-            ),
-            motion,
-        )
-        for k, motion in enumerate(MOTIONS)
-        if share[k] > 0.0
-    ]
+    whirl = values(file, "mean_whirl_ratio")
+    rows = []
+    for k, motion in enumerate(MOTIONS):
+        if share[k] > 0.0:
+            interval = Interval(*(100.0 * ends[k]).tolist())
+            works = (float(unit.of(mean[k + 1])) for mean in work)
+            cells = (f"{100.0 * share[k]:.0f} %", interval, *works, float(whirl[k + 1]))
+            rows.append(Row(name_in_words(motion), "", cells, motion))
     columns = ("of runs", "between, %", f"pockets, {unit.unit}", f"land, {unit.unit}", "whirl")
     return Block("motion", columns, tuple(rows))
 
 
-def _means(file: Any) -> Block:
+def _mean_block(file: Any) -> Block:
+    """Returns a row for each mean over all runs, with its interval."""
     rows = []
     for name, label in _ROWS:
         units = str(file[f"mean_{name}"].units)
         mean = float(values(file, f"mean_{name}")[0])
         unit = display(units, mean)
-        shown = (float(unit.of(mean)), _interval(file, name, 0, unit.factor))
-        rows.append(Row(label, unit.unit if unit.unit != "1" else "", shown, name))
+        cells = (float(unit.of(mean)), _interval(file, name, 0, unit.factor))
+        rows.append(Row(label, unit.unit if unit.unit != "1" else "", cells, name))
     return Block("all runs", ("mean", "interval"), tuple(rows))
 
 
-def _life(file: Any) -> Iterator[Block]:
-    """The life of the cage, if that was followed."""
+def _life_blocks(file: Any) -> Iterator[Block]:
+    """Yields the block of the cage's life, if that was computed."""
     if "cage_end" not in file.variables:
         return
     life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
@@ -143,72 +143,84 @@ def _life(file: Any) -> Iterator[Block]:
         ):
             low, high = values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
-            shown = f"{low:.2g} to {high:.2g}", in_hours
-            rows.append(Row(f"  90 %, {label}", "", shown, name))
-    for k, part in enumerate(WEARING):
-        gone = float(values(file, "film_gone")[k])
-        if not math.isnan(gone):
-            text = "not worn through by the end of the calculation"
-            if math.isfinite(gone):
-                text = f"worn through after {gone:.3g} turns"
-            lines.append(f"film on the {part}: {text}")
+            cells = f"{low:.2g} to {high:.2g}", in_hours
+            rows.append(Row(f"  90 %, {label}", "", cells, name))
+    lines += _film_lines(file)
     low, high = values(file, "motion_changes").tolist()
     lines.append(
         "no other motion becomes dominant before the end of the calculation"
         if math.isnan(low)
         else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
-    if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
-        words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
-        first = "the cage lasts longer" if not hours <= other else "the balls and races last longer"
-        ends = Interval(*values(file, "other_hours_interval").tolist())
-        lines.append(f"balls and races: {Rough(float(other)).text} h (90 % interval due "
-            f"to uncertainty in K_s/H: {ends.text} h), ended by {words}; {first}")  # fmt: skip
+    if "other_hours" in file.variables and math.isfinite(values(file, "other_hours")):
+        lines.append(_other_life_line(file, hours))
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 
-def ensemble_figure(found: xr.Dataset) -> Figure:
-    """Work in pockets and at the land of every run, by its motion; along a life if there is one."""
-    lives = "node_turns" in found and found.sizes["node"] > 1
-    figure, panels = new_figure(1, 2 + lives, 3.6 * (2 + lives), 3.4)
-    motion = found["motion"].values
-    unit = display("J", found["pocket_work"].values, found["land_work"].values)
-    torque = display("N m", found["torque_noise"].values)
+def _film_lines(file: Any) -> Iterator[str]:
+    """States when each film of the cage is worn through."""
+    for part, turns in zip(WEARING, values(file, "film_gone").tolist(), strict=True):
+        if math.isfinite(turns):
+            yield f"film on the {part}: worn through after {turns:.3g} turns"
+        elif not math.isnan(turns):
+            yield f"film on the {part}: not worn through by the end of the calculation"
+
+
+def _other_life_line(file: Any, cage_hours: float) -> str:
+    """Compares the life of balls and races with that of the cage."""
+    hours = float(values(file, "other_hours"))
+    interval = Interval(*values(file, "other_hours_interval").tolist())
+    criterion = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
+    longer = "the balls and races last" if cage_hours <= hours else "the cage lasts"
+    return (
+        f"balls and races: {Rough(hours).text} h (90 % interval due to uncertainty in K_s/H: "
+        f"{interval.text} h), ended by {criterion}; {longer} longer"
+    )
+
+
+def ensemble_figure(ensemble: xr.Dataset) -> Figure:
+    """Draws the work in pockets and at the land of every run, and the wear along a life."""
+    has_life = "node_turns" in ensemble and ensemble.sizes["node"] > 1
+    figure, panels = new_figure(1, 2 + has_life, 3.6 * (2 + has_life), 3.4)
+    motion = ensemble["motion"].values
+    unit = display("J", ensemble["pocket_work"].values, ensemble["land_work"].values)
+    torque = display("N m", ensemble["torque_noise"].values)
     pairs = (("pocket_work", "land_work", unit, unit), ("offset", "torque_noise", None, torque))
     for panel, (x_name, y_name, x_unit, y_unit) in zip(panels[0], pairs, strict=False):
-        x_unit = x_unit or display("m", found[x_name].values)
+        x_unit = x_unit or display("m", ensemble[x_name].values)
         for code, colour in MOTION_COLOURS.items():
-            some = motion == code
+            in_motion = motion == code
+            x, y = (ensemble[name].values[in_motion] for name in (x_name, y_name))
             panel.plot(
-                x_unit.of(found[x_name].values[some]), y_unit.of(found[y_name].values[some]),
-                "o", color=colour, markersize=4, fillstyle="none",
-            )  # fmt: skip
+                x_unit.of(x), y_unit.of(y), "o", color=colour, markersize=4, fillstyle="none"
+            )
         panel.set_xlabel(x_unit.label(name_in_words(x_name)))
         panel.set_ylabel(y_unit.label(name_in_words(y_name)))
-    if lives:
-        _draw_life(panels[0, 2], found)
-    seen = [code for code in MOTION_COLOURS if (motion == code).any()]
+    if has_life:
+        _draw_life(panels[0, 2], ensemble)
+    codes = [code for code in MOTION_COLOURS if (motion == code).any()]
     handles = [
         key(name_in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
-        for code in seen
+        for code in codes
     ]
-    name = scene_of(found)["name"]
-    frame(figure, f"{name}: {shares_in_words(found['share'].values)}", handles, 4)
+    name = scene_of(ensemble)["name"]
+    frame(figure, f"{name}: {shares_in_words(ensemble['share'].values)}", handles, 4)
     return figure
 
 
-def _draw_life(panel: Any, found: xr.Dataset) -> None:
-    turns = found["node_turns"].values
+def _draw_life(panel: Any, ensemble: xr.Dataset) -> None:
+    """Draws the wear depths along the life of a cage."""
+    turns = ensemble["node_turns"].values
     for k, (part, line) in enumerate(zip(WEARING, ("-", "--"), strict=True)):
-        depth = 1e6 * found["node_depth"].values[:, k]
+        depth = 1e6 * ensemble["node_depth"].values[:, k]
         panel.plot(turns, depth, line, color="black", marker=".", label=part)
     panel.set_xlabel("shaft turns")
     panel.set_ylabel("wear depth of the cage (µm)")
     panel.legend()
 
 
-def within(mean: float, ends: Any, unit: Any) -> str:
-    """A mean and its interval in a unit."""
+def mean_with_interval(mean: float, ends: Any, unit: Any) -> str:
+    """Writes a mean and its interval in a unit."""
     low, high = (float(unit.of(float(end))) for end in ends)
     number, first, last = (text_to_error(x, 0.5 * (high - low)) for x in (unit.of(mean), low, high))
     return f"{number} ({first} to {last})"

@@ -1,4 +1,4 @@
-"""The table of a map of cages, and what it says."""
+"""The table of a map of cages, and the recommended cage."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import xarray as xr
 
 from bearingwear.applications.cage.gather import CAGE_AXES
 from bearingwear.applications.cage.motion import FLOATS, HANGS, WITH_BALLS
-from bearingwear.applications.cage.show import shares_in_words, within
+from bearingwear.applications.cage.show import mean_with_interval, shares_in_words
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
@@ -21,28 +21,52 @@ from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 
 def cage_table(motions: Path) -> str:
-    """Every cage of a map, as Markdown."""
+    """Returns every cage of a map, as Markdown."""
     return as_markdown(cage_document(motions))
 
 
 def cage_answer(motions: Path) -> str:
-    """What a map of cages says, for the page."""
+    """Returns the report on a map of cages as the page stores it."""
     return cage_document(motions).stored
 
 
 def cage_document(path: Path) -> Document:
-    """The recommended cage, the quiet region, and a line for each cage of a map."""
-    motions = loaded(path, cage_friction=(), gravity=())
+    """Reports the recommended cage, the quiet region, and every cage of a map."""
+    motions = load_with_axes(path, cage_friction=(), gravity=())
+    lines = [
+        "Work is normal force times slip per shaft turn; its mean and 90 % interval are listed. "
+        "The wear volume is the work multiplied by K_s/H of the cage material.",
+    ]
+    if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
+        lines.append("The motion of a hanging cage may change after hundreds of turns.")
+    scene = scene_of(motions)
+    choice = Block(
+        "Choice of a cage",
+        lines=(f"{recommended_cage(motions)}.", f"{quiet_region(motions)}."),
+        place="lead",
+    )
+    return Document(
+        (f"{scene['name']}: cage motion",),
+        {"scene": scene["name"], "bearing": bearing_line(scene)},
+        (choice, Block("Every cage", (), _cage_rows(motions), tuple(lines), axes=len(CAGE_AXES))),
+        subject="The cage",
+        rank=_RANK,
+    )
+
+
+def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
+    """Returns a row for each property of the cages of a map, with a cell for each cage."""
     axes = [axis.name for axis, _ in CAGE_AXES.values()]
-    every = [
+    cages = [
         motions.isel(dict(zip(axes, index, strict=True)))
         for index in itertools.product(*(range(motions.sizes[axis]) for axis in axes))
     ]
-    work = [display("J", motions[f"mean_{name}_work"].values[..., 0]) for name in _WORK]
+    pocket_work = display("J", motions["mean_pocket_work"].values[..., 0])
+    land_work = display("J", motions["mean_land_work"].values[..., 0])
     wear, rates = display("m3 s-1"), mapped_wear(motions)
     noise = display("N m", motions["mean_torque_noise"].values[..., 0])
 
@@ -51,54 +75,33 @@ def cage_document(path: Path) -> Document:
 
     def means(name: str, unit: object) -> list[str]:
         return [
-            within(float(one[f"mean_{name}"][0]), one[f"mean_{name}_interval"].values[0], unit)
-            for one in every
+            mean_with_interval(
+                float(cage[f"mean_{name}"][0]), cage[f"mean_{name}_interval"].values[0], unit
+            )
+            for cage in cages
         ]
 
-    rows = (
-        column("gravity", [f"{float(one['gravity']):g}" for one in every], "m/s2"),
-        column("guided by", [GUIDES[int(one["guide"])] for one in every]),
-        column("imbalance", [digits(1e6 * float(one["imbalance"])) for one in every], "um"),
-        column("pockets", [digits(1e3 * float(one["pocket_clearance"])) for one in every], "mm"),
-        column("land", [digits(1e3 * float(one["guide_clearance"])) for one in every], "mm"),
-        column("friction", [digits(float(one["cage_friction"])) for one in every]),
-        column("motions", [shares_in_words(one["share"].values) or "none" for one in every]),
-        column("runs", [f"{int(one['runs'])}" for one in every]),
-        *(
-            column(f"work, {name}s" if name == "pocket" else "work, land",
-                means(f"{name}_work", unit), unit.unit)
-            for name, unit in zip(_WORK, work, strict=True)
-        ),
-        *(
-            column(f"wear, {'pockets' if name == 'pocket' else 'land'}",
-                [wear.text(value) for value in rates[name].values.ravel()], wear.unit)
-            for name in _WORK
-        ),
+    def wear_rates(name: str) -> list[str]:
+        return [wear.text(value) for value in rates[name].values.ravel()]
+
+    return (
+        column("gravity", [f"{float(cage['gravity']):g}" for cage in cages], "m/s2"),
+        column("guided by", [GUIDES[int(cage["guide"])] for cage in cages]),
+        column("imbalance", [digits(1e6 * float(cage["imbalance"])) for cage in cages], "um"),
+        column("pockets", [digits(1e3 * float(cage["pocket_clearance"])) for cage in cages], "mm"),
+        column("land", [digits(1e3 * float(cage["guide_clearance"])) for cage in cages], "mm"),
+        column("friction", [digits(float(cage["cage_friction"])) for cage in cages]),
+        column("motions", [shares_in_words(cage["share"].values) or "none" for cage in cages]),
+        column("runs", [f"{int(cage['runs'])}" for cage in cages]),
+        column("work, pockets", means("pocket_work", pocket_work), pocket_work.unit),
+        column("work, land", means("land_work", land_work), land_work.unit),
+        column("wear, pockets", wear_rates("pocket"), wear.unit),
+        column("wear, land", wear_rates("land"), wear.unit),
         column("torque noise", means("torque_noise", noise), noise.unit),
-    )  # fmt: skip
-    lines = [
-        "Work is normal force times slip per shaft turn; its mean and 90 % interval are listed. "
-        "The wear volume is the work multiplied by K_s/H of the cage material.",
-    ]
-    if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
-        lines.append("The motion of a hanging cage may change after hundreds of turns.")
-    scene = scene_of(motions)
-    said = Block(
-        "Choice of a cage",
-        lines=(f"{recommended_cage(motions)}.", f"{quiet_region(motions)}."),
-        place="lead",
-    )
-    return Document(
-        (f"{scene['name']}: cage motion",),
-        {"scene": scene["name"], "bearing": bearing_line(scene)},
-        (said, Block("Every cage", (), rows, tuple(lines), axes=len(axes))),
-        subject="The cage",
-        rank=_RANK,
     )
 
 
-_WORK = ("pocket", "land")
-_RANK = 9  # behind what is said of preloads and lives
+_RANK = 9  # on the page, behind preloads and lives
 
 
 QUIET = (FLOATS, HANGS, WITH_BALLS)
@@ -116,34 +119,42 @@ class MappedCage(NamedTuple):
 
     at: dict[str, float]
     work: float  # mean in a turn, pockets and land [J]
-    low: float  # ends of its interval
+    low: float  # ends of its interval [J]
     high: float
     quiet: float  # least share of quiet runs
     shares: np.ndarray
 
 
-def designs(motions: xr.Dataset) -> list[MappedCage]:
-    """Every cage of a map under the gravity at which it wears most."""
-    found = []
+def mapped_cages(motions: xr.Dataset) -> list[MappedCage]:
+    """Returns every cage of a map under the gravity at which it wears most."""
+    cages = []
     for values in itertools.product(*(motions[axis].values.tolist() for axis in DESIGN)):
-        values_of = dict(zip(DESIGN, values, strict=True))
-        one = motions.sel(values_of)
-        mean, ends = one["mean_work"].values[:, 0], one["mean_work_interval"].values[:, 0]
-        if not np.isfinite(mean).any():
+        design = dict(zip(DESIGN, values, strict=True))
+        ensembles = motions.sel(design)
+        work = ensembles["mean_work"].values[:, 0]
+        if not np.isfinite(work).any():
             continue
-        worst = int(np.nanargmax(mean))
-        quiet = one["share"].values[:, list(QUIET)].sum(axis=1).min()
-        low, high = ends[worst].tolist()
-        shares = one["share"].values[worst]
-        found.append(MappedCage(values_of, float(mean[worst]), low, high, float(quiet), shares))
-    return found
+        worst = int(np.nanargmax(work))
+        low, high = ensembles["mean_work_interval"].values[worst, 0].tolist()
+        shares = ensembles["share"].values
+        cages.append(
+            MappedCage(
+                at=design,
+                work=float(work[worst]),
+                low=low,
+                high=high,
+                quiet=float(shares[:, list(QUIET)].sum(axis=1).min()),
+                shares=shares[worst],
+            )
+        )
+    return cages
 
 
-def own_design(motions: xr.Dataset, every: list[MappedCage]) -> MappedCage | None:
-    """The cage of a map that is next to the scene's."""
+def present_cage(motions: xr.Dataset, cages: list[MappedCage]) -> MappedCage | None:
+    """Returns the cage of a map that is nearest to the scene's; None if there is none."""
     scene = scene_of(motions)
     cage = scene["cage"]
-    own = (
+    present = (
         GUIDES.index(cage["guiding_race"]),
         1e-6 * cage.get("imbalance_um", 0.0),
         1e-3 * cage["pocket_clearance_mm"],
@@ -151,14 +162,14 @@ def own_design(motions: xr.Dataset, every: list[MappedCage]) -> MappedCage | Non
         scene["friction"]["cage"],
     )
 
-    def distance(one: MappedCage) -> float:
+    def distance(mapped: MappedCage) -> float:
         difference = 0.0
-        for axis, value in zip(DESIGN, own, strict=True):
+        for axis, value in zip(DESIGN, present, strict=True):
             scale = max(abs(value), float(np.max(np.abs(motions[axis].values))), 1e-12)
-            difference += abs(one.at[axis] - value) / scale * (1e3 if axis == "guide" else 1.0)
+            difference += abs(mapped.at[axis] - value) / scale * (1e3 if axis == "guide" else 1.0)
         return difference
 
-    return min(every, key=distance, default=None)
+    return min(cages, key=distance, default=None)
 
 
 _IN_DESIGN = {
@@ -170,76 +181,85 @@ _IN_DESIGN = {
 
 
 def in_design_words(axis: str, value: float) -> str:
-    """A value of a design."""
-    short = _short(axis, value)
+    """Describes a value of a design in words."""
+    text = _design_value(axis, value)
     if axis == "guide":
-        return f"guided by the {'balls' if short == 'ball' else f'{short} race'}"
+        return f"guided by the {'balls' if text == 'ball' else f'{text} race'}"
     if axis == "imbalance" and value == 0.0:
         return "no imbalance"
-    return _IN_DESIGN[axis].format(short)
+    return _IN_DESIGN[axis].format(text)
 
 
 def quiet_region(motions: xr.Dataset) -> str:
-    """Region of quiet cages, in a sentence."""
-    every = designs(motions)
-    quiet = [one for one in every if one.quiet >= MOSTLY]
+    """Describes the region of quiet cages in a sentence."""
+    cages = mapped_cages(motions)
+    quiet = [cage for cage in cages if cage.quiet >= MOSTLY]
     gravity = " at every level of gravity" if motions.sizes["gravity"] > 1 else ""
     if not quiet:
         return f"No cage in the map is quiet{gravity}"
-    if len(quiet) == len(every):
+    if len(quiet) == len(cages):
         return f"Every cage in the map is quiet{gravity}"
     parts = []
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     for values in itertools.product(*(motions[axis].values.tolist() for axis in varied)):
-        place = dict(zip(varied, values, strict=True))
-        here = [one for one in quiet if place.items() <= one.at.items()]
-        if here:
-            known = sorted(one.at["cage_friction"] for one in here)
-            alike = [float(v) for v in motions["cage_friction"].values if v <= known[-1]]
-            upto = "up to " if known == alike and len(known) > 1 else ""
-            mu = digits(known[-1]) if upto else ", ".join(map(digits, known))
-            where = ", ".join(map(in_design_words, varied, values))
-            parts.append(f"{where + ', ' if where else ''}friction {upto}{mu}")
+        axes = dict(zip(varied, values, strict=True))
+        matching = [cage for cage in quiet if axes.items() <= cage.at.items()]
+        if matching:
+            friction = _friction_range(
+                sorted(cage.at["cage_friction"] for cage in matching),
+                motions["cage_friction"].values.tolist(),
+            )
+            design = ", ".join(map(in_design_words, varied, values))
+            parts.append(f"{design + ', ' if design else ''}friction {friction}")
     return (
         f"Cages that are quiet{gravity} (they float, hang or turn with the balls in at least "
         f"{100.0 * MOSTLY:.0f} % of the runs): {'; '.join(parts)}"
     )
 
 
+def _friction_range(quiet: list[float], mapped: list[float]) -> str:
+    """Lists friction coefficients; "up to" the last if all mapped ones up to it are quiet."""
+    if len(quiet) > 1 and quiet == [friction for friction in mapped if friction <= quiet[-1]]:
+        return f"up to {digits(quiet[-1])}"
+    return ", ".join(map(digits, quiet))
+
+
 def recommended_cage(motions: xr.Dataset) -> str:
-    """Which cage of a map to take, in words."""
-    every = designs(motions)
-    own = own_design(motions, every)
-    if own is None:
+    """States which cage of a map to choose, in words."""
+    cages = mapped_cages(motions)
+    present = present_cage(motions, cages)
+    if present is None:
         return "No cage in the map could be evaluated"
-    calm = [one for one in every if one.quiet >= MOSTLY] or every
-    best = min(calm, key=lambda one: one.high if math.isfinite(one.high) else math.inf)
-    own_words = f"the present cage ({shares_in_words(own.shares)})"
-    if best.at == own.at or not best.high < own.low:
-        return f"Keep {own_words}: no quieter cage in the map wears significantly less"
+    quiet = [cage for cage in cages if cage.quiet >= MOSTLY] or cages
+    best = min(quiet, key=lambda cage: cage.high if math.isfinite(cage.high) else math.inf)
+    present_words = f"the present cage ({shares_in_words(present.shares)})"
+    if best.at == present.at or not best.high < present.low:
+        return f"Keep {present_words}: no quieter cage in the map wears significantly less"
     changes = ", ".join(
-        f"{in_design_words(axis, best.at[axis])} (now {_short(axis, own.at[axis])})"
+        f"{in_design_words(axis, best.at[axis])} (now {_design_value(axis, present.at[axis])})"
         for axis in DESIGN
-        if best.at[axis] != own.at[axis]
+        if best.at[axis] != present.at[axis]
     )
-    less = own.work / best.work if best.work > 0.0 else math.inf
-    ends = own.low / best.high, own.high / best.low if best.low > 0.0 else math.inf
+    factor = present.work / best.work if best.work > 0.0 else math.inf
+    lowest = present.low / best.high
+    highest = present.high / best.low if best.low > 0.0 else math.inf
     return (
-        f"Best cage in the map: {changes}. Compared with {own_words}, this cage "
-        f"({shares_in_words(best.shares)}) reduces wear by a factor of {digits(round(less, 1))} "
-        f"({digits(float(f'{ends[0]:.2g}'))} to {digits(float(f'{ends[1]:.2g}'))})"
+        f"Best cage in the map: {changes}. Compared with {present_words}, this cage "
+        f"({shares_in_words(best.shares)}) reduces wear by a factor of {digits(round(factor, 1))} "
+        f"({digits(float(f'{lowest:.2g}'))} to {digits(float(f'{highest:.2g}'))})"
     )
 
 
-def _short(axis: str, value: float) -> str:
+def _design_value(axis: str, value: float) -> str:
+    """Writes a value of a design with its unit."""
     if axis == "guide":
         return GUIDES[int(value)]
-    unit = {"imbalance": (1e6, " µm"), "cage_friction": (1.0, "")}.get(axis, (1e3, " mm"))
-    return f"{digits(unit[0] * value)}{unit[1]}"
+    factor, unit = {"imbalance": (1e6, " µm"), "cage_friction": (1.0, "")}.get(axis, (1e3, " mm"))
+    return f"{digits(factor * value)}{unit}"
 
 
 def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
-    """Wear of pockets and land of a map [m3/s], by the scene's K_s/H, without a film."""
+    """Returns the wear of pockets and land of a map [m3/s] by the scene's K_s/H, without film."""
     scene = scene_from_dict(scene_of(motions))
     assert scene.cage is not None
     per_joule, rpm = wear_per_joule(scene, scene.cage.material), scene.operation.fastest_rpm

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def calibrate_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear calibrate`."""
+    """Adds the arguments of `bearingwear calibrate`."""
     from pathlib import Path
 
     from bearingwear.applications.calibrate.seen import SEEN

@@ -1,4 +1,4 @@
-"""Tests of bearings from a CSV file: the conditions of each, and what was seen."""
+"""Tests of bearings from a CSV file: the conditions and the result of each."""
 
 from __future__ import annotations
 
@@ -35,22 +35,26 @@ class BearingTest:
 
 
 def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
-    """The tests in a CSV file.
+    """Reads the tests in a CSV file.
 
-    Commas, semicolons or tabs part its columns; between the latter, numbers may have decimal
-    commas, as Excel writes them in Europe. Its first line names them: keys of the scene (an
-    empty cell leaves the scene's own value) and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
+    Commas, semicolons or tabs separate its columns; with semicolons or tabs, numbers may have
+    decimal commas, as Excel writes them in Europe. The first line names the columns: keys of the
+    scene (an empty cell leaves the scene's value) and those of `TEST_COLUMNS`. A row fills one of
+    `SEEN`.
 
-    CaseFileError: file, row, column, what was given, what is allowed.
+    CaseFileError: names file, row and column, what was given and what is allowed.
     """
     text = text_of(path, "CSV").lstrip("\ufeff")
-    first = text.partition("\n")[0]
-    apart = next((one for one in ";\t" if one in first and "," not in first), ",")
-    table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=apart)
-    lines = ((table.line_num, cells) for cells in table)
-    rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
-    if apart != ",":
-        rows = [(n, [_with_point(cell) for cell in cells]) for n, cells in rows]
+    header = text.partition("\n")[0]
+    separator = next((mark for mark in ";\t" if mark in header and "," not in header), ",")
+    table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=separator)
+    rows = []
+    for cells in table:
+        stripped = [cell.strip() for cell in cells]
+        if any(stripped):
+            rows.append((table.line_num, stripped))
+    if separator != ",":
+        rows = [(number, [_with_point(cell) for cell in cells]) for number, cells in rows]
     if len(rows) < 2:
         raise CaseFileError(f"{path}: got no tests, expected a header and one row per test")
     (_, names), *rows = rows
@@ -60,32 +64,36 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
         if name not in TEST_COLUMNS and "." not in name:
             allowed = f"a scene key (operation.preload_N), or one of {', '.join(TEST_COLUMNS)}"
             raise CaseFileError(f"{path}: got the column {short(name)!r}, expected {allowed}")
-    found = []
+    tests = []
     for number, cells in rows:
         if len(cells) > len(names):
             raise CaseFileError(
                 f"{path}: row {number}: got {len(cells)} cells, expected {len(names)}"
             )
-        filled = {name: cell for name, cell in zip(names, cells, strict=False) if cell}
-        found.append(_Row(str(path), number, filled).test(scene))
-    return found
+        filled_cells = {name: cell for name, cell in zip(names, cells, strict=False) if cell}
+        tests.append(_Row(str(path), number, filled_cells).test(scene))
+    return tests
 
 
 def _with_point(cell: str) -> str:
-    """A number with a decimal comma as one with a point; any other text as it is."""
+    """Returns a number with a decimal comma as one with a point; any other text unchanged."""
     return cell.replace(",", ".") if re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) else cell
 
 
 @dataclass(frozen=True)
 class _Row:
+    """A row of the file, and how its cells are read."""
+
     path: str
     number: int
     cells: Mapping[str, str]
 
-    def refused(self, column: str, problem: str) -> CaseFileError:
+    def refusal(self, column: str, problem: str) -> CaseFileError:
+        """Returns the error that names this row and a column."""
         return CaseFileError(f"{self.path}: row {self.number}: {column}: {problem}")
 
     def number_in(self, column: str, default: float | None = None) -> float:
+        """Reads the number in a column, or returns the default if the cell is empty."""
         text = self.cells.get(column)
         if text is None and default is not None:
             return default
@@ -95,10 +103,11 @@ class _Row:
             value = math.nan
         if not 0.0 < value < math.inf and not (column == _ERROR and value == 0.0):
             got = "nothing" if text is None else repr(short(text))
-            raise self.refused(column, f"got {got}, expected a number > 0")
+            raise self.refusal(column, f"got {got}, expected a number > 0")
         return value
 
     def test(self, scene: Scene) -> BearingTest:
+        """Returns the test of this row."""
         seen = [name for name in SEEN if name in self.cells]
         if len(seen) != 1:
             got = " and ".join(seen) or "nothing"
@@ -109,13 +118,13 @@ class _Row:
         timed = name in (SEEN_LOSS, SEEN_PRELOAD)
         if _AFTER in self.cells and not timed:
             problem = f"got {self.cells[_AFTER]!r}, only allowed with {SEEN_LOSS} or {SEEN_PRELOAD}"
-            raise self.refused(_AFTER, problem)
+            raise self.refusal(_AFTER, problem)
         count = self.number_in(_COUNT, 1.0)
         if count != int(count):
-            raise self.refused(_COUNT, f"got {count:g}, expected a whole number > 0")
+            raise self.refusal(_COUNT, f"got {count:g}, expected a whole number > 0")
         error = self.number_in(_ERROR, SEEN_AS[name].error)
         if error > 100.0:
-            raise self.refused(_ERROR, f"got {error:g}, expected a number from 0 to 100")
+            raise self.refusal(_ERROR, f"got {error:g}, expected a number from 0 to 100")
         return BearingTest(
             row=self.number,
             scene=self.under_conditions(scene, name, value),
@@ -127,24 +136,24 @@ class _Row:
         )
 
     def under_conditions(self, scene: Scene, seen: str, value: float) -> Scene:
-        """The scene of the test; a loss or a preload left is what ends its life."""
+        """Returns the scene of the test; a loss or a residual preload is the end of its life."""
         changes = {
             key: data_of(text, self.path)
             for key, text in self.cells.items()
             if key not in TEST_COLUMNS
         }
         try:
-            found = scene.with_(changes)
-            preload = found.operation.preload_N
+            tested = scene.with_(changes)
+            preload = tested.operation.preload_N
             if seen == SEEN_LOSS:
-                found = found.with_({"wear.end_of_life": {"ball_diameter_loss_um": value}})
+                tested = tested.with_({"wear.end_of_life": {"ball_diameter_loss_um": value}})
             elif seen == SEEN_PRELOAD:
-                if found.operation.preload_method != "fixed_position":
+                if tested.operation.preload_method != "fixed_position":
                     problem = "got this result with constant force, expected it with fixed position"
-                    raise self.refused(seen, problem)
+                    raise self.refusal(seen, problem)
                 if value >= preload:
-                    raise self.refused(seen, f"got {value:g}, expected a number < {preload:g}")
-                found = found.with_({"wear.end_of_life": {"preload_fraction": value / preload}})
+                    raise self.refusal(seen, f"got {value:g}, expected a number < {preload:g}")
+                tested = tested.with_({"wear.end_of_life": {"preload_fraction": value / preload}})
         except SceneError as error:
-            raise self.refused(error.key or error.source, error.problem) from None
-        return found
+            raise self.refusal(error.key or error.source, error.problem) from None
+        return tested

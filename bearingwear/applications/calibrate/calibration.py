@@ -1,4 +1,4 @@
-"""A scene calibrated by tests of bearings: friction and K_s/H as they have them, and the life.
+"""A scene calibrated by tests of bearings: its friction, K_s/H and life.
 
 Theory: docs/theory.md, section 24.
 """
@@ -57,17 +57,17 @@ from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.answers import Workers
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.sampling import perturbed, with_wear
+from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
-"""Points over ln mu at which lives are solved: for the interpolation, and to see its error."""
+"""Points over ln mu at which lives are solved: for the interpolation, and to check its error."""
 
 _SPAN = 3.0
-"""Half the width that these points span, in standard deviations of ln mu before the tests."""
+"""Half the width of the range of these points, in standard deviations of the prior of ln mu."""
 
 _SAMPLES = 32
-"""Lives of the sample that shows how they scatter within a batch."""
+"""Number of lives in the sample for their scatter within a batch."""
 
 _CLOSEST = 0.99999  # largest correlation that is carried
 
@@ -82,21 +82,21 @@ _NONE = -60.0  # logarithm of a life that is over when new
 class Calibration:
     """Results of tests on a scene.
 
-    scene: with the friction, the wear coefficients and their distributions that the tests leave.
-    data: densities, lives and tests, before and after: what `bearingwear show` and `plot` take.
+    scene: the scene with the calibrated friction, wear coefficients and distributions.
+    data: densities, lives and tests, before and after, for `bearingwear show` and `plot`.
     """
 
     def __init__(self, scene: Scene, data: xr.Dataset):
         self.scene, self.data = scene, data
 
     def write(self, path: Path) -> None:
-        """Write the scene, and the data beside it."""
-        write_dataset(coded(self.data), files_of(path))
+        """Writes the scene, and the data beside it."""
+        write_dataset(coded(self.data), data_file(path))
         write_text(path, yaml_of(written_data(self.scene)))
 
 
-def files_of(path: Path) -> Path:
-    """The file of the data beside that of a scene, which is new. Raises OutputError."""
+def data_file(path: Path) -> Path:
+    """Returns the data file beside a new scene file. Raises OutputError."""
     if path.suffix not in SCENE_SUFFIXES:
         raise OutputError(f"{path}: got this file name, expected one that ends in .yaml or .yml")
     if path.exists():
@@ -111,90 +111,98 @@ class Curve:
     """The logarithm of a life [h] or a torque [N m] of the median bearing, by ln mu."""
 
     model: LogModel
-    error: float  # largest of the interpolation, where it was checked
+    error: float  # largest error of the interpolation, where it was checked
     scatter: float  # standard deviation between the bearings of a batch
 
 
-def calibrated(
+def calibration_by_tests(
     scene: Scene,
-    tests: str | Path,
+    path: str | Path,
     workers: int = 1,
     tell: Callable[[str], None] | None = None,
 ) -> Calibration:
-    """A scene calibrated by the tests of a CSV file.
+    """Calibrates a scene with the tests of a CSV file.
 
-    scene: with an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
-        then that of the table of coefficients is taken.
-    tell: given a line of progress before each condition.
+    scene: with `uncertainty.wear_coefficient` and a value that scatters between bearings. Without
+        `uncertainty`, that of the table of coefficients is used.
+    tell: receives a line of progress before each condition.
     SceneError, CaseFileError: the scene lacks a distribution, a row is wrong, or the tests are out
         of all proportion to the scene.
     """
-    scene, said = with_usual_spread(for_life(scene))
-    if tell and said:
-        tell(said)
-    friction = _checked(scene)
-    found = bearing_tests(tests, scene)
-    digest = hashlib.sha256(Path(tests).read_bytes()).hexdigest()
+    scene, assumption = with_usual_spread(for_life(scene))
+    if tell and assumption:
+        tell(assumption)
+    friction = _uncertain_friction(scene)
+    tests = bearing_tests(path, scene)
+    digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
     if scene.calibrated and scene.calibrated.sha256 == digest:
         raise CaseFileError(
-            f"{tests}: got the tests used to calibrate the scene, expected different tests"
+            f"{path}: got the tests used to calibrate the scene, expected different tests"
         )
-    prior = _prior(scene, friction)
-    if any(test.seen == SEEN_TORQUE for test in found) and not friction:
-        row = next(test.row for test in found if test.seen == SEEN_TORQUE)
+    torque_row = next((test.row for test in tests if test.seen == SEEN_TORQUE), None)
+    if torque_row is not None and not friction:
         key = FRICTION_KEYS[scene.friction.film is not None]
         problem = (
             f"got a result that would determine uncertainty.{key}, which the scene does not contain"
         )
-        raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
-    curve = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
-    own = _found(curve, scene, False, scene.name)
-    rows = [f"{tests}: row {test.row}" for test in found]
+        raise CaseFileError(f"{path}: row {torque_row}: {SEEN_TORQUE}: {problem}")
+    prior = _prior(scene, friction)
+    curve_of = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
+    scene_curve = _curve_at(scene.name, curve_of, scene, torque=False)
+    rows = [f"{path}: row {test.row}" for test in tests]
     curves = [
-        _found(curve, test.scene, test.seen == SEEN_TORQUE, row)
-        for test, row in zip(found, rows, strict=True)
+        _curve_at(row, curve_of, test.scene, torque=test.seen == SEEN_TORQUE)
+        for test, row in zip(tests, rows, strict=True)
     ]
-    seen = [_observation(*one) for one in zip(found, curves, rows, strict=True)]
-    before, after = posterior(prior, []), posterior(prior, seen)
-    agreed = conformities(prior, seen)
-    _check_conformity(tests, found, [before.conformity(one) for one in seen], agreed, prior, after)
-    calibration = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
-    new = _carried(scene, friction, after, calibration)
+    observations = [
+        _observation(test, curve, row) for test, curve, row in zip(tests, curves, rows, strict=True)
+    ]
+    before, after = posterior(prior, []), posterior(prior, observations)
+    alone = [before.conformity(observation) for observation in observations]
+    with_others = conformities(prior, observations)
+    _check_conformity(path, tests, alone, with_others, prior, after)
+    calibration = Calibrated(tests=os.path.basename(path), sha256=digest, rows=len(tests))
+    new_scene = _calibrated_scene(scene, friction, after, calibration)
     data = calibration_dataset(
-        scene=new,
-        unit=_wear_of(scene),
+        scene=new_scene,
+        unit=_wear_over_hardness(scene),
         prior=prior,
         stages=(before, after),
-        life=own.model,
-        scatter=own.scatter,
-        error=max([own.error, *(one.error for one in curves)]),
-        tests=found,
-        seen=seen,
-        probabilities=[one.probability for one in agreed],
+        life=scene_curve.model,
+        scatter=scene_curve.scatter,
+        error=max(curve.error for curve in (scene_curve, *curves)),
+        tests=tests,
+        seen=observations,
+        probabilities=[conformity.probability for conformity in with_others],
     )
-    return Calibration(new, data)
+    return Calibration(new_scene, data)
 
 
-def _checked(scene: Scene) -> str:
-    """The uncertain friction of a scene, empty without one; refuses a scene without the others."""
-    given = scene.uncertainty or {}
-    known = given.get("wear_coefficient")
-    if known is None or not is_same_for_batch("wear_coefficient", known):
+def _uncertain_friction(scene: Scene) -> str:
+    """Returns the name of a scene's uncertain friction, empty without one.
+
+    SceneError: the scene lacks an uncertain wear coefficient, or a value that scatters.
+    """
+    uncertainty = scene.uncertainty or {}
+    wear = uncertainty.get("wear_coefficient")
+    if wear is None or not is_same_for_batch("wear_coefficient", wear):
         raise SceneError(
             "uncertainty.wear_coefficient",
             "got no value that tests could determine, expected {distribution: lognormal, "
             "factor: 3}",
             source=scene.name,
         )
-    if all(is_same_for_batch(name, one) for name, one in given.items()):
+    if all(is_same_for_batch(name, distribution) for name, distribution in uncertainty.items()):
         raise SceneError(
             "uncertainty",
             "got no value that varies from bearing to bearing, expected wear_scatter: "
             "{distribution: lognormal, factor: 1.3}, or another distribution",
             source=scene.name,
         )
-    names = (n for n in FRICTION_KEYS if n in given and is_same_for_batch(n, given[n]))
-    return next(names, "")
+    for name in FRICTION_KEYS:
+        if name in uncertainty and is_same_for_batch(name, uncertainty[name]):
+            return name
+    return ""
 
 
 def _check_conformity(
@@ -205,29 +213,35 @@ def _check_conformity(
     prior: Prior,
     after: Posterior,
 ) -> None:
-    """Refuse tests that no bearing of the scene can have given: CaseFileError.
+    """Refuses tests that no bearing of the scene can have given: CaseFileError.
 
-    One that the scene alone makes impossible is named in place of those that it contradicts.
+    A test that is impossible in the scene alone is named; otherwise those that contradict others.
     """
-    found: list[str] = []
-    for agreed in (alone, with_others):
-        each = zip(tests, agreed, strict=True)
-        found = found or [_far(test, one) for test, one in each if one.probability < IMPOSSIBLE]
+    problems = _improbable(tests, alone) or _improbable(tests, with_others)
     normals = (("friction", prior.x, after.normal("x")), ("K_s/H", prior.y, after.normal("y")))
-    found = found or [
+    problems = problems or [
         f"together: {digits(math.exp(now.mean - was.mean))} times the {words} of the scene"
         for words, was, now in normals
         if was.deviation and 2.0 * ndtr(-abs(now.mean - was.mean) / was.deviation) < IMPOSSIBLE
     ]
-    if found:
+    if problems:
         raise CaseFileError(
             f"{path}: got results with a probability below {IMPOSSIBLE:g} in this scene: "
-            f"{'; '.join(found)}; correct them, or increase `uncertainty` in the scene"
+            f"{'; '.join(problems)}; correct them, or increase `uncertainty` in the scene"
         )
 
 
-def _far(test: BearingTest, agreed: Conformity) -> str:
-    """How far a test is from what the model expects, and whether a unit may be the reason."""
+def _improbable(tests: Sequence[BearingTest], conformity: Sequence[Conformity]) -> list[str]:
+    """Describes each test whose probability is below `IMPOSSIBLE`."""
+    return [
+        _deviation_words(test, agreed)
+        for test, agreed in zip(tests, conformity, strict=True)
+        if agreed.probability < IMPOSSIBLE
+    ]
+
+
+def _deviation_words(test: BearingTest, agreed: Conformity) -> str:
+    """States how far a test is from the expected value, and whether a unit may be the reason."""
     words, unit, _ = SEEN_AS[test.seen]
     timed = test.seen in (SEEN_LOSS, SEEN_PRELOAD)
     time = " in time" if timed else ""
@@ -240,53 +254,61 @@ def _far(test: BearingTest, agreed: Conformity) -> str:
 
 
 def _prior(scene: Scene, friction: str) -> Prior:
-    """Of ln mu, and of ln K_s/H over that of the scene, of a batch."""
+    """Returns the prior of ln mu, and of ln K_s/H of a batch less that of the scene."""
     x = Normal(0.0, 0.0)
     if friction:
         x = _log_normal(scene, friction)
     elif scene.friction.ball_race:
         x = Normal(math.log(scene.friction.ball_race), 0.0)
-    y = _worn(scene, of_batch=True)
+    y = _log_wear(scene, of_batch=True)
     _, rho = friction_correlation(scene.uncertainty or {})
-    # hardness is part of y, and goes with nothing
-    share = _log_normal(scene, "wear_coefficient").deviation / y.deviation
-    return Prior(x, y, rho * share if friction else 0.0)
+    # hardness is part of y, and is correlated with nothing
+    wear_share = _log_normal(scene, "wear_coefficient").deviation / y.deviation
+    return Prior(x, y, rho * wear_share if friction else 0.0)
 
 
 def _log_normal(scene: Scene, name: str) -> Normal:
-    """Mean and standard deviation of the logarithm of an uncertain value."""
-    given = (scene.uncertainty or {})[name]
-    if given.distribution == "lognormal":
-        median = scene.nominal(name) if given.median is None else given.median
-        return Normal(math.log(median), math.log(given.factor or 1.0))
+    """Returns mean and standard deviation of the logarithm of an uncertain value."""
+    distribution = (scene.uncertainty or {})[name]
+    if distribution.distribution == "lognormal":
+        median = scene.nominal(name) if distribution.median is None else distribution.median
+        return Normal(math.log(median), math.log(distribution.factor or 1.0))
     logs = np.log(value_at(scene, name, (np.arange(1024) + 0.5) / 1024))
     return Normal(float(logs.mean()), float(logs.std()))
 
 
-def _worn(scene: Scene, of_batch: bool) -> Normal:
-    """Of ln K_s/H over that of the scene: of a batch, or within it."""
-    given, mean, variance = scene.uncertainty or {}, 0.0, 0.0
-    for name in (n for n in WORN if n in given and is_same_for_batch(n, given[n]) == of_batch):
-        one = _log_normal(scene, name)
+def _log_wear(scene: Scene, of_batch: bool) -> Normal:
+    """Returns the distribution of ln K_s/H less that of the scene.
+
+    of_batch: whether between batches, or between the bearings of one.
+    """
+    uncertainty, mean, variance = scene.uncertainty or {}, 0.0, 0.0
+    for name in WORN:
+        if name not in uncertainty or is_same_for_batch(name, uncertainty[name]) != of_batch:
+            continue
+        log_value = _log_normal(scene, name)
         sign = -1.0 if name == "brinell_hardness_GPa" else 1.0
-        mean += sign * (one.mean - math.log(scene.nominal(name)))
-        variance += one.deviation**2
+        mean += sign * (log_value.mean - math.log(scene.nominal(name)))
+        variance += log_value.deviation**2
     return Normal(mean, math.sqrt(variance))
 
 
-def _found(curve: Callable[[Scene, bool], Curve], scene: Scene, torque: bool, where: str) -> Curve:
-    """A curve, or a refusal that says where it is asked for."""
+def _curve_at(
+    place: str, curve_of: Callable[[Scene, bool], Curve], scene: Scene, *, torque: bool
+) -> Curve:
+    """Returns a curve; a refusal names the place of its conditions."""
     try:
-        return curve(scene, torque)
+        return curve_of(scene, torque)
     except CaseFileError as error:
-        raise CaseFileError(f"{where}: {error}") from None
+        raise CaseFileError(f"{place}: {error}") from None
 
 
-def _observation(test: BearingTest, curve: Curve, where: str) -> Observation:
+def _observation(test: BearingTest, curve: Curve, row: str) -> Observation:
+    """Returns the logarithm of a test's result, with its model and its scatter."""
     scatter = math.hypot(curve.scatter, test.error)
     if scatter == 0.0:
         problem = "got 0 for bearings without scatter, expected a measurement error > 0"
-        raise CaseFileError(f"{where}: error_percent: {problem}")
+        raise CaseFileError(f"{row}: error_percent: {problem}")
     torque = test.seen == SEEN_TORQUE
     return Observation(
         seen=math.log(1e-3 * test.value if torque else test.after),
@@ -307,9 +329,9 @@ def _curve(
     workers: int,
     tell: Callable[[str], None] | None,
 ) -> Curve:
-    """Lives or torques of a scene over the friction that is possible, and how they scatter.
+    """Computes lives or torques of a scene over the possible friction, and their scatter.
 
-    CaseFileError: where the model has none at the middle of the friction.
+    CaseFileError: the model has no result at the median friction.
     """
     if tell:
         tell(f"computing {'torque' if torque else 'life'} versus friction for one condition ...")
@@ -318,23 +340,23 @@ def _curve(
         cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]
         checked = np.linspace(-0.4, 0.4, _CHECKED)
         nodes = x.mean + _SPAN * x.deviation * np.concatenate([cosines, checked])
-    rows = np.exp(nodes)[:, None] if friction else np.empty((1, 0))
+    frictions = np.exp(nodes)[:, None] if friction else np.empty((1, 0))
     names = [friction] if friction else []
-    values = _logs(scene, names, rows, torque, workers)
-    middle = float(values[_NODES // 2]) if friction else float(values[0])
-    if not middle > _NONE:
+    logs = _log_results(scene, names, frictions, torque, workers)
+    median = float(logs[_NODES // 2]) if friction else float(logs[0])
+    if not median > _NONE:
         problem = "got no life from the model: it is zero or could not be computed"
         raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
-    scatter, shift = _scatter(scene, torque, middle, workers)
+    scatter, shift = _scatter(scene, torque, median, workers)
     if not friction:
-        constant = values[0] + shift
+        constant = logs[0] + shift
         return Curve(lambda x: np.full(len(x), constant), 0.0, scatter)
-    positions, known = nodes[:_NODES], values[:_NODES]
-    used = np.isfinite(known)
-    line = PchipInterpolator(positions[used], known[used])
-    missed = np.abs(line(nodes[_NODES:]) - values[_NODES:])
-    error = float(np.nanmax(missed)) if np.isfinite(missed).any() else math.nan
-    first, last = positions[used][[0, -1]]
+    positions, node_values = nodes[:_NODES], logs[:_NODES]
+    solved = np.isfinite(node_values)
+    line = PchipInterpolator(positions[solved], node_values[solved])
+    errors = np.abs(line(nodes[_NODES:]) - logs[_NODES:])
+    error = float(np.nanmax(errors)) if np.isfinite(errors).any() else math.nan
+    first, last = positions[solved][[0, -1]]
 
     def model(x: np.ndarray) -> np.ndarray:
         near = np.clip(x, first, last)
@@ -343,12 +365,15 @@ def _curve(
     return Curve(model, error, scatter)
 
 
-def _logs(
+def _log_results(
     scene: Scene, names: Sequence[str], rows: np.ndarray, torque: bool, workers: int
 ) -> np.ndarray:
-    """Logarithms of lives [h] or torques [N m] (n,) at values (n, names); NaN where not solved."""
-    given = scene.uncertainty or {}
-    scene = replace(scene, uncertainty={name: given[name] for name in names})
+    """Returns logarithms of lives [h] or torques [N m] (n,); NaN where not solved.
+
+    names, rows: uncertain values that differ from the scene's, and their values (n, names).
+    """
+    uncertainty = scene.uncertainty or {}
+    scene = replace(scene, uncertainty={name: uncertainty[name] for name in names})
     if torque:
         return np.array([_log_torque(scene, names, row) for row in rows])
     with Workers(workers, "calibrate", progress=False) as pool:
@@ -357,12 +382,15 @@ def _logs(
 
 
 def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
-    shape = {n: float(v) for n, v in zip(names, row, strict=True) if n not in WORN}
-    other = perturbed(scene, shape)
-    if other is None:
+    """Returns the logarithm of the torque [N m]; NaN where not solved."""
+    values = {
+        name: float(value) for name, value in zip(names, row, strict=True) if name not in WORN
+    }
+    changed = scene_with_values(scene, values)
+    if changed is None:
         return math.nan
     try:
-        result = solve(other, "steady")
+        result = solve(changed, "steady")
     except NotAvailable as error:
         raise CaseFileError(str(error)) from None
     if result.status != STATUS_NAMES[OK]:
@@ -371,15 +399,24 @@ def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
 
 
 def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[float, float]:
-    """Standard deviation of the logarithm within a batch, and its mean less that of the middle."""
-    given = scene.uncertainty or {}
-    names = [n for n, one in given.items() if not is_same_for_batch(n, one) and n not in WORN]
-    wear = _worn(scene, of_batch=False) if not torque else Normal(0.0, 0.0)
+    """Returns the standard deviation of the logarithm within a batch, and its shift.
+
+    The shift is the mean of the logarithm less `middle`, that of the median bearing.
+    """
+    uncertainty = scene.uncertainty or {}
+    names = [
+        name
+        for name, distribution in uncertainty.items()
+        if not is_same_for_batch(name, distribution) and name not in WORN
+    ]
+    wear = _log_wear(scene, of_batch=False) if not torque else Normal(0.0, 0.0)
     if not names:
         return wear.deviation, -wear.mean
-    unit = qmc.Sobol(len(names), seed=1).random(_SAMPLES)
-    rows = np.stack([value_at(scene, n, unit[:, k]) for k, n in enumerate(names)], axis=-1)
-    logs = _logs(scene, names, rows, torque, workers)
+    probabilities = qmc.Sobol(len(names), seed=1).random(_SAMPLES)
+    rows = np.stack(
+        [value_at(scene, name, probabilities[:, k]) for k, name in enumerate(names)], axis=-1
+    )
+    logs = _log_results(scene, names, rows, torque, workers)
     logs = logs[np.isfinite(logs) & (logs > _NONE)]
     if not logs.size:
         return wear.deviation, -wear.mean
@@ -387,11 +424,13 @@ def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[f
     return math.hypot(float(logs.std()), wear.deviation), shift
 
 
-def _carried(scene: Scene, friction: str, after: Posterior, calibration: Calibrated) -> Scene:
-    """The scene with the middles that the tests leave, and what they leave unknown."""
+def _calibrated_scene(
+    scene: Scene, friction: str, after: Posterior, calibration: Calibrated
+) -> Scene:
+    """Returns the scene with the calibrated medians and their remaining uncertainty."""
     x, y = after.normal("x"), after.normal("y")
     spread = dict(scene.uncertainty or {})
-    for name in (n for n in WORN if n in spread and is_same_for_batch(n, spread[n])):
+    for name in (name for name in WORN if name in spread and is_same_for_batch(name, spread[name])):
         del spread[name]
 
     def remaining(deviation: float, rho: float | None = None) -> Distribution:
@@ -400,28 +439,29 @@ def _carried(scene: Scene, friction: str, after: Posterior, calibration: Calibra
 
     rho = max(-_CLOSEST, min(_CLOSEST, _rounded(after.correlation()))) if friction else None
     spread["wear_coefficient"] = remaining(y.deviation, rho)
-    found = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
+    calibrated = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = remaining(x.deviation)
-        middle = perturbed(found, {friction: _short(x)})
-        assert middle is not None
-        found = middle
-    return replace(found, uncertainty=spread, calibrated=calibration)
+        with_friction = scene_with_values(calibrated, {friction: _median_friction(x)})
+        assert with_friction is not None
+        calibrated = with_friction
+    return replace(calibrated, uncertainty=spread, calibrated=calibration)
 
 
-def _short(x: Normal) -> float:
-    """The middle of a friction, in the three decimals that a study takes where they are enough."""
+def _median_friction(x: Normal) -> float:
+    """Returns the median friction, in the three decimals of a study where these are enough."""
     value = math.exp(x.mean)
-    short = round(value, 3)
-    return short if abs(short / value - 1.0) < 0.1 * x.deviation else _rounded(value)
+    three_decimals = round(value, 3)
+    is_enough = abs(three_decimals / value - 1.0) < 0.1 * x.deviation
+    return three_decimals if is_enough else _rounded(value)
 
 
 def _rounded(value: float) -> float:
     return float(f"{value:.5g}")
 
 
-def _wear_of(scene: Scene) -> float:
-    """K_s/H of what rubs while the races are new [m2/N]."""
+def _wear_over_hardness(scene: Scene) -> float:
+    """Returns K_s/H of the rubbing surfaces while the races are new [m2/N]."""
     race = Films.of(scene).race
-    part = race.below if race.film is None else race.film
-    return part.factor
+    archard = race.below if race.film is None else race.film
+    return archard.factor

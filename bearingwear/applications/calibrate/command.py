@@ -16,18 +16,18 @@ if TYPE_CHECKING:
 
 
 def calibrate_command(args: argparse.Namespace) -> int:
-    """Calibrate a scene, write it and its data, and print the sheet of these."""
-    from bearingwear.applications.calibrate.calibration import calibrated, files_of
+    """Calibrates a scene, writes it and its data, and prints the sheet of these."""
+    from bearingwear.applications.calibrate.calibration import calibration_by_tests, data_file
     from bearingwear.atomic import check_output
     from bearingwear.studies.sampling import usable_cores
 
     args.output = output_of(args, "-calibrated.yaml")
-    data = files_of(args.output)
+    data = data_file(args.output)
     check_output(data, args.scene)
     with ProgressLines() as tell:
-        found = calibrated(given_scene(args), args.tests, usable_cores(), tell)
+        calibration = calibration_by_tests(given_scene(args), args.tests, usable_cores(), tell)
     tell_of_new_folder(args.output)
-    found.write(args.output)
+    calibration.write(args.output)
     print_file(data, args)
     tell_line(f"{args.output}: calibrated scene; {data}: results, for `show` and `plot`")
     return SUCCESS
@@ -57,10 +57,10 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     SceneError, CaseFileError
         Both are ValueErrors with a one-line message that names the invalid row and column.
     """
-    from bearingwear.applications.calibrate.calibration import calibrated
+    from bearingwear.applications.calibrate.calibration import calibration_by_tests
     from bearingwear.results.labels import labelled
     from bearingwear.scene.read import as_scene, for_life
 
-    found = calibrated(for_life(as_scene(scene)), tests, workers)
-    found.data = labelled(found.data)
-    return found
+    calibration = calibration_by_tests(for_life(as_scene(scene)), tests, workers)
+    calibration.data = labelled(calibration.data)
+    return calibration

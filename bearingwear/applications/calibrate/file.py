@@ -1,4 +1,4 @@
-"""What a file of a calibration holds: friction, K_s/H and life before and after, and the tests."""
+"""The file of a calibration: friction, K_s/H and life before and after, and the tests."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from bearingwear.applications.calibrate.posterior import (
 from bearingwear.applications.calibrate.seen import SEEN, SEEN_TORQUE
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 CALIBRATION_KIND = "calibration"
 STAGES = ("before", "after")
@@ -29,7 +29,7 @@ _ENDS = (0.05, 0.95)
 
 LIFE_PROBABILITIES = (_ENDS[0], 0.1, 0.5, _ENDS[1])
 _POINTS = 161
-"""Along the axes of what is drawn."""
+"""Number of points of each curve."""
 
 _STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
 _LIFE_PROBABILITY = Variable(
@@ -92,38 +92,40 @@ def calibration_dataset(
     seen: Sequence[Observation],
     probabilities: Sequence[float],
 ) -> xr.Dataset:
-    """A calibration as a file.
+    """Returns a calibration as a dataset.
 
-    unit: K_s/H of the scene before [m2/N].
-    scatter, error: of the log life of the scene.
+    unit: K_s/H of the scene before the tests [m2/N].
+    scatter, error: scatter of the log life of the scene, and its interpolation error.
     """
-    found = _of_stages(unit, stages, life, scatter)
-    found |= {"interpolation_error": error} | _of_tests(tests, seen, probabilities, stages[0])
-    normal = [(one.normal("x"), one.normal("y")) for one in stages]
-    x_axis, y_axis = (_spanned([n[k] for n in normal]) for k in (0, 1))
-    axes = {_WEAR: unit * np.exp(y_axis), "hours": _hours(found)}
-    found["wear_density"] = [_marginal(one.y, one.shares.sum(axis=0), y_axis) for one in stages]
-    found["failed_share"] = [
-        [one.failed_share(life, t, scatter) for t in axes["hours"]] for one in stages
+    results = _stage_values(unit, stages, life, scatter)
+    results |= {"interpolation_error": error} | _test_values(tests, seen, probabilities, stages[0])
+    normals = [(stage.normal("x"), stage.normal("y")) for stage in stages]
+    x_axis, y_axis = (_spanning_points([pair[k] for pair in normals]) for k in (0, 1))
+    axes = {_WEAR: unit * np.exp(y_axis), "hours": _hours(results)}
+    results["wear_density"] = [
+        _density_at(stage.y, stage.shares.sum(axis=0), y_axis) for stage in stages
+    ]
+    results["failed_share"] = [
+        [stage.failed_share(life, t, scatter) for t in axes["hours"]] for stage in stages
     ]
     if prior.x.deviation:
         axes["friction"] = np.exp(x_axis)
-        found["friction_density"] = [
-            _marginal(one.x, one.shares.sum(axis=1), x_axis) for one in stages
+        results["friction_density"] = [
+            _density_at(stage.x, stage.shares.sum(axis=1), x_axis) for stage in stages
         ]
     moved = [
         (after.mean - before.mean) / before.deviation if before.deviation else 0.0
-        for before, after in zip(prior[:2], normal[1], strict=True)
+        for before, after in zip(prior[:2], normals[1], strict=True)
     ]
-    return filled(
-        {name: one for name, one in CALIBRATION_VARIABLES.items() if name in found},
+    return dataset_of_rows(
+        {name: variable for name, variable in CALIBRATION_VARIABLES.items() if name in results},
         {
             _STAGE: None,
             _LIFE_PROBABILITY: LIFE_PROBABILITIES,
             _BATCH: (_ENDS[0], 0.5, _ENDS[1]),
             **{CALIBRATION_VARIABLES[name]: values for name, values in axes.items()},
         },
-        [found],
+        [results],
         title=f"Calibration: {scene.name}",
         kind=CALIBRATION_KIND,
         scene=scene,
@@ -132,66 +134,78 @@ def calibration_dataset(
     )
 
 
-def _of_stages(
+def _stage_values(
     unit: float, stages: Sequence[Posterior], life: LogModel, scatter: float
 ) -> dict[str, Any]:
-    """Intervals of friction, K_s/H and life, before and after."""
-    L10 = float(ndtri(0.1)) * scatter
+    """Returns intervals of friction, K_s/H and life, before and after."""
+    log_L10 = float(ndtri(0.1)) * scatter
 
     def carried(axis: str) -> np.ndarray:
         normal = stages[-1].normal(axis)
         return np.exp(normal.mean + ndtri(_ENDS) * normal.deviation)
 
     return {
-        "friction_interval": np.exp([one.ends("x", _ENDS) for one in stages]),
+        "friction_interval": np.exp([stage.ends("x", _ENDS) for stage in stages]),
         "friction_carried": carried("x"),
-        "wear_over_hardness_interval": unit * np.exp([one.ends("y", _ENDS) for one in stages]),
+        "wear_over_hardness_interval": unit * np.exp([stage.ends("y", _ENDS) for stage in stages]),
         "wear_over_hardness_carried": unit * carried("y"),
         "life_quantile": [
-            [one.quantile(life, p, scatter) for p in LIFE_PROBABILITIES] for one in stages
+            [stage.quantile(life, probability, scatter) for probability in LIFE_PROBABILITIES]
+            for stage in stages
         ],
         "batch_life_quantile": [
-            [one.median_quantile(life, p, L10) for p in (_ENDS[0], 0.5, _ENDS[1])] for one in stages
+            [
+                stage.median_quantile(life, probability, log_L10)
+                for probability in (_ENDS[0], 0.5, _ENDS[1])
+            ]
+            for stage in stages
         ],
         "scatter": scatter,
     }
 
 
-def _of_tests(
+def _test_values(
     tests: Sequence[BearingTest],
     seen: Sequence[Observation],
     probabilities: Sequence[float],
     before: Posterior,
 ) -> dict[str, Any]:
-    """What was seen, and what the model has of it before the tests."""
+    """Returns the results of the tests, and what the model expected before them."""
     expected = [
-        [before.quantile(one.model, p, one.scatter, one.of_wear) for p in _ENDS] for one in seen
+        [
+            before.quantile(
+                observation.model, probability, observation.scatter, observation.of_wear
+            )
+            for probability in _ENDS
+        ]
+        for observation in seen
     ]
-    torque = np.array([test.seen == SEEN_TORQUE for test in tests])
+    is_torque = np.array([test.seen == SEEN_TORQUE for test in tests])
     return {
         "seen": [SEEN.index(test.seen) for test in tests],
         "row": [test.row for test in tests],
         "value": [test.value for test in tests],
-        "after": np.where(torque, np.nan, [test.after for test in tests]),
-        "expected": np.where(torque, 1e3, 1.0)[:, None] * np.array(expected),
+        "after": np.where(is_torque, np.nan, [test.after for test in tests]),
+        "expected": np.where(is_torque, 1e3, 1.0)[:, None] * np.array(expected),
         "probability_of_test": probabilities,
     }
 
 
-def _hours(found: Mapping[str, Any]) -> np.ndarray:
-    low, *_, high = found["life_quantile"][0]
+def _hours(results: Mapping[str, Any]) -> np.ndarray:
+    """Returns lives [h] along the axis of the failed share."""
+    low, *_, high = results["life_quantile"][0]
     return np.geomspace(low / 3.0, high * 3.0, _POINTS)
 
 
-def _spanned(normals: Sequence[Normal]) -> np.ndarray:
-    """Points that span several distributions."""
-    low = min(n.mean - 3.5 * n.deviation for n in normals)
-    high = max(n.mean + 3.5 * n.deviation for n in normals)
+def _spanning_points(normals: Sequence[Normal]) -> np.ndarray:
+    """Returns points that span several distributions."""
+    low = min(normal.mean - 3.5 * normal.deviation for normal in normals)
+    high = max(normal.mean + 3.5 * normal.deviation for normal in normals)
     return np.linspace(low, high, _POINTS)
 
 
-def _marginal(grid: np.ndarray, shares: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Density along one axis at some of its points."""
+def _density_at(grid: np.ndarray, shares: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Returns the density along one axis at some points, from shares on a grid."""
     if len(grid) == 1:
         return np.zeros(len(points))
     return np.interp(points, grid, shares / (grid[1] - grid[0]), left=0.0, right=0.0)

@@ -1,4 +1,4 @@
-"""What tests say of the friction coefficient mu and of K_s/H: a posterior by quadrature.
+"""The posterior of the friction coefficient mu and of K_s/H after tests, by quadrature.
 
 The unknowns are x = ln mu and y = ln k, k the K_s/H of the batch over that of the scene. Both are
 normal before the tests. A test saw s, the logarithm of a life or of a torque, for which the model
@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from scipy.special import log_ndtr, ndtr
 
 LogModel = Callable[[np.ndarray], np.ndarray]
-"""Logarithm of what the model has of the median bearing, by x; wear is that of the scene."""
+"""Logarithm of the median bearing's life or torque by x, with the K_s/H of the scene."""
 
 _FRICTIONS, _WEARS = 161, 801
 """Points of the grid along x and y."""
@@ -33,17 +33,17 @@ _NEGLIGIBLE = 1e-16  # share of the largest density below which the grid ends
 
 
 class Normal(NamedTuple):
-    """A normal distribution; of a known value where the deviation is zero."""
+    """A normal distribution; a known value has a deviation of zero."""
 
     mean: float
     deviation: float
 
 
 class Conformity(NamedTuple):
-    """How a test conforms to what is known from others."""
+    """Agreement of a test with the model and other tests."""
 
-    probability: float  # of a result at least as far from the model; of a run-out, its own
-    factor: float  # the result over what the model has of the median bearing
+    probability: float  # of a result at least as far from the model, or of the run-out
+    factor: float  # the result over that of the median bearing in the model
 
 
 class Prior(NamedTuple):
@@ -54,10 +54,10 @@ class Prior(NamedTuple):
     correlation: float = 0.0
 
     def log_density(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Log density on a grid (x, y), up to a constant."""
+        """Returns the log density on a grid (x, y), up to a constant."""
         u, v = (
-            (values - one.mean) / one.deviation if one.deviation else 0.0 * values
-            for one, values in ((self.x, x[:, None]), (self.y, y[None, :]))
+            (values - normal.mean) / normal.deviation if normal.deviation else 0.0 * values
+            for normal, values in ((self.x, x[:, None]), (self.y, y[None, :]))
         )
         rho = self.correlation
         return -0.5 * (u * u - 2.0 * rho * u * v + v * v) / (1.0 - rho * rho)
@@ -65,22 +65,22 @@ class Prior(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Observation:
-    """The logarithm of what was seen of one or several bearings."""
+    """The logarithm of the result of one or several bearings."""
 
     seen: float
-    model: LogModel  # see `LogModel`
+    model: LogModel
     scatter: float  # standard deviation between bearings, with that of the measurement
     of_wear: bool = True  # a life, or a loss as the time it took; else a torque
     censored: bool = False  # it had not ended by then
-    count: int = 1  # how many bearings of the same outcome
+    count: int = 1  # number of bearings with the same result
 
     def deviate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Measured less predicted value (x, y), in standard deviations."""
+        """Returns measured less predicted value (x, y), in standard deviations."""
         shift = y[None, :] if self.of_wear else 0.0 * y[None, :]
         return (self.seen - self.model(x)[:, None] + shift) / self.scatter
 
     def log_likelihood(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Log likelihood of one such bearing (x, y)."""
+        """Returns the log likelihood of one such bearing (x, y)."""
         z = self.deviate(x, y)
         return log_ndtr(-z) if self.censored else -0.5 * z * z
 
@@ -101,35 +101,37 @@ class Posterior:
 
     @property
     def shares(self) -> np.ndarray:
-        """Weight of each point of the grid (n, m); their sum is 1."""
+        """Returns the weight of each point of the grid (n, m); their sum is 1."""
         step = self.y[1] - self.y[0]
         return self.density * step
 
     def mean(self, values: np.ndarray) -> float:
-        """Mean of a function given on the grid, (n, 1), (1, m) or (n, m)."""
+        """Returns the mean of a function given on the grid, (n, 1), (1, m) or (n, m)."""
         return float((self.shares * values).sum())
 
     def normal(self, axis: str) -> Normal:
-        """Mean and standard deviation of x or y."""
+        """Returns mean and standard deviation of x or y."""
         axis_values = self.x[:, None] if axis == "x" else self.y[None, :]
         mean = self.mean(axis_values)
         return Normal(mean, float(np.sqrt(max(self.mean((axis_values - mean) ** 2), 0.0))))
 
     def ends(self, axis: str, probabilities: Sequence[float]) -> list[float]:
-        """Quantiles of x or y."""
+        """Returns quantiles of x or y."""
         grid = self.x if axis == "x" else self.y
         if len(grid) == 1:
             return [float(grid[0])] * len(probabilities)
         density = self.shares.sum(axis=1 if axis == "x" else 0)
         below = CubicSpline(grid, density).antiderivative()
-        whole = float(below(grid[-1]))
+        total, limits = float(below(grid[-1])), (grid[0], grid[-1])
         return [
-            float(brentq(lambda v, p=p: float(below(v)) - p * whole, grid[0], grid[-1], xtol=1e-13))
-            for p in probabilities
+            float(
+                brentq(lambda v, share=share: float(below(v)) - share * total, *limits, xtol=1e-13)
+            )
+            for share in probabilities
         ]
 
     def correlation(self) -> float:
-        """Correlation of x and y; zero if one of them is known."""
+        """Returns the correlation of x and y; zero if one of them is known."""
         x, y = self.normal("x"), self.normal("y")
         if 0.0 in (x.deviation, y.deviation):
             return 0.0
@@ -137,30 +139,32 @@ class Posterior:
         return self.mean(product) / (x.deviation * y.deviation)
 
     def below(self, model: LogModel, value: float) -> float:
-        """Probability that the life of the median bearing, m(x) - y, is below exp(value)."""
-        least = np.clip(model(self.x) - value, self.y[0], self.y[-1])
-        pieces = self._integral
-        k = np.clip(np.searchsorted(pieces.x, least) - 1, 0, len(pieces.x) - 2)
-        offset, rows = least - pieces.x[k], np.arange(len(self.x))
-        up_to = np.zeros(len(rows))
-        for coefficient in pieces.c[:, k, rows]:
-            up_to = up_to * offset + coefficient
-        return float(1.0 - up_to.sum())
+        """Returns the probability that the median bearing's life, m(x) - y, is below exp(value)."""
+        lower_limit = np.clip(model(self.x) - value, self.y[0], self.y[-1])
+        spline = self._integral
+        piece = np.clip(np.searchsorted(spline.x, lower_limit) - 1, 0, len(spline.x) - 2)
+        offset, rows = lower_limit - spline.x[piece], np.arange(len(self.x))
+        integral = np.zeros(len(rows))
+        for coefficient in spline.c[:, piece, rows]:
+            integral = integral * offset + coefficient
+        return float(1.0 - integral.sum())
 
     def median_quantile(self, model: LogModel, probability: float, deviates: float = 0.0) -> float:
-        """Quantile, over what is not known of the batch, of a quantile over its bearings.
+        """Returns a quantile over batches of a quantile over their bearings.
 
         deviates: logarithm of that quantile over the bearings, less that of their median.
         """
         m = model(self.x)
         ends = float(m.min() - self.y[-1]) - 1.0, float(m.max() - self.y[0]) + 1.0
-        found = brentq(lambda v: self.below(model, v) - probability, *ends, xtol=1e-13)
-        return float(np.exp(found + deviates))
+        log_quantile = brentq(
+            lambda value: self.below(model, value) - probability, *ends, xtol=1e-13
+        )
+        return float(np.exp(log_quantile + deviates))
 
     def quantile(
         self, model: LogModel, probability: float, scatter: float, of_wear: bool = True
     ) -> float:
-        """Quantile of the life, or torque, of a bearing, over the batch and its scatter alike."""
+        """Returns a quantile of a bearing's life or torque, over batches and their scatter."""
         mean = model(self.x)[:, None] - (self.y[None, :] if of_wear else 0.0 * self.y[None, :])
         wide = 9.0 * scatter + 1.0
 
@@ -171,12 +175,12 @@ class Posterior:
         return float(np.exp(brentq(excess, *ends, xtol=1e-13)))
 
     def failed_share(self, model: LogModel, life: float, scatter: float) -> float:
-        """Share of bearings that have failed by a life, over the batch and its scatter alike."""
+        """Returns the share of bearings that have failed by a life, over batches and scatter."""
         mean = model(self.x)[:, None] - self.y[None, :]
         return float((self.shares * ndtr((math.log(life) - mean) / scatter)).sum())
 
     def conformity(self, test: Observation) -> Conformity:
-        """How far a test that is not part of the posterior conforms to it."""
+        """Returns how a test that is not part of the posterior conforms to it."""
         z = test.deviate(self.x, self.y)
         above = float((self.shares * ndtr(-z)).sum())
         probability = above if test.censored else 2.0 * min(above, 1.0 - above)
@@ -184,39 +188,42 @@ class Posterior:
 
 
 def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
-    """The posterior of x and y, normal before the tests.
+    """Returns the posterior of x and y, which are normal before the tests.
 
-    The first grid spans what is possible before the tests; a second one what is possible after.
+    The first grid spans the prior, the second one the posterior on the first.
     """
     x, y, _ = prior
-    least = min((t.scatter for t in tests), default=y.deviation) if y.deviation else 1.0
-    fine = int(2.0 * _WIDE * y.deviation / (_SPACING * least)) + 1
-    grids = _axis(x, _WIDE, _FRICTIONS), _axis(y, _WIDE, max(_WEARS, fine))
+    least_scatter = (
+        min((test.scatter for test in tests), default=y.deviation) if y.deviation else 1.0
+    )
+    fine_points = int(2.0 * _WIDE * y.deviation / (_SPACING * least_scatter)) + 1
+    grids = _axis(x, _WIDE, _FRICTIONS), _axis(y, _WIDE, max(_WEARS, fine_points))
     for _ in range(2):
         log = prior.log_density(*grids)
         for test in tests:
             log = log + test.count * test.log_likelihood(*grids)
         density = np.exp(log - log.max())
-        found = Posterior(*grids, density / (density.sum() * (grids[1][1] - grids[1][0])))
+        result = Posterior(*grids, density / (density.sum() * (grids[1][1] - grids[1][0])))
         grids = (
             _narrowed(grids[0], density.max(axis=1), _FRICTIONS),
             _narrowed(grids[1], density.max(axis=0), _WEARS),
         )
-    return found
+    return result
 
 
 def conformities(prior: Prior, tests: Sequence[Observation]) -> list[Conformity]:
-    """Of each test, how it conforms to what the others alone tell."""
-    found = []
+    """Returns how each test conforms to the others alone."""
+    results = []
     for k, test in enumerate(tests):
         rest = [*tests[:k], *tests[k + 1 :]]
         if test.count > 1:
             rest.append(replace(test, count=test.count - 1))
-        found.append(posterior(prior, rest).conformity(test))
-    return found
+        results.append(posterior(prior, rest).conformity(test))
+    return results
 
 
 def _axis(normal: Normal, wide: float, points: int) -> np.ndarray:
+    """Returns points within `wide` standard deviations of the mean."""
     half = wide * normal.deviation
     if half == 0.0:
         return np.array([normal.mean])
@@ -224,9 +231,9 @@ def _axis(normal: Normal, wide: float, points: int) -> np.ndarray:
 
 
 def _narrowed(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:
-    """The part of a grid with some density, with other points."""
+    """Returns new points over the part of a grid with some density."""
     if len(grid) == 1:
         return grid
-    some = np.flatnonzero(density > _NEGLIGIBLE * density.max())
-    first, last = max(some[0] - 1, 0), min(some[-1] + 1, len(grid) - 1)
+    dense = np.flatnonzero(density > _NEGLIGIBLE * density.max())
+    first, last = max(dense[0] - 1, 0), min(dense[-1] + 1, len(grid) - 1)
     return np.linspace(grid[first], grid[last], points)

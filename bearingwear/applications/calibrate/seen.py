@@ -1,4 +1,4 @@
-"""What tests of bearings may have seen: the columns of a file of tests."""
+"""Results that a test of bearings may have: the columns of a file of tests."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,12 @@ SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
     "preload_left_N",
     "torque_Nmm",
 )
-"""Columns of what was seen: a life, a run that had not ended, a loss of ball diameter or a residual
+"""Columns of results: a life, a run that had not ended, a loss of ball diameter or a residual
 preload after a time, a shaft torque."""
 
 
 class Seen(NamedTuple):
-    """One of them in words, its unit, and its standard error where none is given, assumed [%]."""
+    """A result in words, its unit, and its standard error, assumed where none is given [%]."""
 
     words: str
     unit: str

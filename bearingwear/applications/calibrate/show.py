@@ -39,7 +39,7 @@ _COLOURS = dict(zip(STAGES, ("0.6", "black"), strict=True))
 
 
 def calibration_sheet(file: Any) -> Document:
-    """Friction, K_s/H and life before and after, the tests, and what disagrees."""
+    """Reports friction, K_s/H and life before and after, the tests, and conflicts."""
     scene = json.loads(file.scene)
     calibration = scene["calibrated"]
     film = "ball_race" not in scene["friction"]
@@ -59,9 +59,9 @@ def calibration_sheet(file: Any) -> Document:
         *(f"conflict: {text}" for text in conflicts(file)),
     )
     facts = {"kind": "calibration", "conflicts": conflicts(file), **calibration}
-    tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
+    tests = Block("test", ("seen", "expected", "probability"), tuple(_test_rows(file)))
     scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
-    carried = [
+    carried_intervals = [
         f"{words} {_interval(values(file, name)).text}{unit}"
         for words, name, unit in (
             (friction[0], "friction_carried", f" {friction[1]}".rstrip()),
@@ -71,7 +71,7 @@ def calibration_sheet(file: Any) -> Document:
     ]
     summary = (
         "The calibrated scene carries lognormal distributions with the mean and the standard "
-        f"deviation of the logarithms; their 90 % intervals are {' and '.join(carried)}.",
+        f"deviation of the logarithms; their 90 % intervals are {' and '.join(carried_intervals)}.",
         "Within a batch, two thirds of the lives are within a factor of "
         f"{digits(float(np.exp(scatter)))} of the median.",
         "The error in lives interpolated between friction values is at most "
@@ -87,76 +87,78 @@ def calibration_sheet(file: Any) -> Document:
 
 
 def conflicts(file: Any) -> list[str]:
-    """What tests and model disagree on by more than both can be, in words."""
-    found = []
-    for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
-        if p < _UNLIKELY:
-            found.append(
-                f"{label} has a probability of {plain(100.0 * p, 2)} %, given the model and the "
-                "other tests"
+    """Lists in words where tests and model disagree by more than chance explains."""
+    sentences = []
+    for label, share in zip(_labels(file), values(file, "probability_of_test"), strict=True):
+        if share < _UNLIKELY:
+            sentences.append(
+                f"{label} has a probability of {plain(100.0 * share, 2)} %, given the model and "
+                "the other tests"
             )
     scene = json.loads(file.scene)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
-        moved = float(getattr(file, name))
-        if abs(moved) > _FAR:
-            distance = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
-            found.append(f"{words} from the tests is {distance} the value in {scene['name']}")
-    return found
+        shift = float(getattr(file, name))
+        if abs(shift) > _FAR:
+            distance = f"{abs(shift):.2g} standard deviations {'above' if shift > 0 else 'below'}"
+            sentences.append(f"{words} from the tests is {distance} the value in {scene['name']}")
+    return sentences
 
 
 def _labels(file: Any) -> list[str]:
-    seen = [SEEN[int(k)] for k in values(file, "seen")]
+    """Returns row and kind of result of each test."""
+    names = [SEEN[int(code)] for code in values(file, "seen")]
     return [
         f"row {int(row)}, {SEEN_AS[name].words}"
-        for row, name in zip(values(file, "row"), seen, strict=True)
+        for row, name in zip(values(file, "row"), names, strict=True)
     ]
 
 
-def _tests(file: Any) -> Iterator[Row]:
+def _test_rows(file: Any) -> Iterator[Row]:
+    """Yields the row of each test: its result, the expected interval and its probability."""
     columns = (values(file, name) for name in ("seen", "value", "after", "expected"))
-    of_each = zip(_labels(file), *columns, values(file, "probability_of_test"), strict=True)
-    for label, flag, value, after, expected, p in of_each:
-        name = SEEN[int(flag)]
-        share = f"{plain(100.0 * p, 2)} %"
+    tests = zip(_labels(file), *columns, values(file, "probability_of_test"), strict=True)
+    for label, code, value, after, expected, probability in tests:
+        name = SEEN[int(code)]
+        percent = f"{plain(100.0 * probability, 2)} %"
         interval = Interval(*map(float, expected))
         unit = SEEN_AS[name].unit
         if name in (SEEN_LOSS, SEEN_PRELOAD):
             label, value, unit = f"{label} {digits(float(value))} {unit} after", after, "h"
         text = f"> {digits(float(value))}" if name == SEEN_RUN_OUT else digits(float(value))
-        yield Row(label, unit, (text, interval, share))
+        yield Row(label, unit, (text, interval, percent))
 
 
 def _pair(file: Any, name: str, ends: tuple[int, int] = (0, 1)) -> tuple[Interval, ...]:
-    """An interval before and after."""
-    return tuple(_interval(one[list(ends)]) for one in values(file, name))
+    """Returns the intervals of a variable before and after."""
+    return tuple(_interval(row[list(ends)]) for row in values(file, name))
 
 
 def _interval(ends: np.ndarray) -> Interval:
     return Interval(*map(float, ends))
 
 
-def calibration_figure(found: xr.Dataset) -> Figure:
-    """Friction, K_s/H and life, before and after the tests."""
-    scene = json.loads(found.attrs["scene"])
+def calibration_figure(calibration: xr.Dataset) -> Figure:
+    """Draws friction, K_s/H and life, before and after the tests."""
+    scene = json.loads(calibration.attrs["scene"])
     panels = [("wear_over_hardness", "wear_density", "K_s/H (m²/N)", "density of the logarithm")]
-    if "friction_density" in found:
+    if "friction_density" in calibration:
         label = "friction" if "ball_race" in scene["friction"] else "film shear strength (MPa)"
         panels.insert(0, ("friction", "friction_density", label, "density of the logarithm"))
     panels.append(("hours", "failed_share", "life (h)", "share of failed bearings"))
     figure, axes = new_figure(1, len(panels), 3.2 * len(panels), 3.2)
     for panel, (axis, name, x_label, y_label) in zip(axes[0], panels, strict=True):
         for k, colour in enumerate(_COLOURS.values()):
-            panel.plot(found[axis], found[name].isel(stage=k), color=colour)
+            panel.plot(calibration[axis], calibration[name].isel(stage=k), color=colour)
         panel.set_xscale("log" if axis != "friction" else "linear")
         panel.set_xlabel(x_label)
         panel.set_ylabel(y_label)
         panel.set_ylim(0.0)
-    for k, time in enumerate(found["after"].values):
-        if np.isfinite(time) and SEEN[int(found["seen"][k])] in (SEEN_LIFE, SEEN_RUN_OUT):
-            mark = ">" if SEEN[int(found["seen"][k])] == SEEN_RUN_OUT else "o"
+    for k, time in enumerate(calibration["after"].values):
+        if np.isfinite(time) and SEEN[int(calibration["seen"][k])] in (SEEN_LIFE, SEEN_RUN_OUT):
+            mark = ">" if SEEN[int(calibration["seen"][k])] == SEEN_RUN_OUT else "o"
             axes[0][-1].plot(time, 0.03, mark, color="C3", markersize=5)
     before, after = (
-        Interval(*row).text for row in found["life_quantile"].values[:, [0, -1]].tolist()
+        Interval(*row).text for row in calibration["life_quantile"].values[:, [0, -1]].tolist()
     )
     handles = [
         *(key(stage, color=colour) for stage, colour in _COLOURS.items()),

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def export_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear export`."""
+    """Adds the arguments of `bearingwear export`."""
     from bearingwear.options import add_scene, file_name, positive
 
     add_scene(sub)
@@ -38,14 +38,14 @@ def export_options(sub: argparse.ArgumentParser) -> None:
 
 
 def _speeds(text: str) -> list[float]:
-    """Read shaft speeds: LOW:HIGH:COUNT, or numbers."""
+    """Reads shaft speeds [r/min], written as LOW:HIGH:COUNT or as numbers with commas."""
     import argparse
     import math
 
     low, _, rest = text.partition(":")
     try:
         if not rest:
-            return [float(one) for one in text.split(",")]
+            return [float(speed) for speed in text.split(",")]
         high, _, count = rest.partition(":")
         start, end, n = float(low), float(high), int(count or 8)
         if not (0.0 <= start < end < math.inf and 2 <= n <= 1000):

@@ -12,7 +12,7 @@ from bearingwear.printing import tell_of_new_folder
 
 
 def export_command(args: argparse.Namespace) -> int:
-    """Write the stiffness over speed as CSV, or as ROSS's TOML."""
+    """Writes the stiffness over speed as CSV, or as ROSS's TOML."""
     from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
     from bearingwear.atomic import write_text
 
@@ -20,13 +20,23 @@ def export_command(args: argparse.Namespace) -> int:
     if path.suffix not in (".csv", ".toml"):
         raise UsageError(f"-o: got {path}, expected a name that ends in .csv or .toml")
     try:
-        found = StiffnessOverSpeed.of(scene, args.speeds)
+        stiffness = StiffnessOverSpeed.of(scene, args.speeds)
     except NotExported as error:
         sys.stderr.write(one_line(f"{args.scene}: {error}"))
         return NOT_SOLVED
     name = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)
-    more = args.bearing, args.tilt, args.damping, args.node, args.ross
+    if path.suffix == ".csv":
+        text = stiffness.csv
+    else:
+        text = stiffness.toml(
+            name,
+            bearing=args.bearing,
+            tilt=args.tilt,
+            damping=args.damping,
+            node=args.node,
+            ross=args.ross,
+        )
     tell_of_new_folder(path)
-    write_text(path, found.csv if path.suffix == ".csv" else found.toml(name, *more))
+    write_text(path, text)
     print(f"{path}: written; dynamic stiffness at {len(args.speeds)} speeds")
     return SUCCESS

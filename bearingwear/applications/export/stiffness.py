@@ -22,13 +22,13 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.mounted import RPM
 
 TILTS = ("held", "released")
-"""What is done about tilt, of which ROSS's bearings know nothing: it is held, or no moment is."""
+"""ROSS's bearings have no tilt: here it is held at zero, or released, so that no moment acts."""
 
 ROSS_NAMES = {2: "frequency", 3: "speed"}
 """The key of the speeds by ROSS's major version."""
 
 FEWEST_SPEEDS = 5
-"""That ROSS interpolates between."""
+"""The fewest speeds that ROSS interpolates between."""
 
 _NOTHING = 1e-14  # of the largest stiffness: rounding of what balls in a circle cancel
 _FROM_ROSS = (1, 2, 0)  # its x, y, z here
@@ -49,7 +49,10 @@ class StiffnessOverSpeed:
 
     @classmethod
     def of(cls, source: Source, speeds_rpm: Sequence[float]) -> StiffnessOverSpeed:
-        """Solve a scene at each speed of the shaft [r/min]; NotExported without a stiffness."""
+        """Solves a scene at each speed of the shaft [r/min].
+
+        NotExported: the scene has no stiffness at one of them.
+        """
         from bearingwear.solvers.effects.choice import choice
         from bearingwear.solvers.solve import solve
 
@@ -57,54 +60,56 @@ class StiffnessOverSpeed:
         if not speeds or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
             problem = f"got {list(speeds)}, expected increasing numbers"
             raise SceneError("", problem, source="speeds")
-        found = []
         if choice(scene).fidelity == "dynamic":
             problem = "a dynamic run gives no stiffness matrix; set model.fidelity to race_control"
             raise NotExported(problem)
-        lowest = scene.operation.lowest_speed_rpm
+        lowest, matrices = scene.operation.lowest_speed_rpm, []
         for speed in speeds:
-            at = {
+            changes = {
                 "operation.shaft_speed_rpm": speed,
                 "operation.lowest_speed_rpm": min(lowest, speed),
             }
-            result = solve(variant(scene, at))
+            result = solve(variant(scene, changes))
             if result.status != "ok":
                 raise NotExported(f"{speed:g} r/min: {result.status}: {result.reason}")
-            found.append(result.values["stiffness_matrix"].reshape(-1, 5, 5))
+            matrices.append(result.values["stiffness_matrix"].reshape(-1, 5, 5))
         tandem = scene.pair.tandem if scene.pair is not None else (1,)
-        n = np.array(tandem)[: len(found[0]), None, None]
-        return cls(scene, speeds, np.array(found) * n)
+        in_tandem = np.array(tandem)[: len(matrices[0]), None, None]
+        return cls(scene, speeds, np.array(matrices) * in_tandem)
 
     def ross_matrices(self, bearing: int = 1, tilt: str = "held") -> np.ndarray:
-        """Stiffness (speeds, 3, 3) of a bearing by ROSS's x, y, z [N/m]. Raises SceneError."""
-        for name, given, allowed in (
+        """Returns the stiffness (speeds, 3, 3) of a bearing along ROSS's x, y and z [N/m].
+
+        Raises SceneError.
+        """
+        for name, value, allowed in (
             ("tilt", tilt, TILTS),
             ("bearing", bearing, range(1, self.matrices.shape[1] + 1)),
         ):
-            if given not in allowed:
-                problem = f"got {given!r}, expected {' or '.join(map(str, allowed))}"
+            if value not in allowed:
+                problem = f"got {value!r}, expected {' or '.join(map(str, allowed))}"
                 raise SceneError("", problem, source=name)
         K = self.matrices[:, bearing - 1]
-        shift, turn = K[:, :3, :3], K[:, 3:, 3:]
+        K_shift, K_tilt = K[:, :3, :3], K[:, 3:, 3:]
         if tilt == "released":
-            shift = shift - K[:, :3, 3:] @ np.linalg.solve(turn, K[:, 3:, :3])
-        shift = shift[:, _FROM_ROSS][:, :, _FROM_ROSS]
-        return np.where(abs(shift) > _NOTHING * abs(shift).max(), shift, 0.0)
+            K_shift = K_shift - K[:, :3, 3:] @ np.linalg.solve(K_tilt, K[:, 3:, :3])
+        K_shift = K_shift[:, _FROM_ROSS][:, :, _FROM_ROSS]
+        return np.where(abs(K_shift) > _NOTHING * abs(K_shift).max(), K_shift, 0.0)
 
     def coefficients(
         self, bearing: int = 1, tilt: str = "held", damping: float = 0.0
     ) -> dict[str, list[float]]:
-        """ROSS's coefficients of a bearing by their names [N/m], [N s/m]."""
+        """Returns ROSS's coefficients of a bearing by their names [N/m], [N s/m]."""
         if len(self.speeds_rpm) < FEWEST_SPEEDS:
             problem = f"got {len(self.speeds_rpm)}, expected at least {FEWEST_SPEEDS} for ROSS"
             raise SceneError("", problem, source="speeds")
         K = self.ross_matrices(bearing, tilt)
         places = ("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1), ("zz", 2, 2)
-        found = {f"k{name}": K[:, i, j].tolist() for name, i, j in places}
-        return found | {f"c{name}": [damping] * len(K) for name in ("xx", "yy", "zz")}
+        stiffness = {f"k{name}": K[:, i, j].tolist() for name, i, j in places}
+        return stiffness | {f"c{name}": [damping] * len(K) for name in ("xx", "yy", "zz")}
 
     def effective_arm(self, bearing: int = 1) -> float:
-        """Axial distance from the bearing at which a radial force causes no tilt [m].
+        """Returns the axial distance from the bearing at which a radial force causes no tilt [m].
 
         Mean over the speeds, towards where its contact lines meet the axis. A node of a rotor
         there has no coupling of displacement and tilt.
@@ -114,14 +119,14 @@ class StiffnessOverSpeed:
 
     @property
     def csv(self) -> str:
-        """A line for each speed and bearing, with all 25 numbers in the bearing's own frame."""
+        """Returns a line for each speed and bearing: 25 numbers in the bearing's own frame."""
         text = io.StringIO()
         table = csv.writer(text, lineterminator="\n")
         names = [f"k_{row}_{column}" for row in DOFS for column in DOFS]
         table.writerow(["shaft_speed_rpm", "bearing", *names])
-        for speed, each in zip(self.speeds_rpm, self.matrices, strict=True):
-            for k, K in enumerate(each, 1):
-                table.writerow([speed, k, *K.ravel().tolist()])
+        for speed, bearings in zip(self.speeds_rpm, self.matrices, strict=True):
+            for number, K in enumerate(bearings, 1):
+                table.writerow([speed, number, *K.ravel().tolist()])
         return text.getvalue()
 
     def toml(
@@ -133,22 +138,22 @@ class StiffnessOverSpeed:
         node: int = 0,
         ross: int = 2,
     ) -> str:
-        """A bearing as `ross.BearingElement.load` reads it."""
-        known = self.coefficients(bearing, tilt, damping or 0.0)
-        known[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * RPM).tolist()
-        given = "none given, 0 assumed" if damping is None else f"{damping:g} N s/m, given"
-        moved = "tilt held" if tilt == "held" else "tilt released: no moment"
+        """Returns a bearing as text that `ross.BearingElement.load` reads."""
+        coefficients = self.coefficients(bearing, tilt, damping or 0.0)
+        coefficients[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * RPM).tolist()
+        damping_text = "none given, 0 assumed" if damping is None else f"{damping:g} N s/m, given"
+        tilt_text = "tilt held" if tilt == "held" else "tilt released: no moment"
         arm = 1e3 * self.effective_arm(bearing)
         lines = [
             f"# {self.scene.name}, bearing {bearing}: dynamic stiffness at {len(self.speeds_rpm)} "
             "speeds, rad/s, N/m; z axial",
-            f"# {moved}; displacement and tilt are uncoupled at a node {arm:.4g} mm from the",
+            f"# {tilt_text}; displacement and tilt are uncoupled at a node {arm:.4g} mm from the",
             "# bearing, where its contact lines meet the axis",
-            f"# damping: {given}; keys named as in ROSS {ross}",
+            f"# damping: {damping_text}; keys named as in ROSS {ross}",
             f"[BearingElement_{name}]",
             f"n = {node}",
             f'tag = "{name}"',
-            *(f"{key} = {values}" for key, values in known.items()),
+            *(f"{key} = {values}" for key, values in coefficients.items()),
         ]
         return "\n".join(lines) + "\n"
 
@@ -191,9 +196,9 @@ def to_ross(
     """
     from ross import BearingElement
 
-    known: dict[str, Any] = dict(
+    coefficients: dict[str, Any] = dict(
         StiffnessOverSpeed.of(scene, speeds_rpm).coefficients(bearing, tilt, damping)
     )
-    taken = inspect.signature(BearingElement.__init__).parameters
-    name = next(name for name in ROSS_NAMES.values() if name in taken)
-    return BearingElement(n=node, **known, **{name: np.array(speeds_rpm, dtype=float) * RPM})
+    parameters = inspect.signature(BearingElement.__init__).parameters
+    name = next(name for name in ROSS_NAMES.values() if name in parameters)
+    return BearingElement(n=node, **coefficients, **{name: np.array(speeds_rpm, dtype=float) * RPM})

@@ -12,13 +12,13 @@ if TYPE_CHECKING:
 
 # fmt: off
 def launch_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear launch`."""
+    """Adds the arguments of `bearingwear launch`."""
     from bearingwear.options import add_case, add_formats, add_scene, not_negative
 
     add_scene(sub)
-    for way, words in (("axial", "along"), ("radial", "perpendicular to")):
-        sub.add_argument(f"--{way}", type=not_negative, metavar="G",
-            help=f"acceleration {words} the bearing axis (sets launch.{way}_g)")
+    for direction, preposition in (("axial", "along"), ("radial", "perpendicular to")):
+        sub.add_argument(f"--{direction}", type=not_negative, metavar="G",
+            help=f"acceleration {preposition} the bearing axis (sets launch.{direction}_g)")
     add_case(sub)
     add_formats(sub)
 

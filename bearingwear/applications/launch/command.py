@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 
 
 def launch_command(args: argparse.Namespace) -> int:
-    """Print the sheet of a launch."""
+    """Prints the sheet of a launch."""
     from bearingwear.applications.launch.sheet import launch_document
     from bearingwear.lives.margin import launched_by_wear
     from bearingwear.solvers.bearing.launch import check_launch
 
-    given = {"axial": args.axial, "radial": args.radial}
-    args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
+    accelerations = {"axial": args.axial, "radial": args.radial}
+    args.set += [
+        f"launch.{direction}_g={g:g}" for direction, g in accelerations.items() if g is not None
+    ]
     scene = given_scene(args)
     check_launch(scene, args.scene)
     print_sheet(launch_document(scene, launched_by_wear(scene)), args)
@@ -56,8 +58,8 @@ def launch(scene: Source, axial: float | None = None, radial: float | None = Non
     from bearingwear.scene.read import as_scene
     from bearingwear.solvers.bearing.launch import check_launch
 
-    given = {"launch.axial_g": axial, "launch.radial_g": radial}
-    changes = {key: value for key, value in given.items() if value is not None}
-    checked = as_scene(scene).with_(changes)
-    check_launch(checked, checked.name)
-    return launch_dataset(checked, launched_by_wear(checked))
+    accelerations = {"launch.axial_g": axial, "launch.radial_g": radial}
+    changes = {key: value for key, value in accelerations.items() if value is not None}
+    changed_scene = as_scene(scene).with_(changes)
+    check_launch(changed_scene, changed_scene.name)
+    return launch_dataset(changed_scene, launched_by_wear(changed_scene))

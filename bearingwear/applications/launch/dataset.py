@@ -11,13 +11,13 @@ import xarray as xr
 from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.launch import GRAVITY, Launched, LaunchLoad
-from bearingwear.studies.dataset import filled
+from bearingwear.solvers.bearing.launch import GRAVITY, LaunchLoad, LaunchResult
+from bearingwear.studies.dataset import dataset_of_rows
 
 WEAR_STATE = Variable("state", ("state",), "", "state of wear", "O")
 LAUNCH_LOAD = Variable("load", ("load",), "", "direction of the load", "O")
 EACH_BEARING = Variable("bearing", ("bearing",), "1", "number of the bearing", "i8")
-_ROTOR, _EACH = LAUNCH_LOAD.dims, LAUNCH_LOAD.dims + EACH_BEARING.dims
+_OF_LOAD, _OF_BEARING = LAUNCH_LOAD.dims, LAUNCH_LOAD.dims + EACH_BEARING.dims
 
 LAUNCH = table(
     Variable("axial_acceleration", (), "m s-2", "axial acceleration of the rotor"),
@@ -30,76 +30,76 @@ LAUNCH = table(
         "nothing holds the rotor"),
     Variable("launch_pressure_share", (), "1",
         "largest peak pressure under any load, relative to denting_pressure"),
-    Variable("axial_force", _ROTOR, "N", "axial force on the rotor"),
-    Variable("radial_force", _ROTOR, "N", "radial force on the rotor"),
-    Variable("shift", _ROTOR, "m", "axial displacement of the rotor"),
-    Variable("across", _ROTOR, "m", "radial displacement of the rotor"),
-    Variable("tilt", _ROTOR, "rad", "tilt of the rotor"),
-    Variable("slide", _ROTOR, "m", "extension of the preload spring"),
-    Variable("on_stop", _ROTOR, "N", "force on the stop of the preload spring"),
-    Variable("axial_load", _EACH, "N", "axial load of a bearing"),
-    Variable("radial_load", _EACH, "N", "radial load of a bearing"),
-    Variable("largest_ball_load", _EACH, "N", "load of the most loaded ball"),
-    Variable("least_ball_load", _EACH, "N", "load of the least loaded ball"),
-    Variable("loose_balls", _EACH, "1", "number of balls without load"),
-    Variable("pressure_inner", _EACH, "Pa", "largest pressure at the inner race"),
-    Variable("pressure_outer", _EACH, "Pa", "largest pressure at the outer race"),
-    Variable("gap", _EACH, "m", "gap of a bearing"),
+    Variable("axial_force", _OF_LOAD, "N", "axial force on the rotor"),
+    Variable("radial_force", _OF_LOAD, "N", "radial force on the rotor"),
+    Variable("shift", _OF_LOAD, "m", "axial displacement of the rotor"),
+    Variable("across", _OF_LOAD, "m", "radial displacement of the rotor"),
+    Variable("tilt", _OF_LOAD, "rad", "tilt of the rotor"),
+    Variable("slide", _OF_LOAD, "m", "extension of the preload spring"),
+    Variable("on_stop", _OF_LOAD, "N", "force on the stop of the preload spring"),
+    Variable("axial_load", _OF_BEARING, "N", "axial load of a bearing"),
+    Variable("radial_load", _OF_BEARING, "N", "radial load of a bearing"),
+    Variable("largest_ball_load", _OF_BEARING, "N", "load of the most loaded ball"),
+    Variable("least_ball_load", _OF_BEARING, "N", "load of the least loaded ball"),
+    Variable("loose_balls", _OF_BEARING, "1", "number of balls without load"),
+    Variable("pressure_inner", _OF_BEARING, "Pa", "largest pressure at the inner race"),
+    Variable("pressure_outer", _OF_BEARING, "Pa", "largest pressure at the outer race"),
+    Variable("gap", _OF_BEARING, "m", "gap of a bearing"),
 )  # fmt: skip
-"""What is known of a launch in one state of wear."""
+"""Results of a launch in one state of wear."""
 
 
-def launch_dataset(scene: Scene, found: Mapping[str, Launched]) -> xr.Dataset:
-    """Launch loads and gaps by the state of wear, as `lives.margin.launched_by_wear` has them."""
-    loads = [load.name for load in next(iter(found.values())).loads]
-    axes: dict[Any, Any] = {WEAR_STATE: list(found), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
-    return filled(
+def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Dataset:
+    """Returns loads and gaps by the state of wear, from `lives.margin.launched_by_wear`."""
+    loads = [load.name for load in next(iter(states.values())).loads]
+    axes: dict[Any, Any] = {WEAR_STATE: list(states), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
+    return dataset_of_rows(
         LAUNCH,
         axes,
-        [_row(one) for one in found.values()],
+        [_row(state) for state in states.values()],
         title=f"Launch of {scene.name}",
         kind="launch",
         scene=scene,
-        sheet=launch_document(scene, found).stored,
+        sheet=launch_document(scene, states).stored,
     )
 
 
-def _row(one: Launched) -> dict[str, Any]:
-    """Values of one state of wear."""
+def _row(state: LaunchResult) -> dict[str, Any]:
+    """Returns the values of one state of wear by the names of `LAUNCH`."""
     row: dict[str, Any] = {
-        "axial_acceleration": GRAVITY * one.axial_g,
-        "radial_acceleration": GRAVITY * one.radial_g,
-        "opening_acceleration": GRAVITY * one.opening_g,
-        "denting_acceleration": GRAVITY * one.denting_g,
-        "denting_pressure": one.pressure,
-        "launch_gap": one.gap,
-        "launch_pressure_share": one.pressure_share,
-        "axial_force": [load.axial for load in one.loads],
-        "radial_force": [load.radial for load in one.loads],
+        "axial_acceleration": GRAVITY * state.axial_g,
+        "radial_acceleration": GRAVITY * state.radial_g,
+        "opening_acceleration": GRAVITY * state.opening_g,
+        "denting_acceleration": GRAVITY * state.denting_g,
+        "denting_pressure": state.pressure,
+        "launch_gap": state.gap,
+        "launch_pressure_share": state.pressure_share,
+        "axial_force": [load.axial for load in state.loads],
+        "radial_force": [load.radial for load in state.loads],
     }
-    rotors = [_rotor_row(load) for load in one.loads]
+    rotors = [_rotor_row(load) for load in state.loads]
     return row | {name: [rotor[name] for rotor in rotors] for name in LAUNCH if name not in row}
 
 
 def _rotor_row(load: LaunchLoad) -> dict[str, Any]:
-    """Values of the rotor and of both bearings under one load; NaN where nothing holds it."""
+    """Returns the values of rotor and bearings under one load; NaN where nothing supports it."""
     rotor = load.rotor
     if rotor is None:
-        missing = {_ROTOR: math.nan, _EACH: [math.nan] * 2}
-        return {name: missing[one.dims] for name, one in LAUNCH.items() if one.dims}
-    each = rotor.bearings
+        missing = {_OF_LOAD: math.nan, _OF_BEARING: [math.nan] * 2}
+        return {name: missing[variable.dims] for name, variable in LAUNCH.items() if variable.dims}
+    bearings = rotor.bearings
     return {
         "shift": rotor.shift,
         "across": rotor.across,
         "tilt": rotor.tilt,
         "slide": rotor.slide,
         "on_stop": rotor.on_stop,
-        "axial_load": [one.axial for one in each],
-        "radial_load": [one.radial for one in each],
-        "largest_ball_load": [one.load.max() for one in each],
-        "least_ball_load": [one.load.min() for one in each],
-        "loose_balls": [(one.load == 0.0).sum() for one in each],
-        "pressure_inner": [one.pressure[:, 0].max() for one in each],
-        "pressure_outer": [one.pressure[:, 1].max() for one in each],
-        "gap": [one.gap for one in each],
+        "axial_load": [bearing.axial for bearing in bearings],
+        "radial_load": [bearing.radial for bearing in bearings],
+        "largest_ball_load": [bearing.load.max() for bearing in bearings],
+        "least_ball_load": [bearing.load.min() for bearing in bearings],
+        "loose_balls": [(bearing.load == 0.0).sum() for bearing in bearings],
+        "pressure_inner": [bearing.pressure[:, 0].max() for bearing in bearings],
+        "pressure_outer": [bearing.pressure[:, 1].max() for bearing in bearings],
+        "gap": [bearing.gap for bearing in bearings],
     }

@@ -20,16 +20,11 @@ from bearingwear.results.units import span
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.launch import Launched, LaunchLoad, RestingBearing
+from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult, RestingBearing
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
-
-SOFT_PAIR_GAPS = (
-    "a spring-loaded pair that gaps strikes back: its loads may be 2 to 4 times those of three "
-    "sigma, as measured (docs/launch.md)"
-)
 
 _BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
     ("axial load", "N", "axial_load", lambda bearing: bearing.axial),
@@ -46,7 +41,7 @@ _BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ..
 """Label, unit, name and value of each row of a bearing."""
 
 
-def launch_document(scene: Scene, states: Mapping[str, Launched]) -> Document:
+def launch_document(scene: Scene, states: Mapping[str, LaunchResult]) -> Document:
     """Returns the report on the bearings of a scene at launch.
 
     states: result of `lives.margin.launched_by_wear`.
@@ -60,7 +55,7 @@ def launch_document(scene: Scene, states: Mapping[str, Launched]) -> Document:
         blocks.append(Block(title, columns, _random_rows(list(states.values()))))
     for state in _states_with_load_blocks(states):
         blocks += _load_blocks(states[state].loads, state_suffix(state, states))
-    verdict = launch_verdict(states) + _soft_pair_lines(scene, states)
+    verdict = launch_verdict(scene, states)
     facts = {"kind": "launch", "scene": scene.name, "verdict": verdict}
     heading = (
         operation_lines(scene.plain)[0],
@@ -84,20 +79,14 @@ def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
     ]
 
 
-def _states_with_load_blocks(states: Mapping[str, Launched]) -> list[str]:
+def _states_with_load_blocks(states: Mapping[str, LaunchResult]) -> list[str]:
     """Returns the states shown at each load: new and worn, or of several cases the worst ones."""
     if len(states) <= NEW_AND_WORN:
         return list(states)
     return list(dict.fromkeys([state_of_largest_gap(states), state_of_largest_pressure(states)]))
 
 
-def _soft_pair_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
-    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
-    has_spring = scene.operation.preload_method == "constant_force"
-    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
-
-
-def _vibration_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
+def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
     """Describes rotor and accelerations, and how random vibration was converted to the latter."""
     arrangement, launch = scene.arrangement, scene.launch or Launch()
     assert arrangement is not None
@@ -125,12 +114,12 @@ def _vibration_lines(scene: Scene, states: Mapping[str, Launched]) -> list[str]:
     return lines
 
 
-def _natural_frequencies(states: Iterable[Launched]) -> list[np.ndarray]:
+def _natural_frequencies(states: Iterable[LaunchResult]) -> list[np.ndarray]:
     """Returns axial, radial and conical frequency [Hz] of each state whose span is known."""
     return [state.frequencies for state in states if state.frequencies is not None]
 
 
-def _acceleration_limit_rows(states: Collection[Launched]) -> tuple[Row, ...]:
+def _acceleration_limit_rows(states: Collection[LaunchResult]) -> tuple[Row, ...]:
     """Returns rows of the accelerations [g] at which gapping and denting start, and frequencies."""
     rows = [
         Row("gapping starts at", "g", tuple(state.opening_g for state in states), "opening_g"),
@@ -144,7 +133,7 @@ def _acceleration_limit_rows(states: Collection[Launched]) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def _random_rows(states: Sequence[Launched]) -> tuple[Row, ...]:
+def _random_rows(states: Sequence[LaunchResult]) -> tuple[Row, ...]:
     """Returns rows of the largest accelerations expected, in rms values and beside three sigma."""
     rows = []
     for direction in states[0].random:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def margin_options(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `bearingwear margin`."""
+    """Adds the arguments of `bearingwear margin`."""
     from bearingwear.options import add_formats, add_scene, positive
 
     add_scene(sub)

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 
 def margin_command(args: argparse.Namespace) -> int:
-    """Print the sheet of a torque margin."""
+    """Prints the sheet of a torque margin."""
     from bearingwear.applications.margin.sheet import margin_document
     from bearingwear.document.margin import worst_corner
     from bearingwear.lives.margin import torque_corners
 
-    given = {"torque_Nm": args.drive, "standard": args.standard, "data": args.data}
-    args.set += [f"drive.{key}={value}" for key, value in given.items() if value is not None]
+    changes = {"torque_Nm": args.drive, "standard": args.standard, "data": args.data}
+    args.set += [f"drive.{key}={value}" for key, value in changes.items() if value is not None]
     scene = given_scene(args)
     _check_drive(scene, args.scene)
     corners = torque_corners(scene)
@@ -70,15 +70,15 @@ def margin(
     from bearingwear.results.labels import labelled
     from bearingwear.scene.read import as_scene
 
-    given = {"drive.torque_Nm": drive, "drive.standard": standard, "drive.data": data}
-    changes = {key: value for key, value in given.items() if value is not None}
-    checked = as_scene(scene).with_(changes)
-    _check_drive(checked, checked.name)
-    return labelled(margin_dataset(checked, torque_corners(checked)))
+    drive_keys = {"drive.torque_Nm": drive, "drive.standard": standard, "drive.data": data}
+    changes = {key: value for key, value in drive_keys.items() if value is not None}
+    changed_scene = as_scene(scene).with_(changes)
+    _check_drive(changed_scene, changed_scene.name)
+    return labelled(margin_dataset(changed_scene, torque_corners(changed_scene)))
 
 
 def _check_drive(scene: Scene, source: str) -> None:
-    """Refuse a scene without a drive."""
+    """Refuses a scene without a drive."""
     if scene.drive is None:
         problem = "got nothing, expected a drive block, or the torque of the drive (--drive N_M)"
         raise SceneError("drive", problem, source=source)

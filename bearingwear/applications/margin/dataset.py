@@ -11,7 +11,7 @@ from bearingwear.lives.margin import Corner
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.requirements import STANDARDS
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 CORNER = Variable("corner", ("corner",), "1", "index of the corner", "i8")
 
@@ -25,27 +25,27 @@ CORNERS = table(
     Variable("stalls", (), "", "whether the drive stalls", "i1", flags=("no", "yes")),
     Variable("problem", (), "", "why the torque was not computed", "O"),
 )
-"""What is known of a corner: a case, a state of wear and a friction."""
+"""Results of a corner: a case, a state of wear and a friction."""
 
 
 def margin_dataset(scene: Scene, corners: Sequence[Corner]) -> xr.Dataset:
-    """Corners of a scene with a drive, along `corner`."""
+    """Returns the corners of a scene with a drive, along `corner`."""
     drive = scene.drive
     assert drive is not None
     rows = [
         {
-            "case": one.case,
-            "wear": one.wear,
-            "friction": one.friction,
-            "torque": one.torque,
-            "required_torque": drive.required(one.torque),
-            "torque_margin": one.margin,
-            "stalls": int(one.stalls),
-            "problem": one.why,
+            "case": corner.case,
+            "wear": corner.wear,
+            "friction": corner.friction,
+            "torque": corner.torque,
+            "required_torque": drive.required(corner.torque),
+            "torque_margin": corner.margin,
+            "stalls": int(corner.stalls),
+            "problem": corner.why,
         }
-        for one in corners
+        for corner in corners
     ]
-    return filled(
+    return dataset_of_rows(
         CORNERS,
         {CORNER: range(len(rows))},
         rows,

@@ -12,7 +12,7 @@ from bearingwear.scene.scene import Scene
 
 
 def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
-    """Torque margin of a scene with a drive."""
+    """Returns the report on the torque margin of a scene with a drive."""
     worst = worst_corner(corners)
     heading = (
         f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",

@@ -6,8 +6,8 @@ from dataclasses import replace
 from bearingwear.kernels import status as code
 from bearingwear.lives.duty.errors import duty_errors
 from bearingwear.lives.duty.lives import DutyLife, duty_life, lives_alone
-from bearingwear.lives.duty.values import duty_values, duty_warnings, in_phases
-from bearingwear.lives.groove_life import groove_values
+from bearingwear.lives.duty.values import duty_values, duty_warnings, warnings_over_cases
+from bearingwear.lives.groove_life import life_groove_values
 from bearingwear.lives.history import joined, life_values
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.duty import phase_cases
@@ -22,78 +22,87 @@ from kerneljit.interrupt import Interrupt
 
 
 def choices_of_phases(scene: Scene, fidelity: str | None = None) -> dict[str, Choice]:
-    """The model of each case of a duty; NotAvailable where one has no steady state."""
-    chosen = {case: choice_for_life(one, fidelity) for case, one in phase_cases(scene).items()}
-    for case, one in chosen.items():
-        if one.fidelity == "dynamic":
+    """Returns the model of each case of a duty; NotAvailable where one has no steady state."""
+    scenes = phase_cases(scene)
+    choices = {case: choice_for_life(scenes[case], fidelity) for case in scenes}
+    for case, choice in choices.items():
+        if choice.fidelity == "dynamic":
             raise NotAvailable(
                 f"{scene.name}: duty: got the case {case}, which requires the dynamic model "
-                f"({one.why}), expected cases with a steady state; --case {case} takes it alone"
+                f"({choice.why}), expected cases with a steady state; --case {case} takes it alone"
             )
-    if len({one.fidelity for one in chosen.values()}) > 1:
-        models = ", ".join(f"{case} {one.fidelity}" for case, one in chosen.items())
+    if len({choice.fidelity for choice in choices.values()}) > 1:
+        models = ", ".join(f"{case} {choice.fidelity}" for case, choice in choices.items())
         raise NotAvailable(
             f"{scene.name}: duty: got cases with different models ({models}), expected one model; "
             "see model.fidelity"
         )
-    return chosen
+    return choices
 
 
 def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
-    """Wear life of a scene over its duty, from its present loss of ball diameter on.
+    """Returns the wear life of a scene over its duty, from its present loss of ball diameter on.
 
     Histories are those of the phase that ends the life. NotAvailable as `choices_of_phases`.
     """
     assert scene.duty is not None
-    chosen, started = choices_of_phases(scene, fidelity), time.perf_counter()
-    model = next(iter(chosen.values())).fidelity
+    choices, started = choices_of_phases(scene, fidelity), time.perf_counter()
+    model = next(iter(choices.values())).fidelity
     with Interrupt():
-        found = duty_life(scene, model)
-        case = found.ending_case
-        values, of_cases = _values(scene, found, model)
+        over_duty = duty_life(scene, model)
+        cycle, ending_case = over_duty.cycle, over_duty.cycle.cases[over_duty.ending_case]
+        values_by_case = _values_by_case(scene, over_duty, model)
     elapsed = time.perf_counter() - started
-    name = found.cycle.cases[case]
-    phase = found.cycle.phases[found.cycle.case_of_phase.index(case)]
+    values = values_by_case[ending_case]
+    phase = cycle.phases[cycle.case_of_phase.index(over_duty.ending_case)]
     attrs = {
-        "phases": " ".join(found.cycle.phases),
-        "ended_in": "all phases" if found.ends_in_all_cases else f"phase {phase}",
-        "contact": "worn" if found.is_worn else "hertz",
-        "solves": found.life.solves,
+        "phases": " ".join(cycle.phases),
+        "ended_in": "all phases" if over_duty.ends_in_all_cases else f"phase {phase}",
+        "contact": "worn" if over_duty.is_worn else "hertz",
+        "solves": over_duty.life.solves,
         "wear_counts": scene.wear.counts,
     }
-    if found.life.status not in (code.OK, code.CRITERION_NOT_REACHED):
+    if over_duty.life.status not in (code.OK, code.CRITERION_NOT_REACHED):
         attrs["unsolved_phase"] = phase
-    attrs |= end_attribute(scene.in_cases[name], values)
-    warnings = in_phases(
-        {c: warnings_of(scene.in_cases[c], chosen[c], one) for c, one in of_cases.items()}
+    attrs |= end_attribute(scene.in_cases[ending_case], values)
+    warnings = warnings_over_cases(
+        {
+            case: warnings_of(scene.in_cases[case], choices[case], of_case)
+            for case, of_case in values_by_case.items()
+        }
     )
-    if found.life.nodes[0].status == code.OK:
-        warnings += duty_warnings(scene.duty, found, values)
-    choice = replace(chosen[name], grooves=found.grooves)
+    if over_duty.life.nodes[0].status == code.OK:
+        warnings += duty_warnings(scene.duty, over_duty, values)
+    choice = replace(choices[ending_case], grooves=over_duty.grooves)
     return result_of(scene, choice, values, attrs, elapsed, warnings)
 
 
-def _values(scene: Scene, found: DutyLife, fidelity: str) -> tuple[dict, dict[str, dict]]:
-    """Result variables of the life, and those of its bearings in each case."""
+def _values_by_case(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, dict]:
+    """Returns the result variables of the bearings in each case that is solved.
+
+    Those of the case that ends the life have also what the life alone has.
+    """
     assert scene.duty is not None
-    cycle, of_cases = found.cycle, {}
-    if found.life.nodes[0].status != code.OK:
-        values: dict = {"status": found.life.status, "end_criterion": found.life.criterion}
-        return values, {cycle.cases[found.ending_case]: values}
-    for case, life in found.by_case.items():
-        k = cycle.cases.index(case)
-        values = life_values(cycle.scenes[k], life)
-        if found.is_worn and life.nodes[0].status == code.OK:
-            each = zip(life.wearing.sides, life.bearings, strict=True)
-            values |= joined([groove_values(side, states) for side, states in each])
-        of_cases[case] = values
-    own = of_cases[cycle.cases[found.ending_case]]
-    if "life" in own:
-        own |= duty_errors(scene, found, fidelity)
-        if found.life.last.time > 0.0:
-            own |= duty_values(scene.duty, found, lives_alone(found, fidelity))
+    cycle, life = over_duty.cycle, over_duty.life
+    ending_case = cycle.cases[over_duty.ending_case]
+    if life.nodes[0].status != code.OK:
+        return {ending_case: {"status": life.status, "end_criterion": life.criterion}}
+    by_case = {}
+    for case_scene, (case, of_case) in zip(
+        cycle.case_scenes, over_duty.by_case.items(), strict=True
+    ):
+        values = life_values(case_scene, of_case)
+        if over_duty.is_worn and of_case.nodes[0].status == code.OK:
+            values |= life_groove_values(of_case)
+        by_case[case] = values
+    ending_values = by_case[ending_case]
+    if "life" in ending_values:
+        ending_values |= duty_errors(scene, over_duty, fidelity)
+        if life.last.time > 0.0:
+            alone = lives_alone(over_duty, fidelity)
+            ending_values |= duty_values(scene.duty, over_duty, alone)
     if scene.pair is not None and cycle.bearings == 1:
-        of_cases = {case: joined([values, values]) for case, values in of_cases.items()}
-    for case, values in of_cases.items():
+        by_case = {case: joined([values, values]) for case, values in by_case.items()}
+    for case, values in by_case.items():
         values |= lasting_growth(scene.in_cases[case])
-    return of_cases[cycle.cases[found.ending_case]], of_cases
+    return by_case

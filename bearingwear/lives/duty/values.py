@@ -1,4 +1,4 @@
-"""Result variables of a life over a duty: what each phase adds to the wear, and asks of it."""
+"""Result variables and warnings of a life over a duty: the wear and the demands of each phase."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -23,142 +23,148 @@ LARGEST_ACCELERATION = 0.1  # share of the friction that accelerates the balls
 LARGEST_CYCLE = 0.1  # of a step of the integration
 
 
-def duty_values(duty: Duty, found: DutyLife, alone: Mapping[str, Life]) -> dict[str, Any]:
-    """Result variables of a life over a duty, and of its phases alone by their cases."""
-    cycle, life = found.cycle, found.life
+def duty_values(duty: Duty, over_duty: DutyLife, alone: Mapping[str, Life]) -> dict[str, Any]:
+    """Returns the result variables that only a life over a duty has.
+
+    alone: life of each case alone.
+    """
+    cycle, life = over_duty.cycle, over_duty.life
     phases = [duty.phases[name] for name in cycle.phases]
-    shares = np.array([duty.phase_s(phase) for phase in phases]) / duty.cycle_s
+    time_shares = np.array([duty.phase_s(phase) for phase in phases]) / duty.cycle_s
     values: dict[str, Any] = {
         "life_cycles": life.last.time / duty.cycle_s,
-        "ending_phase": cycle.case_of_phase.index(found.ending_case),
-        "phase_time_share": shares,
+        "ending_phase": cycle.case_of_phase.index(over_duty.ending_case),
+        "phase_time_share": time_shares,
     }
-    values |= _of_phases(worst_of_phases(found), cycle)
-    each = [life_alone(alone[cycle.cases[case]]) for case in cycle.case_of_phase]
-    lives = np.array([length for length, _ in each])
-    running = np.array([duty.running_s(phase) for phase in phases]) / duty.cycle_s
+    for name, by_case in worst_by_case(over_duty).items():
+        values[name] = by_case[..., list(cycle.case_of_phase)]
+    phase_lives = [alone[cycle.cases[case]] for case in cycle.case_of_phase]
+    lengths = np.array(
+        [other.last.time if other.status == code.OK else math.nan for other in phase_lives]
+    )
+    running_shares = np.array([duty.running_s(phase) for phase in phases]) / duty.cycle_s
+    linear_life = palmgren_miner_life(running_shares, lengths)
     values |= {
-        "phase_life": lives,
-        "phase_end_criterion": [criterion for _, criterion in each],
-        "palmgren_miner_life": palmgren_miner_life(running, lives),
+        "phase_life": lengths,
+        "phase_end_criterion": [other.criterion for other in phase_lives],
+        "palmgren_miner_life": linear_life,
+        "palmgren_miner_error": linear_life / life.last.time - 1.0,
     }
-    values["palmgren_miner_error"] = values["palmgren_miner_life"] / life.last.time - 1.0
-    own = []
-    for k in range(cycle.bearings):
-        worn = worn_volumes(found, k)
-        own.append(wear_shares(cycle, worn) | acceleration_values(duty, found, k))
-    return values | joined(own)
+    of_bearings = [
+        wear_shares(cycle, worn_volumes(over_duty, k)) | acceleration_values(duty, over_duty, k)
+        for k in range(cycle.bearings)
+    ]
+    return values | joined(of_bearings)
 
 
 def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
-    """Life by the linear rule of Palmgren and Miner, 1/L = sum of share over life of each phase.
+    """Returns the life by the linear rule of Palmgren and Miner, in the unit of the lives.
 
-    In the unit of the lives; NaN where one of those that have a share is not known.
+    The inverse life is the sum of the share of each phase over its life. The life is NaN where that
+    of a phase with a share is not known.
     """
-    some = shares > 0.0
-    damage = float((shares[some] / lives[some]).sum())
+    has_share = shares > 0.0
+    damage = float((shares[has_share] / lives[has_share]).sum())
     return 1.0 / damage if damage else math.nan
 
 
-def life_alone(life: Life) -> tuple[float, int]:
-    """Life [s] and criterion of a phase alone; NaN where no criterion was met."""
-    return (life.last.time if life.status == code.OK else math.nan), life.criterion
-
-
-def worst_of_phases(found: DutyLife) -> dict[str, np.ndarray]:
-    """The worst of each measure in each case, from new to the end of life, and preloads over it."""
-    cycle = found.cycle
-    each = [
+def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
+    """Returns the worst of each measure along the life (cases,), and preloads (nodes, cases)."""
+    states_of_cases = [
         worse_states(life, scene)
-        for life, scene in zip(found.by_case.values(), cycle.scenes, strict=False)
+        for life, scene in zip(over_duty.by_case.values(), over_duty.cycle.case_scenes, strict=True)
     ]
     values = {}
     for name, measure in WORST.items():
-        worst = [[measure.extreme(s[name]) for s in states if name in s.values] for states in each]
-        if all(worst):
+        extremes = [
+            [measure.extreme(state[name]) for state in states if name in state.values]
+            for states in states_of_cases
+        ]
+        if all(extremes):
             # what is not known between is what is known
-            values[f"worst_{name}"] = np.array(
-                [
-                    measure.extreme(np.array([one[0], *(v for v in one[1:-1] if v == v), one[-1]]))
-                    for one in worst
-                ]
-            )
-    preloads = [[state["residual_preload"] for state in states] for states in each]
+            known = [
+                [of_life[0], *(v for v in of_life[1:-1] if v == v), of_life[-1]]
+                for of_life in extremes
+            ]
+            values[f"worst_{name}"] = np.array([measure.extreme(np.array(of)) for of in known])
+    preloads = [[state["residual_preload"] for state in states] for states in states_of_cases]
     values["history_phase_residual_preload"] = np.array(preloads).T
     return values
 
 
-def _of_phases(values: Mapping[str, np.ndarray], cycle: Cycle) -> dict[str, np.ndarray]:
-    """Values (..., cases) as phases have them (..., phases)."""
-    return {name: value[..., list(cycle.case_of_phase)] for name, value in values.items()}
+def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
+    """Returns the volume worn off the surfaces of bearing k by a full share of each condition [m3].
 
-
-def worn_volumes(found: DutyLife, k: int) -> np.ndarray:
-    """Worn off races and balls of bearing k by a full share of each condition [m3].
-
-    (nodes, conditions, surfaces): from the start of the life to each of its nodes.
+    (nodes, conditions, surfaces): from the start of the life to each of its nodes, off the inner
+    race, the outer race and all balls.
     """
-    cycle, nodes = found.cycle, found.life.nodes
-    states = [node.states[k :: cycle.bearings] for node in nodes]
-    rates = np.array([[_volume_rates(found, k, state) for state in one] for one in states])
-    return _integrals(found.life.times, rates)
-
-
-def _volume_rates(found: DutyLife, k: int, state: State) -> np.ndarray:
-    """Wear of inner and outer race and of all balls (3,) [m3/s]."""
-    balls = found.cycle.scenes[0].one_of_alike.sides[k].bearing.ball_count
-    return np.array([*state["race_wear_rate"], balls * state["ball_wear_rate"]])
+    cycle, life = over_duty.cycle, over_duty.life
+    balls = cycle.scenes[0].one_of_alike.sides[k].bearing.ball_count
+    rates = [
+        [
+            [*state["race_wear_rate"], balls * state["ball_wear_rate"]]
+            for state in node.states[k :: cycle.bearings]
+        ]
+        for node in life.nodes
+    ]
+    return _integrals(life.times, np.array(rates))
 
 
 def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Integrals of rates (nodes, ...) up to each node, by monotone cubics between them.
+    """Returns the integrals of rates (nodes, ...) up to each node, by monotone cubics.
 
-    Where a film is worn through, two nodes have one time.
+    Two nodes have the same time where a film is worn through. A new cubic starts there.
     """
     from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are over a duty
 
     total = np.zeros_like(rates)
-    begun = [0, *(np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist()]
-    for first, end in zip(begun, [*begun[1:], times.size], strict=True):
-        part = slice(first, end)
-        before = total[first - 1] if first else 0.0
-        total[part] = before
-        if end - first > 1:
+    starts = [0, *(np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist()]
+    for start, end in zip(starts, [*starts[1:], times.size], strict=True):
+        part = slice(start, end)
+        total[part] = total[start - 1] if start else 0.0
+        if end - start > 1:
             total[part] += PchipInterpolator(times[part], rates[part]).antiderivative()(times[part])
     return total
 
 
 def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
-    """Shares of the wear by phase and surface, of its starts and stops alone, and over time."""
+    """Returns shares of the wear by phase and surface, of starts and stops alone, and over time.
+
+    worn: as of `worn_volumes`.
+    """
     surfaces = np.concatenate([worn, worn.sum(axis=-1, keepdims=True)], axis=-1)
-    whole = np.einsum("c,cs->s", cycle.shares, surfaces[-1])
-    whole = np.where(whole > 0.0, whole, math.nan)
-    both = cycle.running + cycle.starting
+    total = np.einsum("c,cs->s", cycle.shares, surfaces[-1])
+    total = np.where(total > 0.0, total, math.nan)
+    by_phase = cycle.running + cycle.starting
+    histories = np.einsum("pc,nc->np", by_phase, surfaces[..., -1])
     return {
-        "phase_wear_share": both @ surfaces[-1] / whole,
-        "start_wear_share": cycle.starting @ surfaces[-1] / whole,
-        "history_phase_worn_share": np.einsum("pc,nc->np", both, surfaces[..., -1]) / whole[-1],
+        "phase_wear_share": by_phase @ surfaces[-1] / total,
+        "start_wear_share": cycle.starting @ surfaces[-1] / total,
+        "history_phase_worn_share": histories / total[-1],
     }
 
 
-def acceleration_values(duty: Duty, found: DutyLife, k: int) -> dict[str, np.ndarray]:
-    """Share of the friction of bearing k that accelerates its balls, in each phase that starts."""
-    cycle, ramps = found.cycle, [t for t in (duty.start_s, duty.stop_s) if t > 0.0]
-    states = found.life.nodes[0].states, found.life.last.states
+def acceleration_values(duty: Duty, over_duty: DutyLife, k: int) -> dict[str, np.ndarray]:
+    """Returns the share of friction that accelerates the balls of bearing k in each phase.
+
+    It is 0 in a phase without starts. The dictionary is empty where a share is not known.
+    """
+    cycle, ramps = over_duty.cycle, [t for t in (duty.start_s, duty.stop_s) if t > 0.0]
+    ends_of_life = over_duty.life.nodes[0], over_duty.life.last
     shares = []
     for name, case in zip(cycle.phases, cycle.case_of_phase, strict=True):
         if not (ramps and duty.phases[name].starts):
             shares.append(0.0)
             continue
-        of_case = [one[case * cycle.bearings + k] for one in states]
-        shares.append(max(acceleration_share(state, min(ramps)) for state in of_case))
+        states = [node.states[case * cycle.bearings + k] for node in ends_of_life]
+        shares.append(max(acceleration_share(state, min(ramps)) for state in states))
     return {"acceleration_friction_share": np.array(shares)} if np.isfinite(shares).all() else {}
 
 
 def acceleration_share(state: State, ramp_s: float) -> float:
-    """Share of the friction on a ball that brings its spin and orbit to speed in a time [s].
+    """Returns the share of the friction on a ball that brings it to speed in a time [s].
 
-    NaN where the model has no balance of friction.
+    It accelerates the spin and the orbit. NaN where the model has no balance of friction.
     """
     solution = state.answer
     if solution is None or not hasattr(solution.answer, "u"):
@@ -177,11 +183,11 @@ def acceleration_share(state: State, ramp_s: float) -> float:
 def duty_warnings(
     duty: Duty, over_duty: DutyLife, values: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """Warnings that a duty alone has: balls accelerated by too much friction, and long cycles."""
-    life, found = over_duty.life, []
+    """Returns the warnings of a duty: balls that take much friction to accelerate, long cycles."""
+    life, warnings = over_duty.life, []
     share = float(np.max(values.get("acceleration_friction_share", 0.0)))
     if share > LARGEST_ACCELERATION:
-        found.append(
+        warnings.append(
             _warning(
                 "duty_acceleration",
                 f"accelerating the balls in {min(filter(None, (duty.start_s, duty.stop_s))):.3g} s "
@@ -195,7 +201,7 @@ def duty_warnings(
     step = nodes * float(np.median(np.diff(life.times))) if len(life.nodes) > 1 else math.inf
     if (excess := duty.cycle_s / (LARGEST_CYCLE * step)) > 1.0:
         cycles = life.last.time / duty.cycle_s
-        found.append(
+        warnings.append(
             _warning(
                 "duty_cycle",
                 f"the life has only {cycles:.3g} cycles of the duty, so it is known to about one "
@@ -205,10 +211,11 @@ def duty_warnings(
                 excess,
             )
         )
-    return found
+    return warnings
 
 
 def _warning(id: str, sentence: str, advice: str, excess: float) -> dict[str, Any]:
+    """Returns a warning with its value over the limit, in the form of `warnings_of`."""
     excess = float(f"{min(excess, 1e6):.3g}")
     return {
         "id": id,
@@ -219,20 +226,23 @@ def _warning(id: str, sentence: str, advice: str, excess: float) -> dict[str, An
     }
 
 
-def in_phases(each: Mapping[str, Sequence[dict[str, Any]]]) -> list[dict[str, Any]]:
-    """Warnings of the cases of a duty, each once and at its worst, with the case that it is of."""
-    worst: dict[str, dict[str, Any]] = {}
-    for case, warnings in each.items():
-        for one in warnings:
-            known = worst.get(one["id"])
-            if known is None or (one["excess"] or 0.0) > (known["excess"] or 0.0):
-                worst[one["id"]] = one | {"case": case}
-    found = []
-    for one in worst.values():
-        case = one.pop("case")
-        alike = all(
-            any(other["sentence"] == one["sentence"] for other in warnings)
-            for warnings in each.values()
+def warnings_over_cases(
+    warnings_by_case: Mapping[str, Sequence[dict[str, Any]]],
+) -> list[dict[str, Any]]:
+    """Returns the warnings of the cases of a duty, each once and at its worst.
+
+    A sentence begins with the case of the warning unless all cases say the same.
+    """
+    by_id: dict[str, list[tuple[str, dict[str, Any]]]] = {}
+    for case, warnings in warnings_by_case.items():
+        for warning in warnings:
+            by_id.setdefault(warning["id"], []).append((case, warning))
+    merged = []
+    for of_id in by_id.values():
+        case, worst = max(of_id, key=lambda pair: pair[1]["excess"] or 0.0)
+        is_in_all = all(
+            any(warning["sentence"] == worst["sentence"] for warning in warnings)
+            for warnings in warnings_by_case.values()
         )
-        found.append(one if alike else one | {"sentence": f"{case}: {one['sentence']}"})
-    return found
+        merged.append(worst if is_in_all else worst | {"sentence": f"{case}: {worst['sentence']}"})
+    return merged

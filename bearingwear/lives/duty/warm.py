@@ -19,7 +19,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.warmup.transient import WarmUp, network_at, ramp, warm_up
 
 LATER_POINTS = 2  # more points of the time at speed than of the ramp
-_LATER = 3  # power of the time at speed in which its points are spread: most are early
+_EARLY_POWER = 3  # of the even points of the time at speed, so that most are early
 
 
 class WarmStart(NamedTuple):
@@ -31,41 +31,52 @@ class WarmStart(NamedTuple):
 
 
 @functools.lru_cache(maxsize=32)
-def _warmed(scene: Scene, start_s: float) -> WarmUp:
-    found = warm_up(scene, ramp(start_s))
-    if found.status != code.OK:
-        end, ending = found.instants[-1].time, "runaway" if found.runs_away else "no state"
+def _steady_warm_up(scene: Scene, start_s: float) -> WarmUp:
+    """Returns the warm-up of a start; NotAvailable where it does not become steady."""
+    warmup = warm_up(scene, ramp(start_s))
+    if warmup.status != code.OK:
+        end, ending = warmup.instants[-1].time, "runaway" if warmup.runs_away else "no state"
         raise NotAvailable(
             f"{scene.name}: duty.warmup: got a start without a steady state ({ending} after "
-            f"{end:.3g} s: {code.STATUS_NAMES[found.status]}), expected starts that warm up"
+            f"{end:.3g} s: {code.STATUS_NAMES[warmup.status]}), expected starts that warm up"
         )
-    return found
+    return warmup
 
 
 def warm_start(scene: Scene, start_s: float, longest_s: float, points: int) -> WarmStart:
-    """A start of a scene, by so many points of its ramp and a few more until it is warm.
+    """Returns a start of a scene, by so many points of its ramp and a few more until it is warm.
 
-    longest_s: time at speed after which the bearings stop, warm or not. Temperatures are those of
-    the bearings as the scene describes them. Points are Gauss and Legendre's.
+    Temperatures are those of the bearings as the scene describes them. Points are Gauss and
+    Legendre's.
+
+    longest_s: time at speed after which the bearings stop, warm or not.
     """
-    found = _warmed(scene, start_s)
-    times = np.array([one.time for one in found.instants])
-    course = PchipInterpolator(times, [one.temperatures for one in found.instants])
-    warming_s = min(float(times[-1]) - start_s, longest_s)
+    instants = _steady_warm_up(scene, start_s).instants
+    temperatures = PchipInterpolator(
+        np.array([instant.time for instant in instants]),
+        [instant.temperatures for instant in instants],
+    )
+    warming_s = min(float(instants[-1].time) - start_s, longest_s)
     x, w = np.polynomial.legendre.leggauss(points)
-    at, weights = 0.5 * start_s * (x + 1.0), 0.5 * start_s * w
+    times, weights = 0.5 * start_s * (x + 1.0), 0.5 * start_s * w
     x, w = np.polynomial.legendre.leggauss(points + LATER_POINTS)
     x, w = 0.5 * (x + 1.0), 0.5 * w
-    at = np.append(at, start_s + warming_s * x**_LATER)
-    weights = np.append(weights, warming_s * w * _LATER * x ** (_LATER - 1))
-    some = weights > 0.0
-    shares = ramp(start_s)
-    scenes = [_at(scene, shares.at(t), t, course(t)) for t in at[some].tolist()]
-    return WarmStart(scenes, weights[some], warming_s)
+    times = np.append(times, start_s + warming_s * x**_EARLY_POWER)
+    weights = np.append(weights, warming_s * w * _EARLY_POWER * x ** (_EARLY_POWER - 1))
+    has_weight = weights > 0.0
+    speed = ramp(start_s)
+    scenes = [
+        _scene_at(scene, speed.at(time), time, temperatures(time))
+        for time in times[has_weight].tolist()
+    ]
+    return WarmStart(scenes=scenes, weights=weights[has_weight], warming_s=warming_s)
 
 
-def _at(scene: Scene, share: float, time: float, temperatures: np.ndarray) -> Scene:
-    """The scene at a share of its speed and temperatures (bearing, part) [degC] of an instant."""
+def _scene_at(scene: Scene, share: float, time: float, temperatures: np.ndarray) -> Scene:
+    """Returns the scene at an instant: a share of its speed, and temperatures [degC].
+
+    temperatures (bearing, part): of one bearing or of two.
+    """
     sides = scene.one_of_alike.sides
     parts = []
     for side, T in zip(sides, temperatures.tolist(), strict=True):
@@ -73,7 +84,11 @@ def _at(scene: Scene, share: float, time: float, temperatures: np.ndarray) -> Sc
         parts.append(vars(network_at(side.thermal, time).parts(*T)))
     changes: dict[str, Any] = {"thermal": None, "temperature": parts[0]}
     if len(parts) > 1 and scene.arrangement is not None:
-        kept = {k: v for k, v in scene.arrangement.second.items() if not k.startswith("thermal")}
-        second = {f"temperature.{key}": value for key, value in parts[1].items()}
-        changes["arrangement.second"] = kept | second
+        second = {
+            key: value
+            for key, value in scene.arrangement.second.items()
+            if not key.startswith("thermal")
+        }
+        second |= {f"temperature.{key}": value for key, value in parts[1].items()}
+        changes["arrangement.second"] = second
     return at_speed(scene, share).with_(changes)

@@ -28,22 +28,22 @@ from bearingwear.scene.checking.errors import (
     shown,
     yaml_number,
 )
-from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, keys, part_at, whole
+from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, file_part, keys, part_at
 
 MOST_FAULTS = 10  # of one file that are reported together
 _LARGEST = 1.7976931348623157e308  # a whole number of YAML may be larger
 
 
 def record(record_type: type[R], data: Any, source: str = "scene") -> R:
-    """Check plain nested data, which it does not change, and build the record of it."""
+    """Checks plain nested data, which it does not change, and builds the record of it."""
     try:
-        return built(record_type, checked_data(record_type, data))
+        return build_record(record_type, checked_data(record_type, data))
     except SceneError as error:
         raise error.in_source(source) from None
 
 
 def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
-    """Read a YAML file, in which anchors are allowed, and build the record of it."""
+    """Reads a YAML file, in which anchors are allowed, and builds the record of it."""
     from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
     source = os.fspath(path)
@@ -54,12 +54,12 @@ def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
 
 
 def checked_data(record_type: type, data: Any) -> dict[str, Any]:
-    """Plain copy of data that fits the record, nothing filled in.
+    """Returns a plain copy of data that fits the record, with nothing filled in.
 
     SceneError: the gravest fault, with the others that do not follow from it.
     """
-    file = whole(record_type)
-    plain: dict[str, Any] = _copied(data, "", 0, file)
+    file = file_part(record_type)
+    plain: dict[str, Any] = _plain_copy(data, "", 0, file)
     faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault[0])
     if not faults:
         return plain
@@ -70,38 +70,42 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
 
 
 def checked_fields(record_type: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of some fields of a record, built from plain data.
+    """Builds the values of some fields of a record from plain data.
 
     SceneError: a fault in them; `checked_data` of all fields reports it in context.
     """
-    file = whole(record_type)
-    plain, parts = _copied(data, "", 0, file), file.below
+    file = file_part(record_type)
+    plain, parts = _plain_copy(data, "", 0, file), file.below
     for name, value in plain.items():
         for _, error in _faults(value, parts[name], name, file):
             raise error
-    return {parts[name].field: _value(value, parts[name], name) for name, value in plain.items()}
+    return {
+        parts[name].field: _field_value(value, parts[name], name) for name, value in plain.items()
+    }
 
 
-def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
-    """Plain copy of nested data, refusing what is not plain or not finite."""
+def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
+    """Copies nested data as plain data, and refuses what is not plain or not finite."""
     if depth > DEEPEST:
         raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
                 raise SceneError(path, f"got the key {shown(key)}, expected text as a key")
-        return {key: _copied(v, key_path(path, key), depth + 1, file) for key, v in value.items()}
+        return {
+            key: _plain_copy(v, key_path(path, key), depth + 1, file) for key, v in value.items()
+        }
     if hasattr(value, "tolist"):  # numpy numbers and arrays
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_copied(item, f"{path}[{i}]", depth + 1, file) for i, item in enumerate(value)]
+        return [_plain_copy(item, f"{path}[{i}]", depth + 1, file) for i, item in enumerate(value)]
     if value is None or isinstance(value, bool | str | int):
         return value
-    given = float(value) if isinstance(value, numbers.Real) else value
-    if isinstance(given, float) and math.isfinite(given):
-        return given
+    number = float(value) if isinstance(value, numbers.Real) else value
+    if isinstance(number, float) and math.isfinite(number):
+        return number
     allowed = getattr(part_at(file, path), "allowed", "another value")
-    raise SceneError(path, f"got {shown(given)}, expected {allowed}")
+    raise SceneError(path, f"got {shown(number)}, expected {allowed}")
 
 
 _IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _MISSING = range(5)
@@ -116,6 +120,7 @@ def fits(value: Any, part: Part) -> bool:
 
 
 def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
+    """Yields what is wrong with a value that stands at a part; `file` is the record of the file."""
     if part.kind in ("own", "any") or (value is None and part.nullable):
         return
     if part.kind == "block" and isinstance(value, Mapping):
@@ -123,16 +128,16 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
     elif part.kind == "mapping" and isinstance(value, Mapping):
         if len(value) < part.key.least:
             yield _misfit(_OUT_OF_RANGE, value, part, path)
-        for name, one in value.items():
+        for name, item in value.items():
             if not _is_name(name, part):
                 problem = f"got the name {shown(name)}, expected {part.allowed}"
                 yield _IMPOSSIBLE_NAME, SceneError(path, problem)
-            yield from _faults(one, part.item, key_path(path, name), file)
+            yield from _faults(item, part.item, key_path(path, name), file)
     elif part.kind == "list" and isinstance(value, list):
         if not part.key.least <= len(value) <= (part.key.most or math.inf):
             yield _misfit(_OUT_OF_RANGE, value, part, path)
-        for i, one in enumerate(value):
-            yield from _faults(one, part.item, f"{path}[{i}]", file)
+        for i, item in enumerate(value):
+            yield from _faults(item, part.item, f"{path}[{i}]", file)
     elif not _has_kind(value, part):
         yield _misfit(_WRONG_TYPE, value, part, path)
     elif not _is_permitted(value, part):
@@ -140,6 +145,7 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
 
 
 def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
+    """Returns the fault of a value that a part does not take."""
     problem = f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}"
     return rank, SceneError(path, problem)
 
@@ -152,51 +158,54 @@ FORMER_KEYS = {
 """Keys of earlier versions, and what to do."""
 
 
-def _block_faults(given: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
-    unknown = [name for name in given if name not in block.below]
+def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
+    """Yields unknown and missing keys of a block, and what is wrong with its values."""
+    unknown = [name for name in values if name not in block.below]
     for name in unknown:
-        problem = f"got an unknown key; {_meant(name, given, block, file)}"
-        if (gone := key_path(path, name)) in FORMER_KEYS:
-            problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[gone]}"
+        problem = f"got an unknown key; {_advice(name, values, block, file)}"
+        if (whole_key := key_path(path, name)) in FORMER_KEYS:
+            problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[whole_key]}"
         yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
-    for name, below in block.below.items():
-        if below.required and name not in given and not unknown:  # not a mistyped one
-            such = f", such as {below.key.example}" if below.key.example else ""
-            problem = f"got nothing, expected {below.allowed}{such}"
+    for name, field in block.below.items():
+        if field.required and name not in values and not unknown:  # not a mistyped one
+            suggestion = f", such as {field.key.example}" if field.key.example else ""
+            problem = f"got nothing, expected {field.allowed}{suggestion}"
             yield _MISSING, SceneError(key_path(path, name), problem)
-    for name, value in given.items():
+    for name, value in values.items():
         if name in block.below:
             yield from _faults(value, block.below[name], key_path(path, name), file)
 
 
-def _meant(unknown: str, given: Mapping[str, Any], block: Part, file: Part) -> str:
-    """The key that an unknown one may mean: of its block, or of another one."""
+def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) -> str:
+    """Returns advice on an unknown key: a similar key of its block or of another one."""
     if unknown.isdigit():  # {poisson_ratio: 0,3}
         return "write decimals with a point, not a comma"
-    near = difflib.get_close_matches(unknown, block.below, n=2)
-    if near := near or [name for name in block.below if len(unknown) > 2 and unknown in name]:
-        return f"did you mean {' or '.join(near)}"
-    places = [
+    similar = difflib.get_close_matches(unknown, block.below, n=2)
+    if similar := similar or [name for name in block.below if len(unknown) > 2 and unknown in name]:
+        return f"did you mean {' or '.join(similar)}"
+    paths = [
         path
         for path, part in keys(file)
         if part.kind != "block" and ".NAME" not in path and "[]" not in path
     ]
-    names = [path.rpartition(".")[2] for path in places]
-    if near := difflib.get_close_matches(unknown, names, n=1, cutoff=0.8):
-        meant = [path for path, name in zip(places, names, strict=True) if name == near[0]]
-        least = min(path.count(".") for path in meant)
-        return f"did you mean {' or '.join(p for p in meant if p.count('.') == least)}"
-    free = [name for name in block.below if name not in given]
-    return f"expected one of {', '.join(free or block.below)}"
+    names = [path.rpartition(".")[2] for path in paths]
+    if similar := difflib.get_close_matches(unknown, names, n=1, cutoff=0.8):
+        meant = [path for path, name in zip(paths, names, strict=True) if name == similar[0]]
+        depth = min(path.count(".") for path in meant)
+        return f"did you mean {' or '.join(p for p in meant if p.count('.') == depth)}"
+    unused = [name for name in block.below if name not in values]
+    return f"expected one of {', '.join(unused or block.below)}"
 
 
 def _is_name(name: str, mapping: Part) -> bool:
+    """Whether a mapping may have a name."""
     if mapping.key.names:
         return name in mapping.key.names
     return mapping.item.kind == "any" or bool(re.search(NAME, name))
 
 
 def _has_kind(value: Any, part: Part) -> bool:
+    """Whether a value has the type of a part."""
     if part.kind in ("choice", "choice_or_number"):
         return True
     if part.kind == "integer":
@@ -207,6 +216,7 @@ def _has_kind(value: Any, part: Part) -> bool:
 
 
 def _is_number(value: Any) -> bool:
+    """Whether a value is a number; true and false are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -223,7 +233,7 @@ def _is_permitted(value: Any, part: Part) -> bool:
 
 
 def _hint(value: Any, part: Part) -> str:
-    """How a text that was meant as a number is written, and a name that YAML takes for one."""
+    """Returns how to write a text that was meant as a number, or a name that YAML takes for one."""
     if part.key.pattern == NAME and _is_number(value) and re.search(NAME, str(value)):
         return f', a number, not text (write "{value}")'
     kind = part.item.kind if part.key.single else part.kind
@@ -243,21 +253,21 @@ def _hint(value: Any, part: Part) -> str:
 # building
 
 
-def built(record_type: type[R], plain: Mapping[str, Any], path: str = "") -> R:
-    """The record of checked data; whole numbers become floats where a number is meant.
+def build_record(record_type: type[R], plain: Mapping[str, Any], path: str = "") -> R:
+    """Builds a record from checked data; whole numbers become floats where a number is meant.
 
     SceneError where the record itself refuses its values.
     """
     values = {
-        part.field: _value(plain[name], part, key_path(path, name))
-        for name, part in whole(record_type).below.items()
+        part.field: _field_value(plain[name], part, key_path(path, name))
+        for name, part in file_part(record_type).below.items()
         if name in plain and (plain[name] is not None or part.required)
     }
-    return _made(path, record_type, **values)
+    return _call_maker(path, record_type, **values)
 
 
-def _made(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
-    """What a record makes of values; its errors name the block."""
+def _call_maker(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
+    """Calls the maker of a record; its errors name the block."""
     try:
         return make(*values, **fields)
     except SceneError as error:
@@ -267,18 +277,19 @@ def _made(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> A
         raise SceneError(path, str(error)) from None
 
 
-def _value(value: Any, part: Part, path: str) -> Any:
+def _field_value(value: Any, part: Part, path: str) -> Any:
+    """Converts a checked value to the type of its field."""
     if value is None or part.kind == "any":
         return value
     if part.kind == "block":
-        return built(part.type, value, path)
+        return build_record(part.type, value, path)
     if part.kind == "own":
-        return _made(path, part.type.from_plain, value)
+        return _call_maker(path, part.type.from_plain, value)
     if part.kind == "mapping":
-        return {name: _value(v, part.item, key_path(path, name)) for name, v in value.items()}
+        return {name: _field_value(v, part.item, key_path(path, name)) for name, v in value.items()}
     if part.kind == "list":
         values = value if isinstance(value, list) else [value]
-        return tuple(_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
+        return tuple(_field_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
     if part.kind == "integer":
         return int(value)
     if part.kind == "choice":

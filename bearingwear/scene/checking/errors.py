@@ -12,7 +12,7 @@ LONGEST = 60  # characters of a text that a message repeats
 
 
 class NotAvailable(ValueError):
-    """The model asked for does not apply to the scene; one line."""
+    """The requested model does not apply to the scene; one line."""
 
 
 class SceneError(ValueError):
@@ -38,27 +38,27 @@ class SceneError(ValueError):
         return SceneError, (self.key, self.problem, self.involved, self.source, self.further)
 
     def in_source(self, source: str) -> SceneError:
-        """All that is wrong, as of another source."""
-        further = tuple(one.in_source(source) for one in self.further)
+        """Returns this error and its further ones as errors of another source."""
+        further = tuple(error.in_source(source) for error in self.further)
         return SceneError(self.key, self.problem, self.involved, source, further)
 
 
 def key_path(path: str, name: str) -> str:
-    """The path of a key in a block."""
+    """Joins the path of a block and the name of a key in it."""
     return f"{path}.{name}" if path else name
 
 
 def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Values of nested data by their whole keys, `operation.preload_N`."""
-    found: dict[str, Any] = {}
+    """Returns the values of nested data by their whole keys, such as `operation.preload_N`."""
+    values_by_key: dict[str, Any] = {}
     for name, value in block.items():
         key = key_path(path, name)
-        found |= leaves(value, key) if isinstance(value, Mapping) else {key: value}
-    return found
+        values_by_key |= leaves(value, key) if isinstance(value, Mapping) else {key: value}
+    return values_by_key
 
 
 def yaml_number(value: float) -> str:
-    """A number written so that every YAML reader takes it for one: 1.0e-5, not 1e-05."""
+    """Writes a number so that every YAML reader takes it for one: 1.0e-5, not 1e-05."""
     mantissa, e, exponent = repr(value).partition("e")
     if not e:
         return mantissa
@@ -66,7 +66,7 @@ def yaml_number(value: float) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value as it would stand in a file, on one short line."""
+    """Writes a value as it would stand in a file, on one short line."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -94,7 +94,7 @@ _CONVERTED = {
 
 
 def number_hint(text: str, unit: str = "") -> str:
-    """How a text that was meant as a number is written; empty where that is not seen.
+    """Returns how to write a text that was meant as a number; empty where that is not clear.
 
     unit: of the number, where it is known.
     """
@@ -109,20 +109,20 @@ def number_hint(text: str, unit: str = "") -> str:
         if match[2] == "%":
             return f"write {float(match[1]) / 100.0:.6g}, as a share"
         if match[2] in _CONVERTED:
-            factor, others = _CONVERTED[match[2]]
-            return f"write {factor * float(match[1]):.5g}, which is it in {others}"
+            factor, unit_of_scene = _CONVERTED[match[2]]
+            return f"write {factor * float(match[1]):.5g}, which is it in {unit_of_scene}"
         return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
     return ""
 
 
 def check_thousands(path: str, text: str, source: str = "scene") -> None:
-    """Refuse a speed such as 18.000, which may be 18 or 18000 r/min."""
+    """Refuses a speed such as 18.000, which may be 18 or 18000 r/min."""
     if re.fullmatch(r"[-+]?\d{1,3}\.000", text):
-        whole, thousands = text.partition(".")[0], text.replace(".", "")
-        problem = f"got {text}, which may be a thousand times more, expected {thousands} or {whole}"
+        units, thousands = text.partition(".")[0], text.replace(".", "")
+        problem = f"got {text}, which may be a thousand times more, expected {thousands} or {units}"
         raise SceneError(path, problem, source=source)
 
 
 def short(text: str) -> str:
-    """A text of a file, as far as a message repeats it."""
+    """Shortens a text to what a message repeats of it."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

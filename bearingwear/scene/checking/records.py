@@ -88,21 +88,21 @@ COMPARISONS: Mapping[str, tuple[Callable[[Any, float], bool], str]] = {
 
 
 def setting(meaning: str, unit: str = "", within: str = "", **more: Any) -> Any:
-    """A field with its `Key`; `default` or `default_factory` make it optional."""
-    given = {name: more.pop(name) for name in ("default", "default_factory") if name in more}
-    return field(**given, metadata={"key": Key(meaning, unit, within, **more)})
+    """Returns a field with its `Key`; `default` or `default_factory` make it optional."""
+    default = {name: more.pop(name) for name in ("default", "default_factory") if name in more}
+    return field(**default, metadata={"key": Key(meaning, unit, within, **more)})
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(setting, field))
 def keyed(record_type: type[R]) -> type[R]:
-    """A frozen record, built by keyword."""
+    """Makes a class a frozen record that is built by keyword."""
     return dataclass(frozen=True, kw_only=True)(record_type)
 
 
-def reduced(record: Any) -> tuple[Any, ...]:
-    """`__reduce__` of a record with mapping proxies, which can be neither pickled nor copied."""
-    values = {f.name: getattr(record, f.name) for f in fields(record)}
-    plain = {name: dict(v) if isinstance(v, Mapping) else v for name, v in values.items()}
+def reduced_record(record: Any) -> tuple[Any, ...]:
+    """Returns what `__reduce__` returns for a record whose mapping proxies cannot be pickled."""
+    values = {field_.name: getattr(record, field_.name) for field_ in fields(record)}
+    plain = {k: dict(value) if isinstance(value, Mapping) else value for k, value in values.items()}
     kind: Any = type(record)
     return functools.partial(kind, **plain), ()
 
@@ -134,12 +134,12 @@ class Part:
 
     @property
     def unit(self) -> str:
-        """`-` where there is none."""
+        """Unit of a value; `-` for what has none."""
         return self.key.unit or ("1" if self.kind in ("integer", "number") else "-")
 
 
 def optional_numbers(keys: Mapping[str, Key]) -> Any:
-    """A base of records whose fields are numbers, or None where one is not given."""
+    """Makes a base class of records whose fields are numbers, or None if omitted."""
     named: list[Any] = [
         (name, float | None, field(default=None, metadata={"key": key}))
         for name, key in keys.items()
@@ -152,33 +152,33 @@ _KINDS = {int: "integer", float: "number", bool: "boolean", str: "text", Any: "a
 
 @functools.cache
 def parts(record_type: Any) -> Mapping[str, Part]:
-    """The parts of a record, by the names of their keys."""
-    found = {}
+    """Returns the parts of a record, by the names of their keys."""
+    resolved = {}
     hints = get_type_hints(record_type)
-    for f in fields(record_type):
-        hint, key = hints[f.name], f.metadata.get("key") or Key()
-        optional = f.default is not MISSING or f.default_factory is not MISSING
-        default = f.default if f.default is not MISSING else {} if optional else None
-        part = _part(hint, key, field=f.name, required=not optional, default=default)
-        found[key.name or f.name] = part
-    return types.MappingProxyType(found)
+    for field_ in fields(record_type):
+        hint, key = hints[field_.name], field_.metadata.get("key") or Key()
+        optional = field_.default is not MISSING or field_.default_factory is not MISSING
+        default = field_.default if field_.default is not MISSING else {} if optional else None
+        part = _part(hint, key, field=field_.name, required=not optional, default=default)
+        resolved[key.name or field_.name] = part
+    return types.MappingProxyType(resolved)
 
 
-def whole(record_type: type) -> Part:
-    """A record that stands for a whole file."""
+def file_part(record_type: type) -> Part:
+    """Returns the part of a record that stands for a whole file."""
     return Part("block", Key(), record_type)
 
 
 def part_at(part: Part, path: str) -> Part | None:
-    """The part at a path, `materials.steel.density_kg_m3`; None where there is none."""
-    found: Part | None = part
+    """Returns the part at a path such as `materials.steel.density_kg_m3`; None if there is none."""
+    place: Part | None = part
     for name in re.findall(r"[^.\[\]]+", path):
-        found = found and (found.below.get(name) or found.item)
-    return found
+        place = place and (place.below.get(name) or place.item)
+    return place
 
 
 def keys(block: Part, path: str = "") -> Iterator[tuple[str, Part]]:
-    """Every key of a block, with those below it: `operation.preload_N`."""
+    """Yields every key of a block and its part, with those below it: `operation.preload_N`."""
     for name, part in block.below.items():
         key = f"{path}{name}"
         yield key, part
@@ -189,6 +189,7 @@ def keys(block: Part, path: str = "") -> Iterator[tuple[str, Part]]:
 
 
 def _part(hint: Any, key: Key, **more: Any) -> Part:
+    """Resolves the type hint of a field; `more` are further fields of the part."""
     nullable = False
     if get_origin(hint) in (Union, types.UnionType):
         hints = [part for part in get_args(hint) if part is not type(None)]
@@ -196,11 +197,12 @@ def _part(hint: Any, key: Key, **more: Any) -> Part:
         hint = hints[0]
         if len(hints) > 1:
             return Part("choice_or_number", key, nullable=nullable, **more)
-    each: dict[str, Any] = {"least": 0, "most": None, "names": (), "single": False, "allowed": ""}
-    item_key = replace(key, meaning=key.each, each="", **each)
+    item_key = replace(
+        key, meaning=key.each, each="", least=0, most=None, names=(), single=False, allowed=""
+    )
     if get_origin(hint) is tuple:
-        element, *others = get_args(hint)
-        if others != [...]:
+        element, *more_elements = get_args(hint)
+        if more_elements != [...]:
             key = replace(key, least=len(get_args(hint)), most=len(get_args(hint)))
         return Part("list", key, item=_part(element, item_key), nullable=nullable, **more)
     if get_origin(hint) is not None:
@@ -216,6 +218,7 @@ def _part(hint: Any, key: Key, **more: Any) -> Part:
 
 
 def _in_words(part: Part) -> str:
+    """Describes the permitted values of a part."""
     key = part.key
     if part.kind == "text" and key.pattern == NAME:
         return NAME_RULE
@@ -233,9 +236,9 @@ def _in_words(part: Part) -> str:
     if part.kind == "mapping":
         if part.item.kind == "any":
             return "KEY: VALUE"
-        what = "blocks" if part.item.kind == "block" else "values"
+        items = "blocks" if part.item.kind == "block" else "values"
         named = ", ".join(key.names) or f"with {NAME_RULE}"
-        return f"{'one or more ' if key.least and not key.names else ''}{what} named {named}"
+        return f"{'one or more ' if key.least and not key.names else ''}{items} named {named}"
     if part.kind == "own":
         return str(getattr(part.type, "ALLOWED", "another value"))
     words = {"boolean": "true or false", "block": "a block of keys", "text": "text"}
@@ -246,6 +249,7 @@ _COUNTS = ("no", "one", "two", "three", "four")
 
 
 def _range(key: Key) -> str:
+    """Describes the range of a number; empty without bounds."""
     if {"minimum", "maximum"} == set(key.bounds):
         return " from {} to {}".format(*map(_end, key.ends))
     ends = [f"{COMPARISONS[name][1]} {_end(end)}" for name, end in key.bounds.items()]
@@ -253,6 +257,7 @@ def _range(key: Key) -> str:
 
 
 def _end(value: float) -> str:
+    """Writes a bound of a range."""
     if value == int(value):
         return str(int(value))
     exponent = math.floor(math.log10(abs(value)))

@@ -54,13 +54,13 @@ _Dumper.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, _FIRST)
 
 
 def yaml_of(data: Any) -> str:
-    """Plain data as YAML, a line for each key of a block."""
+    """Writes plain data as YAML, a line for each key of a block."""
     text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True)
     return text
 
 
 def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
-    """Contents of a small UTF-8 text file of some kind.
+    """Reads a small UTF-8 text file; `kind` names its format in messages.
 
     SceneError: missing, unreadable, too large, or not text.
     """
@@ -80,9 +80,9 @@ def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
 
 
 def data_of(text: str, source: str, anchors: bool = False) -> Any:
-    """Plain data (dict, list, str, int, float, bool, None) of a YAML text.
+    """Reads a YAML text as plain data (dict, list, str, int, float, bool, None).
 
-    Anchors, aliases and merge keys save repetition in a file of one's own; a scene has none.
+    anchors: whether anchors, aliases and merge keys are allowed; a scene has none.
 
     SceneError: not YAML, or YAML that is refused (see above); its message names the source.
     """
@@ -109,7 +109,7 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
 
 
 def _check_events(text: str, anchors: bool) -> None:
-    """Refuse, before anything is built, YAML that could grow large or change its meaning."""
+    """Refuses, before anything is built, YAML that could grow large or change its meaning."""
     depth = documents = values = 0
     for event in yaml.parse(text, Loader=_Loader):
         documents += isinstance(event, yaml.DocumentStartEvent)
@@ -133,6 +133,7 @@ def _check_events(text: str, anchors: bool) -> None:
 
 
 def _plain(loader: Any, node: Any, path: str, anchors: bool, depth: int = 0) -> Any:
+    """Converts a node of a YAML text to plain data; refuses a key that is given twice."""
     if depth > DEEPEST:  # of an alias within its own anchor
         raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
     if isinstance(node, yaml.SequenceNode):
@@ -147,12 +148,12 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool, depth: int = 0) -> 
                 problem = f"got a list or block as a key on line {line}, expected text"
                 raise SceneError(path, problem)
             key = key_node.value
-            here = key_path(path, key)
+            key_at = key_path(path, key)
             if key in block:
                 raise SceneError(
-                    here, f"got this key a second time on line {line}, expected it once"
+                    key_at, f"got this key a second time on line {line}, expected it once"
                 )
-            value = _plain(loader, value_node, here, anchors, depth + 1)
+            value = _plain(loader, value_node, key_at, anchors, depth + 1)
             if key == "<<" and anchors and isinstance(value, dict):
                 merged = value
             else:

@@ -48,11 +48,23 @@ p. 71, prints +-2 to +-5 um, which is js4 rounded down; above 1.5 million mm r/m
 HOUSING_CLASS = "H4"
 """That of the housing: SNFA, general catalogue, assembly tolerances, for ABEC 7 and 9."""
 
-# Diameter up to [mm]: width of the tolerance IT4 (ISO 286), and how far a bore and an outside
-# diameter of class P4 may lie below their nominal size (ISO 492), all [um].
-_SEATS = (
-    (3, 3, 4, 4), (10, 4, 4, 4), (18, 5, 4, 4), (30, 6, 5, 5), (50, 7, 6, 6), (80, 8, 7, 7),
-    (120, 10, 8, 8), (150, 12, 10, 9), (180, 12, 10, 10), (250, 14, 12, 11),
+
+class SeatTolerance(NamedTuple):
+    """Tolerances of seats up to a diameter [um]."""
+
+    largest_diameter: float  # [mm]
+    it4: float  # width of the tolerance IT4 (ISO 286)
+    # how far a bore and an outside diameter of class P4 may lie below their nominal size (ISO 492)
+    bore: float
+    outside: float
+
+
+_SEATS = tuple(
+    SeatTolerance(*row)
+    for row in (
+        (3, 3, 4, 4), (10, 4, 4, 4), (18, 5, 4, 4), (30, 6, 5, 5), (50, 7, 6, 6), (80, 8, 7, 7),
+        (120, 10, 8, 8), (150, 12, 10, 9), (180, 12, 10, 10), (250, 14, 12, 11),
+    )
 )  # fmt: skip
 
 SPEED_FACTOR = 1.0e6
@@ -100,29 +112,32 @@ def size_of(
     maker: str | None = None,
     angle: float | None = None,
 ) -> Designation:
-    """The size of a bearing, of which either the designation or the diameters [mm] are given.
+    """Returns the size of a bearing by its designation or by its diameters [mm].
 
-    angle: contact angle [degree], which tells apart bearings of one designation there.
+    angle: contact angle [degree], which tells apart catalogue bearings of one designation.
 
     SceneError where both or neither are given, or the diameters leave no room.
     """
     if maker is not None and designation is None:
         raise refused_option("--maker", maker, "only allowed with a designation such as 7010C")
     if designation is not None:
-        for option, given in (("--bore", bore), ("--outside", outside)):
-            if given is not None:
+        for option, diameter in (("--bore", bore), ("--outside", outside)):
+            if diameter is not None:
                 raise refused_option(
-                    option, given, f"only allowed without a designation (here, {designation})"
+                    option, diameter, f"only allowed without a designation (here, {designation})"
                 )
-        named, rest = maker_of(designation, tuple(MAKERS))
-        if maker is not None and named not in ("", maker):
-            raise refused_option("--maker", maker, f"{named}, as in the designation {designation}")
-        if maker is None and not (named in MAKERS and has_bearing(named, rest)):
-            return designation_of(rest)
-        entry, ignored = entry_of(maker or named, rest, angle)
+        maker_in_text, plain_designation = maker_of(designation, tuple(MAKERS))
+        if maker is not None and maker_in_text not in ("", maker):
+            expected = f"{maker_in_text}, as in the designation {designation}"
+            raise refused_option("--maker", maker, expected)
+        if maker is None and not (
+            maker_in_text in MAKERS and has_bearing(maker_in_text, plain_designation)
+        ):
+            return designation_of(plain_designation)
+        entry, ignored = entry_of(maker or maker_in_text, plain_designation, angle)
         return of_catalogue(entry, letters_of("", ignored, PAIR))
-    for option, given in (("--bore", bore), ("--outside", outside)):
-        if given is None:
+    for option, diameter in (("--bore", bore), ("--outside", outside)):
+        if diameter is None:
             problem = "got nothing, expected a designation such as 7008C, or --bore and --outside"
             raise SceneError("", problem, source=option)
     assert bore is not None and outside is not None
@@ -140,10 +155,11 @@ def numbers_of(
     preload_class: str | None = None,
     preload_method: str = "constant_force",
 ) -> dict[str, Origin]:
-    """Every number of `OPTIONS`, given, of a catalogue, or made by its rule.
+    """Returns every number of `OPTIONS`, given, from a catalogue, or by its rule.
 
-    size: of a bearing with a contact angle, unless it or a contact angle of 0 says otherwise.
-    given: by key of the scene, in its units.
+    size: an angular contact bearing, unless it is a deep groove one or a contact angle of 0 is
+        given.
+    given: values by key of the scene, in its units.
     clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
 
     SceneError where numbers leave no room, or contradict each other.
@@ -154,63 +170,63 @@ def numbers_of(
         given = {key: value for key, value in given.items() if key != angle_key}
     if preload_class is not None and preload_key in given:
         raise refused_option("--preload-class", preload_class, "only allowed without --preload")
-    if preload_class is None and preload_key not in given and (load := size.letters.load):
-        own = size.entry is not None and size.entry.preloads
-        preload_class = load if own else CLASS_OF_LETTER.get(load)
-    found: dict[str, Origin] = {}
+    if preload_class is None and preload_key not in given and (load_letter := size.letters.load):
+        has_maker_classes = size.entry is not None and size.entry.preloads
+        preload_class = load_letter if has_maker_classes else CLASS_OF_LETTER.get(load_letter)
+    numbers: dict[str, Origin] = {}
 
-    def decide(key: str, value: float, rule: str, assumed: bool = True) -> float:
-        found[key] = Origin(given[key]) if key in given else Origin(value, rule, assumed)
-        return found[key].value
+    def decide(key: str, origin: Origin) -> float:
+        numbers[key] = Origin(given[key]) if key in given else origin
+        return numbers[key].value
 
     bore, outside, entry = size.bore, size.outside, size.entry
     section = 0.5 * (outside - bore)
     if entry is not None:
-        ball_rule = rounded_to(entry.ball, 6), SOURCES[entry.source], False
+        ball_diameter = Origin(rounded_to(entry.ball, 6), SOURCES[entry.source], assumed=False)
     else:
-        ball_rule = rounded_to(0.6 * section), "0.3 x (outside diameter - bore)", True
-    D = decide("bearing.ball_diameter_mm", *ball_rule)
+        ball_diameter = Origin(rounded_to(0.6 * section), "0.3 x (outside diameter - bore)")
+    D = decide("bearing.ball_diameter_mm", ball_diameter)
     if not 0.0 < D < section:
         allowed = f"a number > 0 and < {section:g}, half of the section height"
         raise refused_option("--ball-diameter", D, allowed)
     if entry is not None and entry.pitch is not None:
-        pitch_rule = entry.pitch, SOURCES[entry.source], False
+        pitch_diameter = Origin(entry.pitch, SOURCES[entry.source], assumed=False)
     else:
-        pitch_rule = 0.5 * (bore + outside), "mean of bore and outside diameter", True
-    dm = decide("bearing.pitch_diameter_mm", *pitch_rule)
+        pitch_diameter = Origin(0.5 * (bore + outside), "mean of bore and outside diameter")
+    dm = decide("bearing.pitch_diameter_mm", pitch_diameter)
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
-    inner, outer = (
-        decide(f"bearing.{race}_groove_factor", groove.value, groove.rule, groove.assumed)
-        for race, groove in zip(("inner", "outer"), grooves_of(size), strict=True)
-    )
+    inner_groove, outer_groove = grooves_of(size)
+    inner = decide("bearing.inner_groove_factor", inner_groove)
+    outer = decide("bearing.outer_groove_factor", outer_groove)
     if entry is not None:
-        Z = decide("bearing.ball_count", entry.balls, SOURCES[entry.source], False)
-        angle = decide(angle_key, entry.angle, SOURCES["printed"], False)
+        ball_count = Origin(entry.balls, SOURCES[entry.source], assumed=False)
+        free_angle = Origin(entry.angle, SOURCES["printed"], assumed=False)
     else:
-        Z = decide("bearing.ball_count", *_usual_balls(D, dm, deep_groove))
-        angle = decide(
-            angle_key, *_free_angle(size, (inner + outer - 1.0) * D, clearance, deep_groove)
-        )
+        ball_count = _usual_balls(D, dm, deep_groove)
+        distance = (inner + outer - 1.0) * D
+        free_angle = _clearance_angle(size, distance, clearance) if deep_groove else _angle(size)
+    Z, angle = decide("bearing.ball_count", ball_count), decide(angle_key, free_angle)
     if preload_class is not None or preload_key not in given:
         preload = _preload(entry, preload_class, Z * D**2 * math.sin(math.radians(angle)))
     else:
         preload = Origin(given[preload_key])
-    found[preload_key] = preload
-    decide("operation.shaft_speed_rpm", *_usual_speed(entry, dm, preload_method, preload.value))
-    decide("friction.ball_race", 0.08, "starved or solid-lubricated steel")
-    return found
+    numbers[preload_key] = preload
+    speed = _usual_speed(entry, dm, preload_method, preload.value)
+    decide("operation.shaft_speed_rpm", speed)
+    decide("friction.ball_race", Origin(0.08, "starved or solid-lubricated steel"))
+    return numbers
 
 
 def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: float) -> Origin:
-    """Preload [N] of a class; `size` is balls x diameter^2 x sin(contact angle) [mm2]."""
+    """Returns the preload [N] of a class; `size` is balls x diameter^2 x sin(angle) [mm2]."""
     if entry is not None and entry.preloads:
         name = preload_class or "L"
         if name not in entry.preloads:
             classes = ", ".join(entry.preloads)
             raise refused_option("--preload-class", name, f"{classes}, {entry.maker}'s")
-        return Origin(entry.preloads[name], f"{entry.maker} class {name}", False)
+        return Origin(entry.preloads[name], f"{entry.maker} class {name}", assumed=False)
     name = preload_class or "light"
     if name not in PRELOAD_CLASSES:
         why = "; a maker's classes require --maker"
@@ -222,22 +238,21 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
     return Origin(rounded_to(density * size), rule)
 
 
-def _usual_speed(
-    entry: CatalogueBearing | None, dm: float, method: str, preload: float
-) -> tuple[float, str]:
-    """Speed [r/min] that is assumed, and the rule."""
+def _usual_speed(entry: CatalogueBearing | None, dm: float, method: str, preload: float) -> Origin:
+    """Returns the assumed speed [r/min]."""
     if entry is None:
-        return rounded_to(SPEED_FACTOR / dm), "one million mm r/min divided by the pitch diameter"
+        rule = "one million mm r/min divided by the pitch diameter"
+        return Origin(rounded_to(SPEED_FACTOR / dm), rule)
     factor, name = entry.speed_factor(method, preload)
     rule = f"{entry.maker}'s speed limit with grease"
     if name:
         rule += f", times {factor:g} for a rigid pair of class {name}"
     limit = factor * entry.speed_grease
-    return min(rounded_to(limit, 3), limit), rule
+    return Origin(min(rounded_to(limit, 3), limit), rule)
 
 
 def grooves_of(size: Designation) -> tuple[Origin, Origin]:
-    """Inner and outer groove factor, and where each comes from."""
+    """Returns inner and outer groove factor, each with its origin."""
     if size.entry is not None and size.entry.grooves:
         inner, outer = map(Origin, size.entry.grooves, MAKERS[size.entry.maker].groove_rules)
         return replace(inner, assumed=False), replace(outer, assumed=False)
@@ -279,29 +294,31 @@ def _is_deep_groove(size: Designation, angle: float | None, clearance: str | flo
     return True
 
 
-def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
-    """Number of balls, and the rule."""
-    half = math.asin(D / dm)
+def _usual_balls(D: float, dm: float, deep_groove: bool) -> Origin:
+    """Returns the assumed number of balls."""
+    half_angle = math.asin(D / dm)  # that a ball takes of the pitch circle
     if deep_groove:
-        balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half)
-        return max(3, balls), f"the balls fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
-    balls = round(0.75 * math.pi / half)
-    return max(3, balls), "three quarters of the maximum number"
+        balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half_angle)
+        rule = f"the balls fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
+    else:
+        balls = round(0.75 * math.pi / half_angle)
+        rule = "three quarters of the maximum number"
+    return Origin(max(3, balls), rule)
 
 
-def _free_angle(
-    size: Designation, distance: float, clearance: str | float | None, deep_groove: bool
-) -> tuple[float, str]:
-    """Free contact angle [degree], and the rule.
+def _angle(size: Designation) -> Origin:
+    """Returns the free contact angle [degree] of an angular contact bearing."""
+    if size.angle is not None:
+        return Origin(size.angle, size.angle_rule)
+    return Origin(15.0, "typical of high-speed bearings")
 
-    Of a deep groove bearing it is what the radial clearance leaves (Harris):
-    cos(angle) = 1 - clearance / (2 distance), where `distance` [mm] of the groove centres is inner
-    plus outer groove radius less ball diameter.
+
+def _clearance_angle(size: Designation, distance: float, clearance: str | float | None) -> Origin:
+    """Returns the free contact angle [degree] of a deep groove bearing by its radial clearance.
+
+    By Harris, cos(angle) = 1 - clearance / (2 distance), where `distance` [mm] of the groove
+    centres is inner plus outer groove radius less ball diameter.
     """
-    if not deep_groove:
-        if size.angle is not None:
-            return size.angle, size.angle_rule
-        return 15.0, "typical of high-speed bearings"
     if clearance is None or isinstance(clearance, str):
         group = clearance or size.clearance or "CN"
         ends = clearance_range(group, size.bore)
@@ -309,44 +326,46 @@ def _free_angle(
             raise refused_option(
                 "--clearance", group, "a bore of at most 200 mm, or --radial-clearance-um"
             )
-        um, rule = 0.5 * sum(ends), f" (mean of {group}, before mounting)"
+        clearance_um, group_note = 0.5 * sum(ends), f" (mean of {group}, before mounting)"
     else:
-        um, rule = clearance, ""
+        clearance_um, group_note = clearance, ""
     play = 2e3 * distance
     widest = play * (1.0 - math.cos(math.radians(LARGEST_ANGLE_DEG)))
-    if not 0.0 < um <= widest:
-        raise refused_option("--radial-clearance-um", um, f"a number > 0 and <= {widest:.4g}")
-    angle = math.degrees(math.acos(1.0 - um / play))
-    return rounded_to(angle, 4), (
-        f"from a radial clearance of {um:g} um{rule}; 0 is only the nominal angle"
-    )
+    if not 0.0 < clearance_um <= widest:
+        raise refused_option(
+            "--radial-clearance-um", clearance_um, f"a number > 0 and <= {widest:.4g}"
+        )
+    angle = math.degrees(math.acos(1.0 - clearance_um / play))
+    rule = f"from a radial clearance of {clearance_um:g} um{group_note}"
+    return Origin(rounded_to(angle, 4), f"{rule}; 0 is only the nominal angle")
 
 
 def seat_interference(bore: float) -> tuple[float, float] | None:
-    """Least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
+    """Returns least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
     seat = _seat(bore)
-    return None if seat is None else (-0.5 * seat[1], 0.5 * seat[1] + seat[2])
+    return None if seat is None else (-0.5 * seat.it4, 0.5 * seat.it4 + seat.bore)
 
 
 def housing_clearance(outside: float) -> float | None:
-    """Mean clearance [um] of an outside diameter [mm] of class P4 in `HOUSING_CLASS`."""
+    """Returns the mean clearance [um] of an outside diameter [mm], class P4, in `HOUSING_CLASS`."""
     seat = _seat(outside)
-    return None if seat is None else 0.5 * (seat[1] + seat[3])
+    return None if seat is None else 0.5 * (seat.it4 + seat.outside)
 
 
-def _seat(diameter: float) -> tuple[int, ...] | None:
-    return next((seat for seat in _SEATS if diameter <= seat[0]), None)
+def _seat(diameter: float) -> SeatTolerance | None:
+    """Returns the tolerances of a diameter [mm]; None above the table."""
+    return next((seat for seat in _SEATS if diameter <= seat.largest_diameter), None)
 
 
-def refused_option(option: str, value: float | str, what: str) -> SceneError:
-    """The error of an option of `bearingwear new`."""
-    given = value if isinstance(value, str) else f"{value:g}"
-    expected = f"; {what}" if what.startswith("only") else f", expected {what}"
-    return SceneError("", f"got {given}{expected}", source=option)
+def refused_option(option: str, value: float | str, allowed: str) -> SceneError:
+    """Returns the error of an option of `bearingwear new`, with the allowed values."""
+    got = value if isinstance(value, str) else f"{value:g}"
+    expected = f"; {allowed}" if allowed.startswith("only") else f", expected {allowed}"
+    return SceneError("", f"got {got}{expected}", source=option)
 
 
 def race_conductance(numbers: Mapping[str, Origin]) -> float:
-    """Heat conducted between all balls and a race through dry contacts [W/K], steel on steel.
+    """Returns the conductance [W/K] of the dry contacts, steel on steel, of all balls with a race.
 
     Each contact is a heat source that moves over ball and race: Jungnickel, *Simulation des
     thermischen Verhaltens von Werkzeugmaschinen* (TU Dresden 2010), p. 175. Oil adds as much again:
@@ -388,7 +407,7 @@ class PartCapacities(NamedTuple):
 def heat_capacities(
     numbers: Mapping[str, Origin], size: Designation, ball_material: str
 ) -> PartCapacities:
-    """Heat capacities of rings and balls; rings as sleeves that end at a quarter of the balls.
+    """Returns heat capacities of rings and balls; rings are sleeves up to a quarter of the balls.
 
     Where the width is not known, it is half the difference of outside diameter and bore, as ISO 15
     has it within a fifth.
@@ -409,5 +428,5 @@ def heat_capacities(
 
 
 def rounded_to(value: float, digits: int = 2) -> float:
-    """A number to so many significant digits."""
+    """Rounds a number to so many significant digits."""
     return float(f"{value:.{digits}g}")

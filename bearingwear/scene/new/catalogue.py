@@ -95,9 +95,9 @@ class CatalogueBearing(NamedTuple):
         return float(self.balls ** (2.0 / 3.0) * self.ball ** (1.0 / 3.0))
 
     def speed_factor(self, method: str, preload: float) -> tuple[float, str]:
-        """Allowed speed over that of one under a light spring, and the class it is for.
+        """Returns the allowed speed over that under a light spring, and the class of preload.
 
-        Of a fixed position the lightest class of at least that preload counts; above all classes,
+        In a fixed position the lightest class of at least that preload counts; above all classes,
         or where no class is printed, the heaviest.
         """
         if method != "fixed_position":
@@ -110,12 +110,13 @@ class CatalogueBearing(NamedTuple):
 
 @functools.cache
 def bearings() -> tuple[CatalogueBearing, ...]:
-    """Every bearing of the catalogues."""
+    """Reads every bearing of the catalogues."""
     with Path(__file__).with_name("catalogue.csv").open(encoding="utf-8", newline="") as file:
         return tuple(_entry(row) for row in csv.DictReader(file))
 
 
 def _entry(row: Mapping[str, str]) -> CatalogueBearing:
+    """Reads a row of catalogue.csv."""
     maker = row["maker"]
     preloads = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
     pitch, inner, outer, spring = (
@@ -144,36 +145,40 @@ def _entry(row: Mapping[str, str]) -> CatalogueBearing:
 def entry_of(
     maker: str, designation: str, angle: float | None = None
 ) -> tuple[CatalogueBearing, str]:
-    """A bearing by its maker's designation, and the suffixes that are not used.
+    """Returns a bearing by its maker's designation, and the suffixes that are not used.
 
-    angle: contact angle [degree], where bearings of several have the designation; else the
+    angle: contact angle [degree], where several bearings have the designation; if None, the
         smallest.
     """
-    found, ignored = _found(maker, designation)
-    if not found:
+    entries, ignored = _entries_of(maker, designation)
+    if not entries:
         names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
-        other = " or ".join(makers_with(designation))
-        problem = f"got {shown(designation)}{other and f', which is in the catalogue of {other}'}"
+        makers = " or ".join(makers_with(designation))
+        problem = f"got {shown(designation)}{makers and f', which is in the catalogue of {makers}'}"
         expected = f"{names} (all: bearingwear new --list {maker})"
         raise SceneError("", f"{problem}, expected {expected}", source=f"{maker} designation")
     if angle is None and (code := re.search(r"\d[A-Z]+([0-3])", ignored)) and maker == "SNFA":
         angle = _SNFA_ANGLES.get(code[1])
-        if angle not in {entry.angle for entry in found}:
-            angles = " or ".join(dict.fromkeys(f"{entry.angle:g}" for entry in found))
+        if angle not in {entry.angle for entry in entries}:
+            angles = " or ".join(dict.fromkeys(f"{entry.angle:g}" for entry in entries))
             problem = f"got {shown(designation)}, whose code {code[0]} is none of {angles} degrees"
             raise SceneError(
                 "", f"{problem}, expected --contact-angle", source=f"{maker} designation"
             )
     if angle is None:
-        return found[0], ignored
-    return min(found, key=lambda entry: abs(entry.angle - angle)), ignored
+        return entries[0], ignored
+    return min(entries, key=lambda entry: abs(entry.angle - angle)), ignored
 
 
 def nearest_names(maker: str, designation: str) -> list[str]:
-    """Up to six designations of a maker that share the longest start with one that it lacks."""
-    plain, known = _plain(designation), _named(maker)
+    """Returns up to six designations of a maker that begin most like an unknown one."""
+    plain, entries_by_name = _plain(designation), _entries_by_name(maker)
     for k in range(len(plain), 1, -1):
-        near = [own[0].designation for name, own in known.items() if name.startswith(plain[:k])]
+        near = [
+            entries[0].designation
+            for name, entries in entries_by_name.items()
+            if name.startswith(plain[:k])
+        ]
         if near:
             return near[:6]
     return []
@@ -181,85 +186,89 @@ def nearest_names(maker: str, designation: str) -> list[str]:
 
 def has_bearing(maker: str, designation: str) -> bool:
     """Whether a maker's catalogue has a bearing of a designation."""
-    return bool(_found(maker, designation)[0])
+    return bool(_entries_of(maker, designation)[0])
 
 
 def makers_with(designation: str) -> list[str]:
-    """The makers whose catalogue has a bearing of that designation."""
+    """Returns the makers whose catalogue has a bearing of that designation."""
     return [maker for maker in MAKERS if has_bearing(maker, designation)]
 
 
 @functools.cache
-def _named(maker: str) -> dict[str, list[CatalogueBearing]]:
-    """Bearings of a maker by their plain designations."""
-    known: dict[str, list[CatalogueBearing]] = {}
+def _entries_by_name(maker: str) -> dict[str, list[CatalogueBearing]]:
+    """Returns the bearings of a maker by their plain designations."""
+    entries_by_name: dict[str, list[CatalogueBearing]] = {}
     for entry in bearings():
         if entry.maker == maker:
-            known.setdefault(_plain(entry.designation), []).append(entry)
-    return known
+            entries_by_name.setdefault(_plain(entry.designation), []).append(entry)
+    return entries_by_name
 
 
-def _found(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
-    """A maker's bearings of a designation, and the suffixes that are not used."""
+def _entries_of(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
+    """Returns a maker's bearings of a designation, and the suffixes that are not used."""
     words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
     if maker == "GMN" and (parts := gmn_parts(designation)):
         words = [parts.name, *parts.rest]
-    return _longest(words, _named(maker))
+    return _longest_match(words, _entries_by_name(maker))
 
 
-def _longest(
-    words: Sequence[str], known: Mapping[str, list[CatalogueBearing]]
+def _longest_match(
+    words: Sequence[str], entries_by_name: Mapping[str, list[CatalogueBearing]]
 ) -> tuple[list[CatalogueBearing], str]:
-    """The longest known name that a designation begins with, whole words first."""
+    """Returns the bearings of the longest name that a designation begins with, and the rest of it.
+
+    Names that end with a word of the designation come first.
+    """
     for k in range(len(words), 0, -1):
-        if found := known.get("".join(words[:k])):
-            return found, " ".join(words[k:])
-    whole = "".join(words)
-    for name in sorted(known, key=len, reverse=True):
-        if whole.startswith(name) and whole[len(name)].isalpha():
-            return known[name], whole[len(name) :]
+        if entries := entries_by_name.get("".join(words[:k])):
+            return entries, " ".join(words[k:])
+    joined = "".join(words)
+    for name in sorted(entries_by_name, key=len, reverse=True):
+        if joined.startswith(name) and joined[len(name)].isalpha():
+            return entries_by_name[name], joined[len(name) :]
     return [], ""
 
 
 def _plain(designation: str) -> str:
+    """Returns a designation in capitals without separators."""
     return re.sub(r"[\s/_.-]", "", designation).upper()
 
 
 def same_size(bore: float, outside: float, angle: float) -> list[CatalogueBearing]:
-    """Bearings of a bore, an outside diameter [mm] and a contact angle [degree], of any maker."""
+    """Returns bearings of any maker by bore, outside diameter [mm] and contact angle [degree]."""
     size = bore, outside, angle
     return [entry for entry in bearings() if (entry.bore, entry.outside, entry.angle) == size]
 
 
 def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
-    """The catalogue's bearing that the block of a scene names, if it does."""
+    """Returns the catalogue's bearing that the block of a scene names; None if it names none."""
     maker, name = bearing.get("maker"), bearing.get("designation")
     if maker not in MAKERS or not name:
         return None
-    found = [e for e in bearings() if e.maker == maker and e.designation == name]
+    entries = [e for e in bearings() if e.maker == maker and e.designation == name]
     angle = bearing["contact_angle_deg"]
-    return min(found, key=lambda entry: abs(entry.angle - angle), default=None)
+    return min(entries, key=lambda entry: abs(entry.angle - angle), default=None)
 
 
 def identity_line(bearing: Mapping[str, Any]) -> str:
-    """Designation of a bearing; of a catalogue's, also what is identified. Empty without one."""
+    """Returns a line on the designation of a bearing and the source of its numbers, or ""."""
     entry = entry_of_bearing(bearing)
     if entry is None:
         return bearing.get("designation") or ""
     grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
     inferred = grooves == entry.grooves
-    own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)
-    printed = f"{entry.balls} balls of {entry.ball:g} mm"
-    balls = SOURCES[entry.source] if own else f"other than the {printed} in the catalogue"
+    balls = SOURCES[entry.source]
+    if (bearing["ball_count"], bearing["ball_diameter_mm"]) != (entry.balls, entry.ball):
+        balls = f"other than the {entry.balls} balls of {entry.ball:g} mm in the catalogue"
     inner, outer = MAKERS[entry.maker].groove_rules if inferred else ("assumed", "assumed")
     rules = inner if inner == outer else f"{inner} (inner) and {outer} (outer)"
     return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rules}"
 
 
 def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
-    """The catalogue's limits of speed; empty without one."""
+    """Returns a line on the catalogue's speed limits, or "" for a bearing of no catalogue."""
     entry = entry_of_bearing(bearing)
     if entry is None:
         return ""
@@ -271,14 +280,16 @@ def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -
     )
 
 
-def listed(maker: str, series: str = "") -> list[str]:
-    """A line for each bearing of a maker whose designation begins with a text, heads first.
+def bearings_table(maker: str, series: str = "") -> list[str]:
+    """Returns a table of a maker's bearings whose designation begins with a text, heads first.
 
     SceneError where there is none.
     """
     start = _plain(series)
-    found = [e for e in bearings() if e.maker == maker and _plain(e.designation).startswith(start)]
-    if not found:
+    entries = [
+        e for e in bearings() if e.maker == maker and _plain(e.designation).startswith(start)
+    ]
+    if not entries:
         names = dict.fromkeys(_series(e) for e in bearings() if e.maker == maker)
         problem = f"got {shown(series)}, expected {', '.join(names)}"
         raise SceneError("", problem, source=f"--list {maker}")
@@ -288,7 +299,7 @@ def listed(maker: str, series: str = "") -> list[str]:
     title = (
         f"{MAKERS[maker].source}; preload classes in N, speed limits with grease and oil in r/min"
     )
-    springs = any(e.min_spring_preload for e in found)
+    springs = any(e.min_spring_preload for e in entries)
     if springs:
         title += "; spring: least spring preload in N at the limit with oil"
         form += "{:>8}"
@@ -303,12 +314,12 @@ def listed(maker: str, series: str = "") -> list[str]:
                 f"{e.speed_grease:.0f}", f"{e.speed_oil:.0f}",
                 *([f"{e.min_spring_preload:g}"] if e.min_spring_preload else []),
             )
-            for e in found
+            for e in entries
         ),
     ]  # fmt: skip
 
 
 def _series(entry: CatalogueBearing) -> str:
-    """The letters that SNFA's and GMN's designations begin with; of NSK's the first two digits."""
+    """Returns the first letters of a designation of SNFA or GMN, the first two digits of NSK's."""
     match = re.match(r"[A-Z]+|\d\d", entry.designation)
     return match[0] if match else entry.designation

@@ -128,27 +128,29 @@ _GMN_OPEN_ANGLES = {"SM60": 17.0, "SM619": 19.0, "KH60": 17.0, "KH619": 17.0}
 
 
 def designation_of(text: str) -> Designation:
-    """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
-    plain = text.strip().upper()
-    if len(plain) > LONGEST_DESIGNATION:
+    """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
+    upper_text = text.strip().upper()
+    if len(upper_text) > LONGEST_DESIGNATION:
         raise _unknown(text, ALLOWED)
-    for of_a_maker in (_gmn_spindle, _nsk_robust):
-        if (spindle := of_a_maker(plain)) is not None:
+    for of_maker in (_gmn_spindle, _nsk_robust):
+        if (spindle := of_maker(upper_text)) is not None:
             return spindle
-    match = re.fullmatch(rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", plain)
+    match = re.fullmatch(
+        rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", upper_text
+    )
     size = match and _size(match["series"], match["code"])
     if not match or not size:
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
-    spindles = _gmn_names(plain, prefix)
+    spindles = _gmn_names(upper_text, prefix)
     if spindles and prefix != "S":
         raise _unknown(text, f"{spindles} (GMN spindle bearings)")
     if not re.fullmatch(_PREFIX, prefix):
-        known = (
+        prefixes = (
             "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
             "the number; or --bore, --outside and --contact-angle"
         )
-        raise _unknown(text, f"no letters or {known}")
+        raise _unknown(text, f"no letters or {prefixes}")
     deep_groove = series.startswith("6")
     if deep_groove and prefix in ("S", "SS") and not rest.strip(" /_-."):
         raise _unknown(
@@ -158,44 +160,59 @@ def designation_of(text: str) -> Designation:
     if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", rest):
         raise SceneError("", f"got {shown(text)}, expected one", source="designation")
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
-    suffix, ignored = _suffix(rest, suffixes, deep_groove)
+    suffix, ignored = _clearance_suffix(rest) if deep_groove else _angle_suffix(rest)
     if ignored is None:
-        also = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
-        others = spindles and f", or {spindles} (GMN spindle bearings)"
-        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}{others}{also}")
+        advice = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
+        spindle_names = spindles and f", or {spindles} (GMN spindle bearings)"
+        raise _unknown(
+            text, f"{series}{code} alone, or with {', '.join(suffixes)}{spindle_names}{advice}"
+        )
     name = f"{series}{code}{suffix}"
     letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
     if deep_groove:
-        return Designation(*size, name, deep_groove, clearance=suffix, letters=letters)
-    rule = (
-        f"suffix {suffix}, whose meaning depends on the maker"
-        if suffix in tuple(_MAKERS_DIFFER)
-        else ""
+        return Designation(
+            **size._asdict(), name=name, deep_groove=True, clearance=suffix, letters=letters
+        )
+    rule = ""
+    if suffix in tuple(_MAKERS_DIFFER):
+        rule = f"suffix {suffix}, whose meaning depends on the maker"
+    return Designation(
+        **size._asdict(),
+        name=name,
+        angle=ANGLES.get(suffix),
+        angle_rule=rule,
+        letters=letters,
     )
-    return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, letters=letters)
 
 
 def _gmn_names(plain: str, prefix: str) -> str:
-    """The nearest bearings of GMN's catalogue, where letters before the number are its series."""
+    """Returns similar bearings of GMN if the letters before the number are a series of its."""
     return ", ".join(nearest_names("GMN", plain)) if re.fullmatch(GMN_SERIES, prefix) else ""
 
 
 def _gmn_spindle(plain: str) -> Designation | None:
-    """A spindle bearing of GMN, of its catalogue or else of the same size; None for any other."""
+    """Reads a spindle bearing of GMN, whether in its catalogue or not; None for any other."""
     parts = gmn_parts(plain)
     if parts is None:
         return None
     letters = letters_of(parts.hybrid, parts.suffix, PAIR)
     if has_bearing("GMN", parts.name):
-        return of_catalogue(entry_of("GMN", parts.name)[0], letters)
-    size = _size(_GMN_SIZES.get(parts.number[:-2], ""), parts.number[-2:])
+        entry, _ = entry_of("GMN", parts.name)
+        return of_catalogue(entry, letters)
+    series = _GMN_SIZES.get(parts.number[:-2])
+    if series is None:
+        similar = ", ".join(nearest_names("GMN", parts.name))
+        raise _unknown(plain, f"{similar} (GMN spindle bearings)")
+    size = _size(series, parts.number[-2:])
     if size is None:
         return None
     angle, rule = _GMN_ANGLES[parts.angle], f"GMN's suffix {parts.angle}"
     if parts.angle == "C":
         angle = _GMN_OPEN_ANGLES.get(parts.series + parts.number[:-2], angle)
         rule = f"{rule} in series {parts.series}"
-    return Designation(*size, parts.name, False, angle, rule, letters=letters)
+    return Designation(
+        **size._asdict(), name=parts.name, angle=angle, angle_rule=rule, letters=letters
+    )
 
 
 _NSK_ROBUST = re.compile(
@@ -204,86 +221,115 @@ _NSK_ROBUST = re.compile(
 
 
 def _nsk_robust(plain: str) -> Designation | None:
-    """A bearing of NSK's ROBUST series: 40BNR10STYNDBLP4; None for any other."""
+    """Reads a bearing of NSK's ROBUST series: 40BNR10STYNDBLP4; None for any other."""
     match = _NSK_ROBUST.fullmatch(re.sub(r"[\s/_.-]", "", plain))
     if match is None:
         return None
     bore = int(match["bore"])
     code = {10: 0, 12: 1, 15: 2, 17: 3}.get(bore, bore // 5)
     size = _size({"10": "70", "19": "719"}[match["series"]], f"{code:02d}")
-    if size is None or size[0] != bore:
+    if size is None or size.bore != bore:
         return None
     letters = letters_of("", match[5], PAIR)
     if match["balls"] in ("H", "X"):
         letters = letters._replace(ball_material=CERAMIC_BALLS, ball_letters=match["balls"])
     angle, rule = {"N": (18.0, "NSK's BNR"), "E": (25.0, "NSK's BER")}[match["angle"]]
-    return Designation(*size, match[0][: match.end("series")], False, angle, rule, letters=letters)
+    name = match[0][: match.end("series")]
+    return Designation(**size._asdict(), name=name, angle=angle, angle_rule=rule, letters=letters)
 
 
 def of_catalogue(entry: CatalogueBearing, letters: Letters) -> Designation:
-    """The size of a catalogue's bearing, with what other letters say."""
-    size = entry.bore, entry.outside, entry.width
-    return Designation(*size, entry.designation, angle=entry.angle, letters=letters, entry=entry)
+    """Returns the designation of a catalogue's bearing with the meaning of its other letters."""
+    return Designation(
+        bore=entry.bore,
+        outside=entry.outside,
+        width=entry.width,
+        name=entry.designation,
+        angle=entry.angle,
+        letters=letters,
+        entry=entry,
+    )
 
 
-def _suffix(rest: str, known: tuple[str, ...], deep_groove: bool) -> tuple[str, str | None]:
-    """The known suffix of a designation, and what else is there; None for what it cannot be.
+class _Suffix(NamedTuple):
+    """The suffix for angle or clearance, and the ignored ones; None refuses the designation."""
+
+    name: str
+    ignored: str | None
+
+
+def _words(text: str) -> list[str]:
+    """Splits suffixes at separators."""
+    return [word for word in re.split(r"[\s/_.-]+", text) if word]
+
+
+def _angle_suffix(rest: str) -> _Suffix:
+    """Reads the suffixes of an angular contact bearing.
 
     An angle is the first suffix, with letters of the cage behind it (CD, ACD, BECBP), or after a
-    separator. A clearance stands anywhere (6204-2RSH/C3, 608ZZC3, P63). What follows the number
-    without a separator and is neither angle nor clearance is refused, and so is an angle or a
-    clearance of another kind anywhere.
+    separator. What follows the number without a separator and is no angle is refused, and so is an
+    angle or a clearance of another kind anywhere.
     """
-    words = [word for word in re.split(r"[\s/_.-]+", rest) if word]
+    words = _words(rest)
     if not words:
-        return "", ""
-    if deep_groove:
-        return _clearance_suffix(words)
-    first, others = words[0], words[1:]
-    ntn = re.match(r"U(?=C|AD)", first)  # its standard design, before the angle: 7008UCG
-    if ntn:
-        first, others = first[1:], [*others, "U"]
-    for name in sorted(known, key=len, reverse=True):
-        if first.startswith(name):
-            behind = first[len(name) :]
-            if not behind or behind[0].isalpha():
-                return name, " ".join([behind, *others] if behind else others)
+        return _Suffix("", "")
+    first_word, more_words = words[0], words[1:]
+    if re.match(r"U(?=C|AD)", first_word):  # NTN's standard design, before the angle: 7008UCG
+        first_word, more_words = first_word[1:], [*more_words, "U"]
+    for name in sorted(ANGLES, key=len, reverse=True):
+        if first_word.startswith(name):
+            remainder = first_word[len(name) :]
+            if not remainder or remainder[0].isalpha():
+                return _Suffix(name, " ".join(filter(None, [remainder, *more_words])))
     attached = rest[0].isalnum()
-    other_kind = re.fullmatch(r"[A-F]\d?|CN", first)  # an angle, or a clearance of another kind
-    late = any(word in known for word in others)
-    return "", None if other_kind or attached or late else " ".join(words)
+    other_kind = re.fullmatch(r"[A-F]\d?|CN", first_word)
+    in_later_word = any(word in ANGLES for word in more_words)
+    return _Suffix("", None if other_kind or attached or in_later_word else " ".join(words))
 
 
-def _clearance_suffix(words: list[str]) -> tuple[str, str | None]:
-    """The clearance among the suffixes of a deep groove bearing, as `_suffix`."""
+def _clearance_suffix(rest: str) -> _Suffix:
+    """Reads the suffixes of a deep groove bearing.
+
+    A clearance stands anywhere (6204-2RSH/C3, 608ZZC3, P63); an angle is refused.
+    """
+    words = _words(rest)
     for k, word in enumerate(words):
-        balls = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
-        found = re.compile(r"C([1-5NM])(?!\d)").search(word, balls.end() if balls else 0)
-        found = found or re.compile(r"(?<=^P[56])([2-5])$").search(word)
-        if found is None:
+        ceramic_letters = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
+        start = ceramic_letters.end() if ceramic_letters else 0
+        match = re.compile(r"C([1-5NM])(?!\d)").search(word, start)
+        match = match or re.compile(r"(?<=^P[56])([2-5])$").search(word)
+        if match is None:
             continue
-        group = f"C{found[1]}"
+        group = f"C{match[1]}"
         if group not in CLEARANCES:
-            return "", None
-        left = f"{word[: found.start()]} {word[found.end() :]}".split()
-        return group, " ".join([*words[:k], *left, *words[k + 1 :]])
-    if re.fullmatch(r"[A-E]\d?", words[0]):
-        return "", None
-    return "", " ".join(words)
+            return _Suffix("", None)
+        remainder = f"{word[: match.start()]} {word[match.end() :]}".split()
+        return _Suffix(group, " ".join([*words[:k], *remainder, *words[k + 1 :]]))
+    if words and re.fullmatch(r"[A-E]\d?", words[0]):
+        return _Suffix("", None)
+    return _Suffix("", " ".join(words))
 
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:
-    """Least and largest radial clearance [um] of a group; None above the bores of the table."""
+    """Returns least and largest radial clearance [um] of a group; None above the largest bore."""
     place = 1 + CLEARANCES.index(group)
     row = next((row for row in _CLEARANCE_TABLE if bore <= row[0]), None)
     return None if row is None else row[place]  # type: ignore[return-value]
 
 
-def _size(series: str, code: str) -> tuple[float, float, float] | None:
-    """Bore, outside diameter and width [mm], or None where there is none in the table."""
+class _Size(NamedTuple):
+    """Boundary dimensions of a bearing [mm]."""
+
+    bore: float
+    outside: float
+    width: float
+
+
+def _size(series: str, code: str) -> _Size | None:
+    """Returns the dimensions of a bearing; None for a code that is not in the table."""
     if len(code) == 1:
-        first, sizes = _SMALL[series]
-        codes = tuple(range(first, 10))
+        smallest_bore, sizes = _SMALL[series]
+        codes = tuple(range(smallest_bore, 10))
         bore = float(code)
     else:
         sizes, codes = _SERIES[_SERIES_OF[series]], _CODES
@@ -291,10 +337,11 @@ def _size(series: str, code: str) -> tuple[float, float, float] | None:
     if int(code) not in codes:
         return None
     outside, width = sizes.split()[codes.index(int(code))].split("x")
-    return bore, float(outside), float(width)
+    return _Size(bore, float(outside), float(width))
 
 
 def _unknown(text: str, allowed: str) -> SceneError:
+    """Returns the error of an unknown designation, with makers that have it."""
     makers = makers_with(text)
     if makers:
         allowed = f"--maker {' or '.join(makers)} with this designation"

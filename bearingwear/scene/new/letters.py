@@ -77,7 +77,7 @@ PAIR_ALONE = (re.compile(r"\b(?P<pair>DB|DF|DT)(?P<load>)\b"),)
 
 
 class Letters(NamedTuple):
-    """What letters of a designation say."""
+    """Meaning of the letters of a designation."""
 
     ball_material: str | None = None  # that of a scene; None where the letters say nothing
     ball_letters: str = ""  # those that say so
@@ -87,23 +87,27 @@ class Letters(NamedTuple):
 
     @property
     def meanings(self) -> list[str]:
-        """A clause for each of them that says something."""
-        said = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
+        """A clause for each group of letters that has a meaning."""
+        clauses = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
         if self.pair:
             meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
-            more = "" if meaning.startswith("one") else "; the scene has one, see its arrangement"
-            said.append(f"{self.pair}: {meaning}{more}")
+            pair_note = (
+                "" if meaning.startswith("one") else "; the scene has one, see its arrangement"
+            )
+            clauses.append(f"{self.pair}: {meaning}{pair_note}")
         if self.load:
-            said.append(f"{self.load}: class of preload")
+            clauses.append(f"{self.load}: class of preload")
         if self.ignored:
-            said.append(f"ignored: {self.ignored} (cage, seals, tolerance: they change no number)")
-        return said
+            clauses.append(
+                f"ignored: {self.ignored} (cage, seals, tolerance: they change no number)"
+            )
+        return clauses
 
 
 def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> Letters:
-    """What prefix and suffix say, without the letters of size, angle and clearance.
+    """Reads prefix and suffix of a designation without the letters of angle and clearance.
 
-    pairs: `PAIR`, or what stands for it in bearings of another type.
+    pairs: patterns of pairs and classes of preload, `PAIR` or `PAIR_ALONE`.
     """
     balls, ignored = "", []
     if re.fullmatch(CERAMIC_PREFIX, prefix):
@@ -116,13 +120,13 @@ def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> 
         r"(?<![A-Z])NS(?![A-Z])",
         r"(?<![A-Z])HC\d?(?=\s|$|[A-Z])",
     ):
-        if found := re.search(pattern, suffix):
-            balls = balls or found[0]
-            suffix = suffix.replace(found[0], " ", 1)
+        if match := re.search(pattern, suffix):
+            balls = balls or match[0]
+            suffix = suffix.replace(match[0], " ", 1)
     load = pair = ""
-    if found := next(filter(None, (pattern.search(suffix) for pattern in pairs)), None):
-        pair, load = found["pair"], found["load"] or ""
-        suffix = f"{suffix[: found.start()]} {suffix[found.end() :]}"
+    if match := next(filter(None, (pattern.search(suffix) for pattern in pairs)), None):
+        pair, load = match["pair"], match["load"] or ""
+        suffix = f"{suffix[: match.start()]} {suffix[match.end() :]}"
     return Letters(
         ball_material=CERAMIC_BALLS if balls else None,
         ball_letters=balls,
@@ -148,14 +152,14 @@ class GmnParts(NamedTuple):
 
     @property
     def rest(self) -> list[str]:
-        """What is said beside them."""
+        """Letters beside the name."""
         return [word for word in (self.hybrid, self.suffix) if word]
 
 
 def gmn_parts(designation: str) -> GmnParts | None:
-    """A spindle bearing of GMN, with or without spaces: S 6005 C TA P4 DUL, 6008ETXM.
+    """Splits a designation of GMN, with or without spaces: S 6005 C TA P4 DUL, 6008ETXM.
 
-    The series S, SM, KH or the cage after the angle tell it; None where neither is there.
+    Its mark is the series S, SM, KH or a cage after the angle; None where both are missing.
     """
     match = _GMN.fullmatch(re.sub(r"[\s/_.-]", "", designation.upper()))
     if not match or not (match["form"] or re.match(GMN_CAGES, match["rest"])):
@@ -170,7 +174,7 @@ def gmn_parts(designation: str) -> GmnParts | None:
 
 
 def maker_of(designation: str, makers: tuple[str, ...]) -> tuple[str, str]:
-    """The maker whose name a designation begins with, empty without one, and the rest of it."""
+    """Returns the maker's name at the beginning of a designation, or "", and the rest of it."""
     names = "|".join((*makers, *_OTHER_MAKERS))
-    found = re.match(rf"\s*({names})[\s/_-]*(?=\S)", designation, re.IGNORECASE)
-    return (found[1].upper(), designation[found.end() :]) if found else ("", designation)
+    match = re.match(rf"\s*({names})[\s/_-]*(?=\S)", designation, re.IGNORECASE)
+    return (match[1].upper(), designation[match.end() :]) if match else ("", designation)

@@ -11,22 +11,25 @@ from __future__ import annotations
 
 import csv
 import functools
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 
 SKF_SOURCE = "SKF, rolling bearings, pp. 399-417"
+_OF_SKF = re.compile(r"7[23]\d\d(AC|B)")
 
 
 @functools.cache
 def skf_factors() -> Mapping[str, float]:
-    """Minimum axial load factor A [kN] of SKF's bearings of 25 (AC) and 40 degrees (B).
+    """Returns the minimum load factor A [kN] of SKF's bearings of 25 (AC) and 40 degrees (B).
 
-    By designation. Those whose place in the tables is unclear in the text of the catalogue are
-    left out, as is the 7205AC, whose printed factor breaks the row of its neighbours. The 40
-    degree bearings are those of design E with cages of steel or plastic.
+    The keys are designations. Those whose place in the tables is unclear in the text of the
+    catalogue are left out, as is the 7205AC, whose printed factor breaks the row of its neighbours.
+    The 40 degree bearings are those of design E with cages of steel or plastic.
     """
     with Path(__file__).with_name("skf_minimum_load.csv").open(encoding="utf-8") as file:
         return {row["designation"]: float(row["factor_kN"]) for row in csv.DictReader(file)}
@@ -45,7 +48,7 @@ class MinimumPreload(NamedTuple):
 def minimum_preload(
     bearing: Mapping[str, Any], operation: Mapping[str, Any]
 ) -> MinimumPreload | None:
-    """The least preload of a bearing at its speed by its maker; None where no number is known.
+    """Returns the maker's least preload of a bearing at its speed; None where none is published.
 
     bearing, operation: blocks of a scene as mappings.
     """
@@ -73,30 +76,33 @@ def minimum_preload(
 
 
 def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
-    """The least preload by the maker at the largest speed of the scenes; empty where not known.
+    """Names the maker's least preload at the largest speed of the scenes; "" if none is known.
 
     scenes: of one bearing; their preload need not be given.
     """
-    known = (minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes)
-    least = max(filter(None, known), key=lambda one: one.speed, default=None)
+    minima = (minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes)
+    least = max(filter(None, minima), key=lambda minimum: minimum.speed, default=None)
     if least is None:
         return ""
     maker, _, _ = least.bearing.partition(" ")
-    return f"{maker} minimum preload {least.load:.3g} N at {least.speed:g} r/min"
+    return f"{maker} minimum preload {plain(least.load)} N at {least.speed:g} r/min"
 
 
 def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
-    """The least preload by the maker beside that of a scene: a line, none if no number is known.
+    """The least preload by the maker beside that of a scene: a line, none if none is prescribed.
 
     scene: its plain data.
     """
     bearing, operation = scene["bearing"], scene["operation"]
     least = minimum_preload(bearing, operation)
     if least is None:
-        return []
+        name = str(bearing.get("designation"))
+        if bearing.get("maker") or not _OF_SKF.fullmatch(name):
+            return []
+        return [f"SKF minimum preload for a {name}: factor not known here; see SKF's product table"]
     maker, _, name = least.bearing.partition(" ")
     balls = "" if bearing["ball_material"] == "bearing_steel" else " with steel balls"
     return [
-        f"{maker} minimum preload for a {name}{balls}: {least.load:.3g} N at {least.speed:g} r/min "
-        f"({least.rule}); preload here {operation['preload_N']:g} N"
+        f"{maker} minimum preload for a {name}{balls}: {plain(least.load)} N at "
+        f"{least.speed:g} r/min ({least.rule}); preload here {operation['preload_N']:g} N"
     ]

@@ -78,17 +78,17 @@ MATERIALS = {
 
 
 def _materials(wear: float | None) -> dict[str, str]:
-    """`MATERIALS`, steel and silicon nitride with a K_s/H [m2/N]."""
+    """Returns `MATERIALS` with a common K_s/H [m2/N] of steel and silicon nitride."""
     if wear is None:
         return MATERIALS
-    made = dict(MATERIALS)
+    materials = dict(MATERIALS)
     for name in BALL_MATERIALS:
-        hardness = float(re.findall(r"brinell_hardness_GPa: ([\d.]+)", made[name])[0])
+        hardness = float(re.findall(r"brinell_hardness_GPa: ([\d.]+)", materials[name])[0])
         coefficient = yaml_number(float(f"{wear * hardness * 1e9:.3g}"))
-        made[name] = re.sub(
-            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", made[name]
+        materials[name] = re.sub(
+            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", materials[name]
         )
-    return made
+    return materials
 
 
 def scene_text(
@@ -105,10 +105,10 @@ def scene_text(
     maker: str | None = None,
     lubrication: str | None = None,
 ) -> tuple[str, list[str]]:
-    """A commented scene file, and a line for each thing in it that was not given.
+    """Writes a commented scene file as text, and a line for each assumption in it.
 
     bore, outside: diameters [mm], unless a designation says them.
-    given: what else is known, by key of the scene (those of `OPTIONS`), in its units.
+    given: other values by key of the scene (those of `OPTIONS`), in its units.
     ball_material, preload_method: as in a scene. Bearing steel is assumed, and a constant force; a
         fixed position where a maker's class of preload is taken, which is that of a rigid pair.
     designation: as in `designation_of`: 7008C, 608; with a maker as in its catalogue: 7010C, SEA
@@ -139,15 +139,18 @@ def scene_text(
     if rubs.film:
         del numbers[_BALL_RACE]
     _check_room(numbers)
-    text = _filled(name, size, numbers, ball_material, preload_method, method, rubs)
-    lubricated = f"lubrication: {rubs.told}"
-    return text, [lubricated, *_assumed(size, numbers, ball_material, preload_method, method)]
+    text = _filled_template(name, size, numbers, ball_material, preload_method, method, rubs)
+    lubricated = f"lubrication: {rubs.summary}"
+    return text, [
+        lubricated,
+        *_assumption_lines(size, numbers, ball_material, preload_method, method),
+    ]
 
 
 def _rubbing(
     lubrication: str | None, given: Mapping[str, float], ball_material: str | None
 ) -> Rubbing:
-    """What a lubrication is known to do; refuses what no source has."""
+    """Returns the coefficients of a lubrication; refuses one for which no source has any."""
     if lubrication == "mos2" and _BALL_RACE in given:
         raise refused_option(
             "--friction", given[_BALL_RACE], f"only allowed without --lubrication {lubrication}"
@@ -155,35 +158,35 @@ def _rubbing(
     try:
         return rubbing(lubrication, ball_material)
     except KeyError:
-        wanted = f"bearing_steel with --lubrication {lubrication}"
-        raise refused_option("--ball-material", ball_material or "", wanted) from None
+        expected = f"bearing_steel with --lubrication {lubrication}"
+        raise refused_option("--ball-material", ball_material or "", expected) from None
 
 
 def _check_room(numbers: Mapping[str, Origin]) -> None:
-    """Refuse more balls than there is room for."""
+    """Refuses more balls than there is room for."""
     D, dm, Z = _balls(numbers)
-    if Z > (most := most_balls(D, dm)):
-        allowed = f"at most {most} of {D:g} mm on a pitch circle of {dm:g} mm"
+    if Z > (limit := most_balls(D, dm)):
+        allowed = f"at most {limit} of {D:g} mm on a pitch circle of {dm:g} mm"
         raise refused_option("--balls", Z, allowed)
 
 
-def _assumed(
+def _assumption_lines(
     size: Designation,
     numbers: Mapping[str, Origin],
     ball_material: str | None,
     preload_method: str | None,
     method: str,
 ) -> list[str]:
-    """A line for each thing that was not given."""
+    """Returns a line for each value that was not given."""
     lines = []
-    said = size.letters.meanings
+    notes = size.letters.meanings
     load = size.letters.load
     if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
-        said.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
+        notes.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
     if size.entry is None and gmn_parts(size.name):
-        said.append("not in GMN's catalogue")
-    if said:
-        lines.append(f"designation: interpreted as {size.name}; {'; '.join(said)}")
+        notes.append("not in GMN's catalogue")
+    if notes:
+        lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
     lines += [
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
         *([] if ball_material or size.letters.ball_material else [BALLS_ASSUMED]),
@@ -194,23 +197,25 @@ def _assumed(
     ]
     if size.entry is None:
         D, dm, Z = _balls(numbers)
-        found = same_size(size.bore, size.outside, numbers["bearing.contact_angle_deg"].value)
-        lines += [_inside(entry, D, Z) for entry in found]
+        same_size_bearings = same_size(
+            size.bore, size.outside, numbers["bearing.contact_angle_deg"].value
+        )
+        lines += [_comparison_line(entry, D, Z) for entry in same_size_bearings]
     return lines
 
 
-def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
-    """By how much a maker's bearing of the size differs from balls of a diameter [mm]."""
-    ours = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
+def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
+    """Compares a maker's bearing of the size with Z balls of diameter D [mm], in one line."""
+    rated = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
     return (
         f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "
         f"({entry.source}); at equal preload, its axial rigidity differs by "
-        f"{100.0 * (entry.rated / ours - 1.0):+.1f} %; use --maker {entry.maker} for this bearing"
+        f"{100.0 * (entry.rated / rated - 1.0):+.1f} %; use --maker {entry.maker} for this bearing"
     )
 
 
 def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
-    """Write the text of `scene_text` to a new file.
+    """Writes the text of `scene_text` to a new file.
 
     The scene has no name of its own, so a copy is named as its file.
 
@@ -235,7 +240,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
 
 
 def usual_stiffness(path: str | os.PathLike[str]) -> float:
-    """Axial stiffness at rest of a bearing of steel with its preload, in one digit [N/um].
+    """Estimates the axial stiffness [N/um] of a steel bearing with its preload at rest.
 
     By the approach 0.00044 (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues
     have it (NSK, Rolling Bearings).
@@ -254,6 +259,7 @@ def usual_stiffness(path: str | os.PathLike[str]) -> float:
 
 @functools.cache
 def _template() -> Template:
+    """Loads the template of a scene file."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     folder = FileSystemLoader(Path(__file__).parent)
@@ -261,7 +267,7 @@ def _template() -> Template:
     return jinja.get_template("new_scene.yaml.j2")
 
 
-def _filled(
+def _filled_template(
     name: str,
     size: Designation,
     numbers: Mapping[str, Origin],
@@ -270,7 +276,7 @@ def _filled(
     method: str,
     rubs: Rubbing,
 ) -> str:
-    """The template of a scene, filled in."""
+    """Fills in the template of a scene."""
     D, dm, Z = _balls(numbers)
     room = dm * math.sin(math.pi / Z) - D
     return _template().render(
@@ -310,7 +316,7 @@ def _filled(
 
 
 def _seat_range(bore: float) -> str:
-    """Interference of the usual seat of a spindle bearing; empty for a bore beyond the table."""
+    """Returns words on the usual seat of a spindle bearing; "" for a bore beyond the table."""
     ends = seat_interference(bore)
     if ends is None:
         return ""
@@ -322,7 +328,7 @@ def _seat_range(bore: float) -> str:
 
 
 def _housing_line(outside: float) -> str:
-    """Clearance in the housing, which closes where the outer ring is warmer, and its source."""
+    """Returns the assumed clearance in the housing and its source as a line of the scene."""
     gap = housing_clearance(outside)
     if gap is None:
         return "0.0"
@@ -330,7 +336,7 @@ def _housing_line(outside: float) -> str:
 
 
 def _ball_note(ball_material: str | None, size: Designation) -> str:
-    """Where the material of the balls comes from."""
+    """Returns a comment on the origin of the ball material."""
     if ball_material:
         return "given"
     letters = size.letters.ball_letters
@@ -338,7 +344,7 @@ def _ball_note(ball_material: str | None, size: Designation) -> str:
 
 
 def _balls(numbers: Mapping[str, Origin]) -> tuple[float, float, int]:
-    """Ball and pitch diameter [mm], and how many balls there are."""
+    """Returns ball diameter, pitch diameter [mm] and the number of balls."""
     D, dm, Z = (
         numbers[f"bearing.{key}"].value
         for key in ("ball_diameter_mm", "pitch_diameter_mm", "ball_count")
@@ -347,26 +353,27 @@ def _balls(numbers: Mapping[str, Origin]) -> tuple[float, float, int]:
 
 
 def _option(key: str) -> str:
-    return next((option for option, known, *_ in OPTIONS if known == key), "")
+    """Returns the option of a key of the scene; "" if it has none."""
+    return next((option for option, option_key, *_ in OPTIONS if option_key == key), "")
 
 
 def _check_range(key: str, value: float) -> None:
-    """What the scene says about one number, as an error that names the option."""
+    """Refuses a number that its key of the scene does not allow; the error names the option."""
     part = key_of_scene(key)
     if part is not None and not fits(value, part):
         raise refused_option(_option(key), value, part.allowed)
 
 
 def _line(key: str, origin: Origin) -> str:
-    """A number of the scene, and where it comes from."""
+    """Writes a number of the scene with a comment on its origin."""
     part = key_of_scene(key)
-    whole = part is not None and part.kind == "integer"
-    value = str(int(origin.value)) if whole else yaml_number(float(origin.value))
+    is_integer = part is not None and part.kind == "integer"
+    value = str(int(origin.value)) if is_integer else yaml_number(float(origin.value))
     return f"{key.rpartition('.')[2]}: {value}  {origin.note}"
 
 
 def checked_scene(text: str, note: str = "") -> Scene:
-    """The scene of a text from `scene_text`, with a note after its description.
+    """Checks a text from `scene_text` and returns its scene, with a note after its description.
 
     SceneError: one line that names the option.
     """

@@ -1,1 +1,1 @@
-"""A scene as the solvers take it, and what is known of a bearing before and after a solve."""
+"""Arguments of the solvers made from a scene, and values of a bearing before and after a solve."""

@@ -24,7 +24,7 @@ Factors = tuple[Any, Any]
 """K_s/H of balls and of races: numbers, or one of each contact (..., 2) [1/Pa]."""
 
 Bare = tuple[bool, bool]
-"""Of the inner and the outer contact: whether no film is left in it."""
+"""Whether no film is left in the inner and in the outer contact."""
 
 COVERED: Bare = (False, False)
 
@@ -37,7 +37,7 @@ class Archard(NamedTuple):
 
     @property
     def factor(self) -> float:
-        """K_s/H: worn volume over QV (theory.md section 6) [1/Pa]."""
+        """Returns K_s/H: worn volume over QV (theory.md section 6) [1/Pa]."""
         return self.K_s / self.H
 
 
@@ -46,17 +46,19 @@ class Surface:
     """A ball, or the groove of a race, as it wears."""
 
     below: Archard  # below the film, worn in
-    film: Archard | None  # of its own film, None without one
-    thickness: float  # of that, 0 without one and infinite where it never wears through [m]
-    first: float  # wear coefficient of the new surface below [1]
-    running_in: float  # depth in which that is forgotten, 0 without running in [m]
+    film: Archard | None  # its own film, None without one
+    thickness: float  # of the film: 0 without one, infinite if it never wears through [m]
+    first: float  # wear coefficient below the film before running in [1]
+    running_in: float  # depth over which it approaches the final one, 0 without running in [m]
 
     def below_at(self, depth: float | np.ndarray) -> float | np.ndarray:
-        """K_s/H below the film, running in as it wears: K + (K_0 - K) exp(-depth/h_0)."""
+        """Returns K_s/H below the film as it runs in: K + (K_0 - K) exp(-depth/h_0) [1/Pa]."""
         if not self.running_in:
             return self.below.factor
-        deep = np.maximum(depth - self.thickness, 0.0) / self.running_in
-        return (self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)) / self.below.H
+        depths_run_in = np.maximum(depth - self.thickness, 0.0) / self.running_in
+        return (
+            self.below.K_s + (self.first - self.below.K_s) * np.exp(-depths_run_in)
+        ) / self.below.H
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +76,7 @@ class WearTable:
 
     @classmethod
     def of(cls, rows: Sequence[FilmLife]) -> "WearTable":
+        """Returns the table of rows from a scene, one of which has the relative life 1."""
         (reference,) = (row for row in rows if row.relative_life == 1.0)
         life = {(row.pressure_MPa, row.temperature_C): row.relative_life for row in rows}
         pressures, temperatures = (sorted(set(column)) for column in zip(*life, strict=True))
@@ -92,36 +95,37 @@ class WearTable:
         )
 
     def factor(self, pressure: Any, temperature: Any) -> np.ndarray:
-        """K_s over that of the reference row, at peak pressures [Pa] and temperatures [degC].
+        """Returns K_s relative to the reference row at peak pressures [Pa], temperatures [degC].
 
-        Bilinear in the logarithm; beyond the rows that of the nearest one, where Archard's law
-        then holds.
+        It is bilinear in the logarithm. Beyond the rows the nearest row holds, as in Archard's law.
         """
         T = np.where(np.isnan(temperature), self.reference, temperature)
         with np.errstate(divide="ignore"):  # no load, no pressure
-            by_pressure = _shares(np.log(self.pressure), np.log(pressure))
-        by_temperature = _shares(self.temperature, T)
+            by_pressure = _interpolation_weights(np.log(self.pressure), np.log(pressure))
+        by_temperature = _interpolation_weights(self.temperature, T)
         return np.exp(np.einsum("...p,pt,...t->...", by_pressure, self.log_factor, by_temperature))
 
 
-def _shares(rows: np.ndarray, values: Any) -> np.ndarray:
-    """Weights (..., n) of n rising rows at values, by linear interpolation between them."""
+def _interpolation_weights(rows: np.ndarray, values: Any) -> np.ndarray:
+    """Returns weights (..., n) of n rising rows, which interpolate linearly at the values."""
     numbers = np.arange(len(rows))
     return np.maximum(1.0 - abs(np.interp(values, rows, numbers)[..., None] - numbers), 0.0)
 
 
 def surface_factor(part: Surface, partner: Surface, depth, covered, partner_covered, table_factor):
-    """K_s/H of a part worn so deep [m] [1/Pa]: a number, or one for each place.
+    """Returns K_s/H of a part at a worn depth [m]: a number, or one for each place [1/Pa].
 
-    That of its own film, times the factor of `Films.table_factor`. Without one, or where it is worn
-    through, that of its partner's film, which covers the part (assumed). Where neither is left,
-    that of what lies below. Covered are shares of each place, or whether films stand there.
+    It is that of the part's own film, times `table_factor` (see `Films.table_factor`). Without a
+    film, or where that is worn through, the partner's film covers the part (assumed). Where neither
+    is left, the material below wears.
+
+    covered, partner_covered: shares of each place that the films cover, or whether they do.
     """
-    found = part.below_at(depth)
+    factor = part.below_at(depth)
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = share * table_factor * film.K_s / film.H + (1.0 - share) * found
-    return found
+            factor = share * table_factor * film.K_s / film.H + (1.0 - share) * factor
+    return factor
 
 
 @dataclass(frozen=True)
@@ -134,29 +138,31 @@ class Films:
 
     @classmethod
     def of(cls, scene: Scene) -> "Films":
+        """Returns the surfaces of a scene's balls and races."""
         b = scene.bearing
         ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
         return cls._between(ball, race, scene.friction.film)
 
     @classmethod
-    @functools.lru_cache(maxsize=64)  # asked for several times in each solve
-    def _between(cls, ball: Material, race: Material, given: FilmFriction | None) -> "Films":
+    @functools.lru_cache(maxsize=64)  # used several times in each solve
+    def _between(cls, ball: Material, race: Material, film: FilmFriction | None) -> "Films":
+        """Returns surfaces of two materials, with the film that the scene's friction names."""
         # a film that never wears through is on the races alone where no material has one
-        endless = given is not None and given.thickness_um is None
-        on_races = None if endless and ball.film is not None else given
-        surfaces = _surface(ball, None, given), _surface(race, on_races, given)
-        if given is None or given.wear_table is None:
+        endless = film is not None and film.thickness_um is None
+        on_races = None if endless and ball.film is not None else film
+        surfaces = _surface(ball, None, film), _surface(race, on_races, film)
+        if film is None or film.wear_table is None:
             return cls(*surfaces)
-        return cls(*surfaces, WearTable.of(given.wear_table))
+        return cls(*surfaces, WearTable.of(film.wear_table))
 
     def table_factor(self, pressure: Any, temperature: Any) -> Any:
-        """Factor on K_s of films by peak pressures [Pa] and temperatures [degC]; 1 by no table."""
+        """Returns the factor on K_s at peak pressures [Pa] and temperatures; 1 without a table."""
         return 1.0 if self.table is None else self.table.factor(pressure, temperature)
 
     @functools.cached_property
     def unworn(self) -> Factors:
-        """`wearing` of new surfaces without a table: of each contact (2,) each."""
-        ball, race = self.wearing(self.thickness > 0.0)
+        """Returns `contact_factors` of new surfaces without a table, of each contact (2,)."""
+        ball, race = self.contact_factors(self.thickness > 0.0)
         return np.broadcast_to(ball, 2), np.broadcast_to(race, 2)
 
     @property
@@ -165,51 +171,61 @@ class Films:
 
     @property
     def changes(self) -> bool:
-        """Whether friction or wear depend on the worn depth."""
+        """Returns whether friction or wear depend on the worn depth."""
         return self.wear_through or bool(self.ball.running_in or self.race.running_in)
 
     @property
     def thickness(self) -> np.ndarray:
-        """Of the films of inner and outer race and balls (3,), 0 without one [m]."""
+        """Returns the thickness of the films of both races and balls (3,), 0 without one [m]."""
         race = self.race.thickness
         return np.array([race, race, self.ball.thickness])
 
     def bare(self, cover: Sequence[bool] | np.ndarray) -> Bare:
-        """The contacts without any film, by whether inner and outer race and balls have theirs."""
+        """Returns which contacts have no film left.
+
+        cover: whether inner race, outer race and balls still have their film.
+        """
         if not self.wear_through:
             return COVERED
         inner, outer, ball = cover
         return not (inner or ball), not (outer or ball)
 
     def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, table_factor=1.0):
-        """K_s/H of a ball and of a race [1/Pa]: what covers them, depths [m]."""
+        """Returns K_s/H of a ball and of a race [1/Pa], by cover and depth [m] of each."""
         return (
             surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, table_factor),
             surface_factor(self.race, self.ball, race_depths, on_race, on_ball, table_factor),
         )
 
-    def wearing(
+    def contact_factors(
         self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, table_factor=1.0
     ) -> Factors:
-        """K_s/H of a ball in both contacts and of both races, worn so deep [m] (..., 2) [1/Pa]."""
+        """Returns K_s/H of balls and of races in both contacts (..., 2) at worn depths [m] [1/Pa].
+
+        cover: whether inner race, outer race and balls still have their film.
+        """
         return self.factors(cover[2], cover[:2], ball_depth, race_depths, table_factor)
 
 
 def limits_depth(scene: Scene) -> bool:
-    """Whether the depth of a groove may end the life."""
+    """Returns whether the depth of a groove may end the life."""
     end = scene.wear.end_of_life
     return end is not None and end.groove_depth_um is not None
 
 
 def follows_depths(scene: Scene) -> bool:
-    """Whether a life needs the depth worn off each surface: for films, running in, or its end."""
+    """Returns whether a life requires wear depths: for films, for running in or for its end."""
     return changes_as_it_wears(scene) or limits_depth(scene)
 
 
 def _surface(
-    material: Material, on_it: FilmFriction | None, common: FilmFriction | None
+    material: Material, friction_film: FilmFriction | None, common: FilmFriction | None
 ) -> Surface:
-    """A part of a material; `on_it` is the film that the friction names, if it is on this part."""
+    """Returns the surface of a part.
+
+    friction_film: film that the scene's friction names, if it is on this part.
+    common: film that the scene's friction names, which completes that of the material.
+    """
     H = material.brinell_hardness_GPa * GPA
     film, thickness = None, 0.0
     if material.film is not None:
@@ -217,24 +233,26 @@ def _surface(
         K_s = material.film.wear_coefficient or (common and common.wear_coefficient)
         hardness = material.film.brinell_hardness_GPa or (common and common.brinell_hardness_GPa)
         film = Archard(K_s or 0.0, hardness * GPA if hardness else H)
-    elif on_it is not None and on_it.wear_coefficient is not None:
-        thickness = math.inf if on_it.thickness_um is None else on_it.thickness_um * UM
-        hardness = on_it.brinell_hardness_GPa
-        film = Archard(on_it.wear_coefficient, hardness * GPA if hardness else H)
-    new = material.running_in
+    elif friction_film is not None and friction_film.wear_coefficient is not None:
+        thickness = (
+            math.inf if friction_film.thickness_um is None else friction_film.thickness_um * UM
+        )
+        hardness = friction_film.brinell_hardness_GPa
+        film = Archard(friction_film.wear_coefficient, hardness * GPA if hardness else H)
+    running_in = material.running_in
     return Surface(
         below=Archard(material.wear_coefficient, H),
         film=film,
         thickness=thickness,
-        first=material.wear_coefficient if new is None else new.wear_coefficient,
-        running_in=0.0 if new is None else new.depth_um * UM,
+        first=material.wear_coefficient if running_in is None else running_in.wear_coefficient,
+        running_in=0.0 if running_in is None else running_in.depth_um * UM,
     )
 
 
 def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> np.ndarray:
-    """Mean of ring and balls in both contacts (2,) [degC]; NaN of a scene without temperatures.
+    """Returns the mean of ring and balls in both contacts (2,) [degC]; NaN without temperatures.
 
-    parts: temperatures as of `part_temperatures`, in place of those of the scene.
+    parts: temperatures in the order of `part_temperatures`, in place of those of the scene.
     """
     if scene.temperature is None and scene.thermal is None:
         return np.full(2, math.nan)
@@ -243,14 +261,14 @@ def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> 
 
 
 def _semi_axis_factors(scene: Scene) -> np.ndarray:
-    """Semi-axes over the cube root of the load (2, 2): of both contacts, major and minor."""
+    """Returns semi-axes over the cube root of the load (2, 2): major, minor of both contacts."""
     g = mounted_geometry(scene)
     races = (INNER_RACE, OUTER_RACE)
     return np.array([fitted_factors(g, race, g.D0, math.cos(g.alpha0))[1:] for race in races]).T
 
 
 def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
-    """Mean Hertz pressure [Pa] by fitted factors, from semi-major axes (..., 2) [m]."""
+    """Returns the mean Hertz pressure [Pa] for semi-major axes (..., 2) [m], by fitted factors."""
     c_a, c_b = _semi_axis_factors(scene)
     return major / (math.pi * c_a * c_a * c_b)
 
@@ -260,6 +278,6 @@ PEAK_OVER_MEAN = 1.5
 
 
 def pressure_of_load(scene: Scene, load: np.ndarray) -> np.ndarray:
-    """Mean pressure of Hertz's contacts under these loads (..., 2) [N], as `mean_pressure`."""
+    """Returns the mean Hertz pressure [Pa] under loads (..., 2) [N], by fitted factors."""
     c_a, _ = _semi_axis_factors(scene)
     return mean_pressure(scene, c_a * np.cbrt(load))

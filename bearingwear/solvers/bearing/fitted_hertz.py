@@ -1,4 +1,4 @@
-"""Hamrock and Brewe's fit of Hertz' factors: for estimates before a solve; and what it costs.
+"""Hamrock and Brewe's fit of Hertz' factors, for estimates before a solve.
 
 Source: Brewe and Hamrock, *Simplified solution for elliptical-contact deformation between two
 elastic solids*, J. Lubr. Technol. 99 (1977) 485. No kernel uses it: the exact solution is as cheap.
@@ -15,7 +15,7 @@ STEEPEST = 0.5 * math.pi - 1e-3
 
 
 def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, float]:
-    """Factors K, c_a, c_b of a point contact, as `bearingwear.kernels.contact.hertz.point_contact`.
+    """Returns the factors K, c_a and c_b of a point contact, like `hertz.point_contact`.
 
     A and B are half the sum of the curvatures along the major axis and along rolling, B >= A [1/m];
     E_star is the contact modulus [Pa].
@@ -30,21 +30,23 @@ def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, flo
 
 
 def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
-    """K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact, as `bearing_model.exact_factors`."""
+    """Returns K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact, like `exact_factors`."""
     return fitted_contact(*curvatures(g, race, D, cos_alpha), g.E_star)
 
 
 def curvatures(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
-    """Half the sums of the curvatures A along the major axis and B along rolling [1/m]."""
+    """Returns half the sums of the curvatures: A along the major axis, B along rolling [1/m]."""
     r_g = g.r_o if race > 0.0 else g.r_i
     B = 0.5 * (2.0 / D - race * 2.0 * cos_alpha / (g.dm + race * D * cos_alpha))
     return 0.5 * (2.0 / D - 1.0 / r_g), B
 
 
 def fitted_preload(g: Geometry, A1: float) -> float:
-    """Thrust of the unworn bearing at rest, its groove centres A1 apart along the axis [N].
+    """Returns the thrust of the unworn bearing at rest [N].
 
     Both contacts of a ball then lie on one line, so their deformations add up.
+
+    A1: axial distance of the groove centres [m].
     """
     A2 = g.BD * math.cos(g.alpha0)
     length = math.hypot(A1, A2)
@@ -56,20 +58,24 @@ def fitted_preload(g: Geometry, A1: float) -> float:
 
 
 def fitted_displacement(g: Geometry, F_x: float) -> float:
-    """Axial displacement of the static, unworn bearing under its preload alone [m]."""
+    """Returns the axial displacement of the unworn bearing at rest under its preload alone [m]."""
     radial = g.BD * math.cos(g.alpha0)
 
     def excess(alpha: float) -> float:
-        # of a power that rises about linearly with the angle, so that secants serve
+        # the power 2/3 of the thrust rises about linearly with the angle, which suits secants
         return fitted_preload(g, radial * math.tan(alpha)) ** (2.0 / 3.0) - F_x ** (2.0 / 3.0)
 
     low, high, last, alpha = g.alpha0, STEEPEST, g.alpha0, g.alpha0 + FIRST_TILT
-    before = excess(last)
+    last_value = excess(last)
     for _ in range(_MOST_SECANTS):
-        now = excess(alpha)
-        low, high = (alpha, high) if now < 0.0 else (low, alpha)
-        secant = alpha - now * (alpha - last) / (now - before) if now != before else math.nan
-        last, before = alpha, now
+        value = excess(alpha)
+        low, high = (alpha, high) if value < 0.0 else (low, alpha)
+        secant = (
+            alpha - value * (alpha - last) / (value - last_value)
+            if value != last_value
+            else math.nan
+        )
+        last, last_value = alpha, value
         alpha = secant if low < secant < high else 0.5 * (low + high)
         if abs(alpha - last) <= _CLOSE * alpha:
             break

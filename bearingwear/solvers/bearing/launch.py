@@ -25,14 +25,14 @@ from bearingwear.solvers.bearing.stiffness import azimuths
 from bearingwear.solvers.roots import brent_root
 
 GRAVITY = 9.80665  # standard [m/s2]
-FARTHEST_G = 1e9  # in place of no end, which cannot be interpolated
+FARTHEST_G = 1e9  # in place of infinity, which cannot be interpolated
 THREE_SIGMA = 3.0
 """Factor on the rms by which launch loads are usually stated (FEMCI book, NASA Goddard, 2001)."""
 
-_BALANCED = 1e-14  # force left, over the largest sum of loads
+_BALANCED = 1e-14  # unbalanced force, over the largest sum of loads
 _MOST_STEPS = 300
 _SOFTEST, _HARDEST = 1e-12, 1e6  # damping, over the stiffness of the balls
-_ROUNDED = 1e-12  # change of the energy, relative, that is none
+_ROUNDED = 1e-12  # relative change of the energy that is rounding
 _PLANE = [1, 2]
 _X, _Z, _TILT, _SLIDE = range(4)  # place of the rotor's middle, and of the second outer ring
 
@@ -43,182 +43,211 @@ class RestingSide(NamedTuple):
     g: Geometry
     D: np.ndarray  # (n,) ball diameters [m]
     psi: np.ndarray  # (n,) azimuths, the first along the load across [rad]
-    tandem: int
+    tandem: int  # number of identical bearings that share the load
     mounted: float  # axial displacement of the inner race [m]
-    motion: np.ndarray  # (3, 4) own axial and radial displacement and tilt, by `_X` to `_SLIDE`
+    motion: np.ndarray  # (3, 4) axial and radial displacement and tilt over `_X` to `_SLIDE`
     factor: np.ndarray  # (n,) load over deformation^1.5 of both contacts [N/m^1.5]
     peak: np.ndarray  # (n, 2) peak pressure under 1 N, inner and outer race [Pa]
 
     def balls(self, q: np.ndarray) -> "Balls":
-        """Its balls at a place of the rotor."""
+        """Returns its balls at a position of the rotor."""
         g, c = self.g, np.cos(self.psi)[:, None]
         slopes = np.array([self.motion[0] + g.R_i * c * self.motion[2], c * self.motion[1]])
         A1 = g.BD * math.sin(g.alpha0) + self.mounted + slopes[0] @ q
         A2 = g.BD * math.cos(g.alpha0) + slopes[1] @ q
         length = np.hypot(A1, A2)
         d = np.maximum(length - (self.g.r_i + self.g.r_o - self.D), 0.0)
-        return Balls(A1, A2, length, A1 / length, A2 / length, d, self.factor * d**1.5, slopes)
+        return Balls(
+            A1=A1,
+            A2=A2,
+            length=length,
+            s=A1 / length,
+            c=A2 / length,
+            d=d,
+            Q=self.factor * d**1.5,
+            slopes=slopes,
+        )
 
     @property
     def touch(self) -> float:
-        """Axial displacement at which its last ball comes off, without load across [m]."""
-        return self._displaced(0.0)
+        """Returns the axial displacement at which its last ball comes off, without radial load."""
+        return self._displacement_at(0.0)
 
     def dented(self, pressure: float) -> float:
-        """Axial displacement at which a ball first presses a race with this peak pressure [m]."""
-        return self._displaced((pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0))
+        """Returns the axial displacement at which a ball first has this peak pressure [Pa] [m]."""
+        return self._displacement_at(
+            (pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0)
+        )
 
-    def _displaced(self, d: float | np.ndarray) -> float:
+    def _displacement_at(self, d: float | np.ndarray) -> float:
+        """Returns the axial displacement at a deformation of both contacts of each ball [m]."""
         return float(race_displacement(self.g, self.g.r_i + self.g.r_o - self.D + d).min())
 
     def force(self, displacement: float) -> float:
-        """Axial force of all in tandem at an axial displacement [m] alone [N]."""
+        """Returns the axial force of all in tandem at an axial displacement [m] alone [N]."""
         b = self.balls(np.array([(displacement - self.mounted) / self.motion[0, _X], 0, 0, 0]))
         return self.tandem * float(b.Q @ b.s)
+
+
+def resting_side(scene: Scene, a: Arrangement, k: int, loss: float | None) -> RestingSide:
+    """Returns a bearing of a rotor.
+
+    scene: bearing at rest.
+    k: its number on the rotor, 0 or 1; the second one faces the other way.
+    loss: of ball diameter, in place of the scene's [m].
+    """
+    g, facing = geometry(scene), 1.0 - 2.0 * k
+    outwards = -1.0 if a.orientation == "back_to_back" else 1.0
+    # place on the rotor of the inner groove centres, at which the balls' forces act
+    arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
+    position = facing * (outwards * 0.5 * (a.span_mm or 0.0) * MM + arm)
+    motion = [[facing, 0.0, 0.0, k], [0.0, 1.0, -position, 0.0], [0.0, 0.0, facing, 0.0]]
+    D = worn_diameters(scene, g) if loss is None else np.full(g.n_balls, g.D0 - loss)
+    factor, peak = series_contact(g, D)
+    return RestingSide(
+        g=g,
+        D=D,
+        psi=azimuths(g.n_balls),
+        tandem=a.tandem[k],
+        mounted=place_as_mounted(mounted_geometry(scene), float(scene.operation.preload_N)),
+        motion=np.array(motion),
+        factor=factor,
+        peak=peak,
+    )
 
 
 class Balls(NamedTuple):
     """Balls between the grooves, each value (n,)."""
 
-    A1: np.ndarray  # distance of the groove centres, axial [m]
-    A2: np.ndarray  # and radial [m]
-    length: np.ndarray  # of both [m]
-    s: np.ndarray  # sine and cosine of the contact angle
-    c: np.ndarray
+    A1: np.ndarray  # axial distance of the groove centres [m]
+    A2: np.ndarray  # radial distance of the groove centres [m]
+    length: np.ndarray  # distance of the groove centres [m]
+    s: np.ndarray  # sine of the contact angle
+    c: np.ndarray  # cosine of the contact angle
     d: np.ndarray  # deformation of both contacts [m]
     Q: np.ndarray  # load [N]
-    slopes: np.ndarray  # (2, n, 4) of A1 and A2 by the place
+    slopes: np.ndarray  # (2, n, 4) derivatives of A1 and A2 by the position of the rotor
 
     @property
     def along(self) -> np.ndarray:
-        """Slope (n, 4) of the length by the place."""
+        """Returns the derivative (n, 4) of the length by the position of the rotor."""
         return self.s[:, None] * self.slopes[0] + self.c[:, None] * self.slopes[1]
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
-        """Stiffness of the bearing by position (4, 4)."""
+        """Returns the stiffness of the bearing by the position of the rotor (4, 4)."""
         along, (axial, radial) = self.along, self.slopes
-        # slope of the direction, times the length
+        # derivative of the contact angle, times the length
         across = self.c[:, None] * axial - self.s[:, None] * radial
         k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
         return (along.T * k) @ along + (across.T * turn) @ across
 
 
 def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Load over deformation^1.5 (n,) of both contacts of a ball; peak pressures (n, 2) under 1 N.
+    """Returns load over deformation^1.5 (n,) of both contacts, and peak pressures (n, 2) under 1 N.
 
-    With the curvature at the free contact angle, as ISO 76 rates them: where the angle opens from
-    15 to 21 degrees, the peak pressure is within 0.22 % of that with its own.
+    The curvature is that at the free contact angle, as in ISO 76. Where the angle opens from 15 to
+    21 degrees, this changes the peak pressure by 0.22 % at most.
     """
-    factor, peak = [], []
+    factors, peaks = [], []
     for diameter in D.tolist():
         contacts = [
             race_contact(g, race, diameter, math.cos(g.alpha0), math.nan) for race in (INNER, OUTER)
         ]
-        factor.append(sum(one.K ** (-2.0 / 3.0) for one in contacts) ** -1.5)
-        peak.append([1.5 / (math.pi * one.c_a * one.c_b) for one in contacts])
-    return np.array(factor), np.array(peak)
+        factors.append(sum(contact.K ** (-2.0 / 3.0) for contact in contacts) ** -1.5)
+        peaks.append([1.5 / (math.pi * contact.c_a * contact.c_b) for contact in contacts])
+    return np.array(factors), np.array(peaks)
 
 
 def place_as_mounted(g: Geometry, preload: float) -> float:
-    """Axial displacement of an unworn bearing under its preload alone, at rest [m]."""
+    """Returns the axial displacement of an unworn bearing at rest under its preload alone [m]."""
     (factor,), _ = series_contact(g, np.array([g.D0]))
     across = g.BD * math.cos(g.alpha0)
 
-    def left(A1: float) -> float:
+    def unbalanced(A1: float) -> float:
         length = math.hypot(A1, across)
         return g.n_balls * factor * max(length - g.BD, 0.0) ** 1.5 * A1 / length - preload
 
-    free = g.BD * math.sin(g.alpha0)
-    return brent_root(left, free, free + g.BD, xtol=1e-20, rtol=1e-15) - free
+    A1_free = g.BD * math.sin(g.alpha0)
+    return brent_root(unbalanced, A1_free, A1_free + g.BD, xtol=1e-20, rtol=1e-15) - A1_free
 
 
 @dataclass(frozen=True)
 class RestingBearing:
-    """One bearing of the rotor under the load; of one in tandem, its share."""
+    """One bearing of the rotor under a load; of several in tandem, the share of one."""
 
-    axial: float  # force on its inner race's balls, along its own load direction [N]
+    axial: float  # force on its balls along its own load direction [N]
     radial: float  # [N]
     load: np.ndarray  # (n,) of each ball [N]
     pressure: np.ndarray  # (n, 2) peak, inner and outer race [Pa]
     gap: float  # axial distance to its first contact, where none is left [m]
-    past: float  # the same where it is pressed, through its gap, on the other side of its grooves
+    past: float  # gap where it is pressed through it, onto the other side of its grooves [m]
 
     @property
     def is_open(self) -> bool:
-        """Whether it has lost contact on the side of its contact angle."""
+        """Returns whether it has lost contact on the side of its contact angle."""
         return self.past > 0.0 or not self.load.any()
 
 
 @dataclass(frozen=True)
 class RestingRotor:
-    shift: float  # of its middle towards +X [m]
-    across: float  # the same across the axis [m]
+    """A rotor in equilibrium under a load."""
+
+    shift: float  # axial displacement of its middle, towards +X [m]
+    across: float  # radial displacement of its middle [m]
     tilt: float  # [rad]
-    slide: float  # of the second outer ring, as its spring extends [m]
+    slide: float  # displacement of the second outer ring, which extends the spring [m]
     on_stop: float  # force on the stop of the spring [N]
     bearings: tuple[RestingBearing, ...]
-    residual: float  # of the balance, over the largest force [1]
+    residual: float  # unbalanced force over the largest one [1]
 
     @property
     def gap(self) -> float:
-        """The largest gap of a bearing [m]."""
-        return max(max(one.gap, one.past) for one in self.bearings)
+        """Returns the largest gap of a bearing [m]."""
+        return max(max(bearing.gap, bearing.past) for bearing in self.bearings)
 
     @property
     def pressure(self) -> float:
-        """The largest peak pressure [Pa]."""
-        return max(float(one.pressure.max()) for one in self.bearings)
+        """Returns the largest peak pressure [Pa]."""
+        return max(float(bearing.pressure.max()) for bearing in self.bearings)
 
 
 @dataclass(frozen=True)
 class RotorAtRest:
-    """A rotor on two bearings, as mounted, warm but not turning.
+    """A rotor on two bearings as mounted: warm, but not turning.
 
     A single bearing is half of a symmetric pair, held by a spring or at a fixed position.
     """
 
     seats: tuple[RestingSide, RestingSide]
-    offset: float  # of the centre of mass from the middle, towards +X [m]
+    offset: float  # distance of the centre of mass from the middle, towards +X [m]
     spring: PreloadSpring | None
 
     @classmethod
     def of(cls, scene: Scene, losses: Sequence[float] | None = None) -> "RotorAtRest":
-        """Rotor of a scene, its balls as worn as the scene says.
+        """Returns the rotor of a scene, with balls as worn as the scene says.
 
-        losses: of ball diameter, of each bearing, in place of the scene's [m].
+        losses: loss of ball diameter in each bearing, in place of the scene's [m].
         """
-        worn = (None, None) if losses is None else (tuple(losses) * 2)[:2]
+        side_losses = (None, None) if losses is None else (tuple(losses) * 2)[:2]
         a = scene.arrangement or Arrangement()
         speeds = ("shaft_speed_rpm", "lowest_speed_rpm", "outer_speed_rpm")
         at_rest = {f"operation.{name}": 0.0 for name in speeds}
-        still = [one.with_(at_rest) for one in scene.sides]
-        outwards = -1.0 if a.orientation == "back_to_back" else 1.0
-        seats = []
-        for k, (one, n, loss) in enumerate(zip((still * 2)[:2], a.tandem, worn, strict=True)):
-            g, own = geometry(one), 1.0 - 2.0 * k
-            # place on the rotor of the inner groove centres, at which the balls' forces act
-            arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
-            position = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + arm)
-            motion = np.array(
-                [[own, 0.0, 0.0, k], [0.0, 1.0, -position, 0.0], [0.0, 0.0, own, 0.0]]
-            )
-            D, preload = worn_diameters(one, g), float(one.operation.preload_N)
-            if loss is not None:
-                D = np.full_like(D, g.D0 - loss)
-            mounted = place_as_mounted(mounted_geometry(one), preload)
-            contact = series_contact(g, D)
-            seats.append(RestingSide(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
+        sides = ([side.with_(at_rest) for side in scene.sides] * 2)[:2]
+        first, second = (
+            resting_side(side, a, k, loss)
+            for k, (side, loss) in enumerate(zip(sides, side_losses, strict=True))
+        )
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         spring = None
         if scene.operation.preload_method == "constant_force":
             force, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
             spring = PreloadSpring(force, k_s, stop)
-        return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, spring)
+        return cls((first, second), a.rotor_offset_mm * MM, spring)
 
     def under(self, axial: float, radial: float = 0.0) -> RestingRotor | None:
-        """The rotor under a force at its centre of mass, towards +X and across [N].
+        """Returns the rotor under a force at its centre of mass, towards +X and across [N].
 
-        None where nothing holds it: a spring of no stiffness without a stop.
+        None where nothing supports it: the spring has neither stiffness nor a stop.
         """
         free = [_X, _Z, _TILT] if self.spring is None else [_X, _Z, _TILT, _SLIDE]
         force = np.array([axial, radial, -self.offset * radial, 0.0])
@@ -228,41 +257,45 @@ class RotorAtRest:
             force[_SLIDE] = F_s
             if k_s[_SLIDE, _SLIDE] == 0.0 and stop == math.inf and axial <= -F_s:
                 return None
-        found = self._balanced(force, k_s, free, np.zeros(4))
-        if self.spring is not None and found[_SLIDE] < -stop:
+        position = self._least_energy(force, k_s, free, np.zeros(4))
+        if self.spring is not None and position[_SLIDE] < -stop:
             start = np.array([0.0, 0.0, 0.0, -stop])
-            found = self._balanced(force, k_s, free[:3], start)
-        return self._state(found, force, k_s)
+            position = self._least_energy(force, k_s, free[:3], start)
+        return self._state(position, force, k_s)
 
     def frequencies(self, a: Arrangement) -> np.ndarray:
-        """Axial, radial and conical frequency of the rotor without a load (3,) [Hz]."""
+        """Returns axial, radial and conical frequency of the rotor without a load (3,) [Hz]."""
         rest, q = self.under(0.0), np.zeros(4)
         if rest is not None:
             q = np.array([rest.shift, rest.across, rest.tilt, rest.slide])
-        one, two = (seat.tandem * seat.balls(q).stiffness(seat.factor) for seat in self.seats)
-        axial, soft = one[_X, _X] + two[_X, _X], two[_X, _X]
+        K_1, K_2 = (seat.tandem * seat.balls(q).stiffness(seat.factor) for seat in self.seats)
+        axial, K_2_axial = K_1[_X, _X] + K_2[_X, _X], K_2[_X, _X]
         if self.spring is not None:
             k_s = self.spring.stiffness
-            axial = one[_X, _X] + (k_s * soft / (k_s + soft) if soft else 0.0)
-        return plane_frequencies(a, float(axial), (one + two)[np.ix_(_PLANE, _PLANE)])
+            axial = K_1[_X, _X] + (k_s * K_2_axial / (k_s + K_2_axial) if K_2_axial else 0.0)
+        return plane_frequencies(a, float(axial), (K_1 + K_2)[np.ix_(_PLANE, _PLANE)])
 
     @property
-    def along(self) -> AxialRotor:
-        """Without load across."""
-        one, two = self.seats
-        return AxialRotor(self.seats, (one.mounted, two.mounted), self.spring)
+    def axial_rotor(self) -> AxialRotor:
+        """Returns the rotor without radial load."""
+        first, second = self.seats
+        return AxialRotor(self.seats, (first.mounted, second.mounted), self.spring)
 
     def denting_force(self, pressure: float) -> float:
-        """Least axial force, either way, at which a contact has that peak pressure [Pa] [N]."""
-        one, two = (seat.dented(pressure) for seat in self.seats)
-        return max(min(self.along.external(0, one), -self.along.external(1, two)), 0.0)
+        """Returns the least axial force, in either direction, that causes a peak pressure [Pa]."""
+        first, second = (seat.dented(pressure) for seat in self.seats)
+        return max(
+            min(self.axial_rotor.external(0, first), -self.axial_rotor.external(1, second)), 0.0
+        )
 
-    def _balanced(
+    def _least_energy(
         self, force: np.ndarray, k_s: np.ndarray, free: list[int], q: np.ndarray
     ) -> np.ndarray:
-        """The place of least energy, from a start `q`, of what is free to move.
+        """Returns the position of least energy, found from a start `q`.
 
-        Damped Newton steps: where balls are loose, nothing may resist in some direction.
+        Damped Newton steps are taken: where balls are loose, nothing may resist in some direction.
+
+        free: the coordinates that may move.
         """
         lengths = np.array([1.0, 1.0, 1.0 / self.seats[0].g.R_i, 1.0])[free]
         block = np.ix_(free, free)
@@ -278,7 +311,7 @@ class RotorAtRest:
             return float(E), slope[free] * lengths, K[block] * np.outer(lengths, lengths), largest
 
         E, slope, K, largest = energy(q)
-        firm = max(float(np.sum(one.factor)) for one in self.seats) * math.sqrt(UM)
+        scale = max(float(np.sum(seat.factor)) for seat in self.seats) * math.sqrt(UM)
         damping = 0.0
         for _ in range(_MOST_STEPS):
             if abs(slope).max() <= _BALANCED * max(largest, abs(force[:2]).max()):
@@ -286,29 +319,33 @@ class RotorAtRest:
             try:
                 step = np.linalg.solve(K + damping * np.eye(len(free)), -slope)
             except np.linalg.LinAlgError:
-                damping = max(10.0 * damping, _SOFTEST * firm)
+                damping = max(10.0 * damping, _SOFTEST * scale)
                 continue
             trial = q.copy()
             trial[free] += step * lengths
-            new = energy(trial)
-            level = new[0] - E <= _ROUNDED * abs(E) and abs(new[1]).max() < abs(slope).max()
-            if new[0] < E or level:
-                q, (E, slope, K, largest), damping = trial, new, 0.1 * damping
-            elif damping > _HARDEST * firm:
+            trial_values = energy(trial)
+            trial_E, trial_slope, *_ = trial_values
+            is_level = (
+                trial_E - E <= _ROUNDED * abs(E) and abs(trial_slope).max() < abs(slope).max()
+            )
+            if trial_E < E or is_level:
+                q, (E, slope, K, largest), damping = trial, trial_values, 0.1 * damping
+            elif damping > _HARDEST * scale:
                 break
             else:
-                damping = max(10.0 * damping, _SOFTEST * firm)
+                damping = max(10.0 * damping, _SOFTEST * scale)
         return q
 
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
-        found, left = [], k_s @ q - force
+        """Returns the rotor at a position of balance."""
+        bearings, unbalanced = [], k_s @ q - force
         for seat in self.seats:
             b = seat.balls(q)
-            left = left + seat.tandem * (b.Q @ b.along)
+            unbalanced = unbalanced + seat.tandem * (b.Q @ b.along)
             free = seat.g.r_i + seat.g.r_o - seat.D
             to_touch = float((np.sqrt(np.maximum(free**2 - b.A2**2, 0.0)) - b.A1).min())
             loaded = b.s[b.Q > 0.0]
-            found.append(
+            bearings.append(
                 RestingBearing(
                     axial=float(b.Q @ b.s),
                     radial=float(b.Q @ (b.c * np.cos(seat.psi))),
@@ -319,50 +356,62 @@ class RotorAtRest:
                 )
             )
         on_stop = 0.0
-        if self.spring is not None and q[_SLIDE] == -self.spring[2]:
-            on_stop = float(left[_SLIDE])
-        unbalanced = left[:3] / (1.0, 1.0, self.seats[0].g.R_i)
-        largest = max(abs(force[:2]).max(), *(one.load.sum() for one in found))
-        residual = float(abs(unbalanced).max() / largest) if largest > 0.0 else 0.0
+        if self.spring is not None and q[_SLIDE] == -self.spring.stop:
+            on_stop = float(unbalanced[_SLIDE])
+        rotor_unbalanced = unbalanced[:3] / (1.0, 1.0, self.seats[0].g.R_i)
+        largest = max(abs(force[:2]).max(), *(bearing.load.sum() for bearing in bearings))
+        residual = float(abs(rotor_unbalanced).max() / largest) if largest > 0.0 else 0.0
         x, z, tilt, slide = q.tolist()
-        return RestingRotor(x, z, tilt, slide, max(on_stop, 0.0), tuple(found), residual)
+        return RestingRotor(
+            shift=x,
+            across=z,
+            tilt=tilt,
+            slide=slide,
+            on_stop=max(on_stop, 0.0),
+            bearings=tuple(bearings),
+            residual=residual,
+        )
 
 
 @dataclass(frozen=True)
 class LaunchLoad:
+    """A load of the launch, and the rotor under it."""
+
     name: str
-    axial: float  # [N], towards +X
+    axial: float  # towards +X [N]
     radial: float  # [N]
     rotor: RestingRotor | None  # None where nothing holds it
 
 
 @dataclass(frozen=True)
-class Launched:
+class LaunchResult:
+    """Results of a launch in one state of wear."""
+
     loads: tuple[LaunchLoad, ...]
-    axial_g: float  # given or by Miles' equation
-    radial_g: float  # the same across
+    axial_g: float  # axial acceleration, given or by Miles' equation
+    radial_g: float  # radial acceleration, given or by Miles' equation
     random: dict[str, "RandomResponse"]  # by the direction of each density that is given
     frequencies: np.ndarray | None  # axial, radial, conical, at rest; None without a span [Hz]
-    opening_g: float  # along the axis alone, at which a bearing opens
-    denting_g: float  # the same, at which one is dented
+    opening_g: float  # axial acceleration at which a bearing opens
+    denting_g: float  # axial acceleration at which a bearing is dented
     pressure: float  # that dents the weaker of balls and races [Pa]
-    source: str  # of that
+    source: str  # of this pressure
 
     @property
     def gap(self) -> float:
-        """The largest gap under its loads [m]; infinite where nothing holds the rotor."""
-        gaps = [math.inf if one.rotor is None else one.rotor.gap for one in self.loads]
+        """Returns the largest gap under its loads [m]; infinite if nothing supports the rotor."""
+        gaps = [math.inf if load.rotor is None else load.rotor.gap for load in self.loads]
         return max(gaps, default=0.0)
 
     @property
     def pressure_share(self) -> float:
-        """The largest peak pressure over that which dents [1]."""
-        held = [one.rotor.pressure for one in self.loads if one.rotor is not None]
-        return max(held, default=0.0) / self.pressure
+        """Returns the largest peak pressure over the one that dents [1]."""
+        pressures = [load.rotor.pressure for load in self.loads if load.rotor is not None]
+        return max(pressures, default=0.0) / self.pressure
 
 
 def miles(density: float, frequency: float, amplification: float) -> float:
-    """The rms acceleration of an oscillator under a density, both in one unit.
+    """Returns the rms acceleration of an oscillator under a density, both in one unit.
 
     J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753.
     """
@@ -370,10 +419,10 @@ def miles(density: float, frequency: float, amplification: float) -> float:
 
 
 def expected_peak(frequency: float, duration: float) -> float:
-    """The largest expected of a narrow-band response over a duration [s], over its rms [1].
+    """Returns the largest expected peak over a duration [s], over the rms of the response [1].
 
-    sqrt(2 ln(f t)), of f t independent amplitudes after Rayleigh: Cartwright and Longuet-Higgins,
-    Proc. R. Soc. A 237 (1956) 212.
+    The response is narrow-band: sqrt(2 ln(f t)) for f t independent amplitudes after Rayleigh, by
+    Cartwright and Longuet-Higgins, Proc. R. Soc. A 237 (1956) 212.
     """
     cycles = frequency * duration
     return math.sqrt(2.0 * math.log(cycles)) if cycles > 1.0 else 0.0
@@ -392,16 +441,16 @@ class RandomResponse:
 
     @property
     def largest_g(self) -> float:
-        """The largest expected, at least three sigma."""
+        """Returns the largest expected acceleration, at least three sigma."""
         return max(THREE_SIGMA, self.expected) * self.rms_g
 
 
 def check_launch(scene: Scene, source: str) -> None:
-    """Refuse a scene of whose rotor too little is known."""
-    a, asked = scene.arrangement, scene.launch or Launch()
+    """Refuses a scene whose rotor lacks a value that the launch requires."""
+    a, launch = scene.arrangement, scene.launch or Launch()
     needed = ["rotor_mass_kg"]
-    densities = (asked.axial_density_g2_Hz, asked.radial_density_g2_Hz)
-    if asked.radial_g or densities != (None, None):
+    densities = (launch.axial_density_g2_Hz, launch.radial_density_g2_Hz)
+    if launch.radial_g or densities != (None, None):
         needed.append("span_mm")
     for name in needed:
         if a is None or getattr(a, name) is None:
@@ -409,64 +458,78 @@ def check_launch(scene: Scene, source: str) -> None:
             raise SceneError(f"arrangement.{name}", problem, ("launch",), source)
 
 
-def launched(scene: Scene, losses: Sequence[float] | None = None) -> Launched:
-    """Launch loads and gaps of the bearings of a scene with the mass of its rotor.
+def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> LaunchResult:
+    """Returns loads and gaps of the bearings of a scene whose rotor has a mass.
 
-    Along both ways of the axis, across it, and along and across together.
+    The loads act in both directions of the axis, across it, and along and across together.
 
-    losses: as of `RotorAtRest.of`. Race wear counts as that of balls: both part their surfaces.
+    losses: as in `RotorAtRest.of`. Race wear counts as that of balls: both open the contacts.
     """
-    a, asked, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene, losses)
+    a, launch, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene, losses)
     assert a is not None and a.rotor_mass_kg is not None
     weight = a.rotor_mass_kg * GRAVITY
     frequencies = rest.frequencies(a) if a.span_mm is not None else None
-    given_g = {"axial": asked.axial_g, "radial": asked.radial_g}
-    densities = (asked.axial_density_g2_Hz, asked.radial_density_g2_Hz)
-    random = {}
-    for k, (way, density) in enumerate(zip(given_g, densities, strict=True)):
+    random = _random_responses(launch, frequencies)
+    axial_g = random["axial"].largest_g if "axial" in random else launch.axial_g
+    radial_g = random["radial"].largest_g if "radial" in random else launch.radial_g
+    forces = launch_forces(axial_g * weight, radial_g * weight)
+    limit = min((yield_pressure(side) for side in scene.sides), key=lambda limit: limit.GPa)
+    return LaunchResult(
+        loads=tuple(LaunchLoad(name, *F, rest.under(*F)) for name, F in forces.items()),
+        axial_g=axial_g,
+        radial_g=radial_g,
+        random=random,
+        frequencies=frequencies,
+        opening_g=rest.axial_rotor.opening_force / weight,
+        denting_g=rest.denting_force(limit.GPa * GPA) / weight,
+        pressure=limit.GPa * GPA,
+        source=limit.source,
+    )
+
+
+def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[str, RandomResponse]:
+    """Returns the responses to the densities of a launch, by their direction."""
+    densities = {"axial": launch.axial_density_g2_Hz, "radial": launch.radial_density_g2_Hz}
+    responses = {}
+    for k, (direction, density) in enumerate(densities.items()):
         if density is not None:
             assert frequencies is not None
             f = float(frequencies[k])
-            rms_g = miles(density, f, asked.amplification)
-            random[way] = RandomResponse(rms_g, expected_peak(f, asked.duration_s))
-            given_g[way] = random[way].largest_g
-    axial, across = (g * weight for g in given_g.values())
-    asked_for = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
+            rms_g = miles(density, f, launch.amplification)
+            responses[direction] = RandomResponse(rms_g, expected_peak(f, launch.duration_s))
+    return responses
+
+
+def launch_forces(axial: float, across: float) -> dict[str, tuple[float, float]]:
+    """Returns axial and radial force of each load by its name, without those that are zero [N]."""
+    forces = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
     if across:
-        asked_for |= {"across": (0.0, across)}
-        if axial:
-            asked_for |= {"+X, across": (axial, across), "-X, across": (-axial, across)}
-    loads = [LaunchLoad(name, *F, rest.under(*F)) for name, F in asked_for.items()]
-    limit, source = min((yield_pressure(one) for one in scene.sides), key=lambda one: one[0])
-    return Launched(
-        loads=tuple(loads),
-        axial_g=given_g["axial"],
-        radial_g=given_g["radial"],
-        random=random,
-        frequencies=frequencies,
-        opening_g=rest.along.opening_force / weight,
-        denting_g=rest.denting_force(limit * GPA) / weight,
-        pressure=limit * GPA,
-        source=source,
-    )
+        forces |= {"across": (0.0, across)}
+    if axial and across:
+        forces |= {"+X, across": (axial, across), "-X, across": (-axial, across)}
+    return forces
 
 
 def wear_at_launch(
     scene: Scene, new: Sequence[float], end: Sequence[float] | None
 ) -> tuple[float, ...] | None:
-    """Most wear of each bearing before a launch [m]: at the end of life, or less as the scene says.
+    """Returns the most wear of each bearing before a launch [m]; None where it is not known.
+
+    It is that at the end of life, or less if the scene limits it.
 
     new, end: losses of each bearing when new and at the end of life, None where that is not known.
     """
     limit = (scene.launch or Launch()).after_wear_um
-    most = None if limit is None else tuple(one + limit * UM for one in new)
-    if end is None or most is None:
-        return most if end is None else tuple(end)
-    return tuple(map(min, most, end))
+    largest = None if limit is None else tuple(loss + limit * UM for loss in new)
+    if end is None or largest is None:
+        return largest if end is None else tuple(end)
+    return tuple(map(min, largest, end))
 
 
 def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[str, float]:
-    """Limited quantities of a launch [SI], new and worn the worst; empty without the rotor's mass.
+    """Returns the limited quantities of a launch [SI], the worst of new and worn.
+
+    They are empty without the rotor's mass.
 
     wear: losses of each bearing when new and at the end of life, or when new alone [m].
     """
@@ -476,12 +539,14 @@ def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[st
     if scene.launch is not None and a.span_mm is None:
         scene = replace(scene, launch=replace(Launch(), after_wear_um=scene.launch.after_wear_um))
     states = [*wear[:1], *(wear_at_launch(scene, wear[0], end) for end in wear[1:])] or [None]
-    found = [launched(scene, losses) for losses in states]
+    results = [launch_result(scene, losses) for losses in states]
     values = {
-        "opening_acceleration": GRAVITY * min(FARTHEST_G, *(one.opening_g for one in found)),
-        "denting_acceleration": GRAVITY * min(FARTHEST_G, *(one.denting_g for one in found)),
+        "opening_acceleration": GRAVITY
+        * min(FARTHEST_G, *(result.opening_g for result in results)),
+        "denting_acceleration": GRAVITY
+        * min(FARTHEST_G, *(result.denting_g for result in results)),
     }
-    if found[0].loads:
-        values["launch_gap"] = min(max(one.gap for one in found), 1.0)
-        values["launch_pressure_share"] = max(one.pressure_share for one in found)
+    if results[0].loads:
+        values["launch_gap"] = min(max(result.gap for result in results), 1.0)
+        values["launch_pressure_share"] = max(result.pressure_share for result in results)
     return values

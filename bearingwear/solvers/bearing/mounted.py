@@ -1,6 +1,7 @@
 """The bearing as mounted: cold, at rest, unworn, in SI units."""
 
 import math
+from typing import NamedTuple
 
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Material, Scene, once
@@ -12,18 +13,26 @@ STEEL_YIELD = 4.2
 """Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
 
 
-def yield_pressure(scene: Scene) -> tuple[float, str]:
-    """Yield pressure of the weaker of balls and races [GPa], and its source."""
-    known = []
+class YieldPressure(NamedTuple):
+    """The contact pressure that dents a material, and its source in words."""
+
+    GPa: float
+    source: str
+
+
+def yield_pressure(scene: Scene) -> YieldPressure:
+    """Returns the yield pressure of the weaker of balls and races."""
+    pressures = []
     for name in (scene.bearing.race_material, scene.bearing.ball_material):
-        given = scene.materials[name].yield_pressure_GPa
-        source = "from the scene" if given else "assumed, from ISO 76 for steel"
-        known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
-    return min(known, key=lambda one: one[0])
+        from_scene = scene.materials[name].yield_pressure_GPa
+        origin = "from the scene" if from_scene else "assumed, from ISO 76 for steel"
+        source = f"the yield pressure of {name} ({origin})"
+        pressures.append(YieldPressure(from_scene or STEEL_YIELD, source))
+    return min(pressures, key=lambda pressure: pressure.GPa)
 
 
 def contact_modulus(first: Material, second: Material) -> float:
-    """1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa]."""
+    """Returns E* [Pa] from 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2."""
     flexibility = sum(
         (1.0 - m.poisson_ratio**2) / (m.youngs_modulus_GPa * GPA) for m in (first, second)
     )
@@ -40,7 +49,7 @@ def groove_geometry(
     E_star: float,
     rho: float,
 ) -> Geometry:
-    """Geometry from diameters [m], angle [rad] and groove factors (theory.md section 2)."""
+    """Returns the geometry from diameters [m], angle [rad] and groove factors (section 2)."""
     return Geometry(
         n_balls=n_balls,
         D0=D0,
@@ -58,7 +67,7 @@ def groove_geometry(
 
 @once
 def mounted_geometry(scene: Scene) -> Geometry:
-    """Groove geometry and material pair of a scene, before anything has grown."""
+    """Returns groove geometry and material pair of a scene, before anything has grown."""
     b = scene.bearing
     ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
     return groove_geometry(

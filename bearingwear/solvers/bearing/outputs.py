@@ -24,11 +24,13 @@ TURN = 2.0 * np.pi
 
 
 def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows, axial) -> dict:
-    """Variables of the contacts and their wear, of the n balls solved.
+    """Returns the result variables of the contacts and their wear.
 
-    D (n,) are worn diameters [m], u (n, 4) the motions (w_x, w_y, w_z, Omega) [rad/s], r (n,) orbit
-    radii [m], rows (n, 2, COLUMNS) those of `bearingwear.kernels.contact.summary`, axial (n,) the
-    axial forces of the inner race [N].
+    D: worn diameters (n,) of the n balls solved [m].
+    u: their motions (n, 4), (w_x, w_y, w_z, Omega) [rad/s].
+    r: their orbit radii (n,) [m].
+    rows: their contacts (n, 2, COLUMNS), from `bearingwear.kernels.contact.summary`.
+    axial: axial forces of the inner race on them (n,) [N].
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         spin_to_roll = np.abs(rows[..., summary.SPIN] / rows[..., summary.ROLL])
@@ -37,7 +39,7 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
     races = np.array([op.omega_i, op.omega_o])
     spin = u[:, :3] - u[:, 3:] * (1.0, 0.0, 0.0)  # relative to the orbiting frame
-    turns = len(D) * TURN
+    full_turns = len(D) * TURN
     values = {
         "contact_load": rows[..., summary.LOAD],
         "contact_angle": rows[..., summary.ANGLE],
@@ -54,15 +56,19 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "ball_angular_velocity": u[:, :3],
         "orbit_speed": u[:, 3],
         "gyroscopic_moment": gyroscopic,
-        "cage_frequency": np.abs(u[:, 3]).sum() / turns,
-        "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).sum(axis=1) / turns,
-        "ball_spin_frequency": np.sqrt((spin * spin).sum(axis=1)).sum() / turns,
+        "cage_frequency": np.abs(u[:, 3]).sum() / full_turns,
+        "ball_pass_frequency": g.n_balls
+        * np.abs(races[:, None] - u[:, 3]).sum(axis=1)
+        / full_turns,
+        "ball_spin_frequency": np.sqrt((spin * spin).sum(axis=1)).sum() / full_turns,
         "total_qv": g.n_balls * rows[..., summary.QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
     if has_friction(op):  # else nothing holds the moment
-        used = friction_used(rows[..., summary.FRICTION], D, gyroscopic, rows[..., summary.LOAD])
-        values["friction_used_by_gyroscopic_moment"] = used
+        used_share = friction_used(
+            rows[..., summary.FRICTION], D, gyroscopic, rows[..., summary.LOAD]
+        )
+        values["friction_used_by_gyroscopic_moment"] = used_share
     if scene.friction.film is not None:
         values["friction_coefficient"] = rows[..., summary.FRICTION]
     return values | wear_values(
@@ -71,17 +77,19 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
 
 
 def slips_across(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows) -> np.ndarray:
-    """Gyroscopic and rolling slip (2, n, 2, strips) [m/s], of what `contact_values` takes."""
+    """Returns gyroscopic and rolling slip (2, n, 2, strips) [m/s], as in `contact_values`."""
     v = np.zeros((2, len(D), 2, scene.model.strips))
     summary.slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), *v)
     return v
 
 
 def depth_peak(values: Mapping[str, Any], v1: np.ndarray, v2: np.ndarray) -> np.ndarray:
-    """Greatest over mean depth that both tracks wear across their width, (2,) [1].
+    """Returns the greatest over the mean depth across the width of both wear tracks (2,) [1].
 
-    From QV and semi-major axes (..., 2) and slips (n, 2, strips) [m/s]: over equal strips wear goes
-    by the slip and by Hertz' load.
+    Over equal strips, wear is in proportion to the slip and to Hertz' load.
+
+    values: with `qv` and `semi_major_axis` (..., 2).
+    v1, v2: gyroscopic and rolling slip (n, 2, strips) [m/s].
     """
     t = strip_centres(v1.shape[-1])
     worn = (1.0 - t * t) * np.hypot(v1, v2)
@@ -92,10 +100,11 @@ def depth_peak(values: Mapping[str, Any], v1: np.ndarray, v2: np.ndarray) -> np.
 
 
 def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
-    """Share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that gyroscopic moments [N m] take up [1].
+    """Returns the share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that carries the moment M_g [1].
 
-    Friction coefficients [1] and loads [N] are those of the contacts (..., 2), D (...) worn
-    diameters [m].
+    mu, Q: friction coefficients [1] and loads [N] of the contacts (..., 2).
+    D: worn diameters (...) [m].
+    moment: gyroscopic moments (...) [N m].
     """
     pairs = (mu[..., 0], mu[..., 1], Q[..., 0], Q[..., 1])  # moveaxis takes ten times as long
     most = friction_capacity(*pairs) * 0.5 * D
@@ -106,10 +115,12 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
 def stiffness_of_loads(
     g: Geometry, D: np.ndarray, load: np.ndarray, angle: np.ndarray
 ) -> np.ndarray:
-    """Stiffness (5, 5) against axial, Y and Z displacement and tilt about Y and Z [N/m, N, N m].
+    """Returns the stiffness (5, 5) by axial, Y and Z displacement and tilt [N/m, N, N m].
 
-    From worn diameters (n,) [m], loads and contact angles (n, 2) [N, rad] of the n balls solved,
-    one where it stands for all; the first ball stands at +Z.
+    The contacts carry no friction, and the first ball stands at +Z.
+
+    D: worn diameters (n,) [m] of the n balls solved, one if it represents all.
+    load, angle: their contact loads [N] and contact angles [rad] (n, 2).
     """
     N = g.n_balls
     Ds, Qs, alphas, K = np.empty(N), np.empty((N, 2)), np.empty((N, 2)), np.empty((DOF, DOF))
@@ -121,17 +132,19 @@ def stiffness_of_loads(
 def wear_values(
     scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Archard wear rates and the loss of ball diameter, as when new.
+    """Returns Archard wear rates and the rate of diameter loss, as when new.
 
-    ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate [m/s], mean over the
-    balls, as counted: from worn diameters (n,) [m], and QV [W], semi-major axis and track radius
-    [m] of each contact (n, 2).
+    These are ball_wear_rate (n,) and race_wear_rate (2,) [m3/s], and ball_diameter_loss_rate, as
+    counted, the mean over the balls [m/s].
+
+    D: worn diameters (n,) [m].
+    qv, a, track: QV [W], semi-major axis and track radius [m] of each contact (n, 2).
     """
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a)
-    in_contact = a.min(axis=1) > 0.0  # balls off a race loosen no fit
-    each = ball_rate, race_rate, a, track
-    losses = diameter_loss_rate(scene, D[in_contact], *(one[in_contact].T for one in each))
+    touching = a.min(axis=1) > 0.0  # a ball off a race loosens no fit
+    in_contacts = ball_rate, race_rate, a, track
+    losses = diameter_loss_rate(scene, D[touching], *(value[touching].T for value in in_contacts))
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
         "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),
@@ -142,9 +155,10 @@ def wear_values(
 def wear_rates(
     scene: Scene, qv: np.ndarray, a: np.ndarray, parts: Factors | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes worn off ball and race per time [m3/s] by QV [W] and semi-major axis [m].
+    """Returns the wear volumes of ball and race per time in each contact (..., 2) [m3/s].
 
-    Of each contact (..., 2); without `parts` as when new.
+    qv, a: QV [W] and semi-major axis [m] of each contact (..., 2).
+    parts: K_s/H of ball and race, that of new surfaces if none is given.
     """
     if parts is None:
         parts = unworn_factors(scene, Films.of(scene), a)
@@ -153,26 +167,28 @@ def wear_rates(
 
 
 def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
-    """K_s/H of balls and races as when new, in contacts of semi-major axes (..., 2) [m]."""
+    """Returns K_s/H of new balls and races, in contacts of semi-major axes (..., 2) [m]."""
     if films.table is None:
         return films.unworn
     table_factor = films.table_factor(
         PEAK_OVER_MEAN * mean_pressure(scene, a), contact_temperatures(scene)
     )
-    return films.wearing(films.thickness > 0.0, table_factor=table_factor)
+    return films.contact_factors(films.thickness > 0.0, table_factor=table_factor)
 
 
 def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):
-    """Rates at which grooves deepen on the mean of their width [m/s] (theory.md Eq. 24)."""
+    """Returns the rates at which grooves deepen, the mean over their width [m/s] (Eq. 24)."""
     return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 
 def diameter_loss_rate(scene: Scene, D, ball_rate, race_rate, a, track) -> Any:
-    """Rate at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
+    """Returns the rate at which the fit loosens, as a loss of ball diameter (Eq. 24) [m/s].
 
-    It counts what `wear.counts` of the scene says: from the worn diameter [m], and of the inner and
-    the outer contact the wear of ball and race [m3/s], semi-major axis and radius of the track [m].
-    Each is a number or an array (k,).
+    It counts the parts that `wear.counts` of the scene names. Each value is a number or an array.
+
+    D: worn diameter [m].
+    ball_rate, race_rate: wear of ball and race in the inner and the outer contact [m3/s].
+    a, track: semi-major axis and radius of the track in both contacts [m].
     """
     balls = 2.0 * (ball_rate[0] + ball_rate[1]) / (np.pi * D * D)
     if not scene.wear.counts_races:
@@ -183,10 +199,10 @@ def diameter_loss_rate(scene: Scene, D, ball_rate, race_rate, a, track) -> Any:
 
 
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
-    """Rates (2, 2) of loss over K_s/H, mean over the balls: what each contact wears off.
+    """Returns rates of loss over K_s/H (2, 2), the mean over the balls [m Pa/s].
 
-    Of ball diameter, and of depth of the groove [m Pa/s], inner and outer; from what `wear_values`
-    takes.
+    They are the loss of ball diameter and the depth of the groove that the inner and the outer
+    contact wear off. The arguments are those of `wear_values`.
     """
     loaded = np.where(a > 0.0, a, np.inf)
     depths = groove_depth_rates(n, qv, loaded, track)
@@ -195,5 +211,5 @@ def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: n
 
 @functools.cache
 def strip_centres(n: int) -> np.ndarray:
-    """Positions x/a of the middles of n equal strips; shared, so do not write to it."""
+    """Returns the centres x/a of n equal strips; they are shared, so do not write to them."""
     return (2.0 * np.arange(n) + 1.0) / n - 1.0

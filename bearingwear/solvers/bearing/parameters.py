@@ -1,4 +1,4 @@
-"""The factory: from a scene (units in the names) to what kernels take (SI, radians)."""
+"""Makes arguments of the kernels (SI, radians) from a scene (units in the names)."""
 
 import functools
 import math
@@ -31,25 +31,27 @@ FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that t
 
 @once
 def static_place(scene: Scene) -> float:
-    """Axial displacement of the bearing as mounted, under its preload alone [m].
+    """Returns the axial displacement of the bearing as mounted, under its preload alone [m].
 
-    It is what a fixed position keeps, whatever grows or wears afterwards.
+    A fixed position keeps it, whatever grows or wears afterwards.
     """
-    if not scene.operation.preload_N:  # any place with play is one, and the solver finds a far one
+    if (
+        not scene.operation.preload_N
+    ):  # every place with play is one, and the solver would find a far one
         return 0.0
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
 @once
 def geometry(scene: Scene) -> Geometry:
-    """Groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
+    """Returns groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
     return running_geometry(scene, growth_of(scene))
 
 
 def running_geometry(scene: Scene, growth: Growth) -> Geometry:
-    """`geometry` with a growth of the bearing that may be another than the scene's."""
+    """Returns `geometry` with a growth of the bearing that may differ from the scene's."""
     g = mounted_geometry(scene)
-    if growth.nothing:
+    if growth.is_none:
         return g
     axial = 0.0
     if growth.heat.shaft or growth.heat.housing:
@@ -61,7 +63,7 @@ def running_geometry(scene: Scene, growth: Growth) -> Geometry:
 
 
 def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:
-    """Speeds and friction of a scene, some of its contacts without film."""
+    """Returns speeds and friction of a scene, some of its contacts without film."""
     return OperatingPoint(
         omega_i=scene.operation.shaft_speed_rpm * RPM,
         omega_o=scene.operation.outer_speed_rpm * RPM,
@@ -73,7 +75,10 @@ def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:
 
 
 def friction_law(scene: Scene, bare: bool = False) -> Law:
-    """Friction of balls and races, where a film covers them or is worn through."""
+    """Returns the friction law of balls and races.
+
+    bare: whether the film is worn through.
+    """
     film = scene.friction.film
     if film is None:
         mu, S = scene.friction.coefficient, 0.0
@@ -85,7 +90,7 @@ def friction_law(scene: Scene, bare: bool = False) -> Law:
 
 
 def where_bare(problem: Any, scene: Scene, bare: Bare) -> Any:
-    """A problem with its operating point, in some of whose contacts no film is left."""
+    """Returns a problem with the friction of a scene, some of its contacts without film."""
     if not any(bare):
         return problem
     laws = {"law_i": friction_law(scene, bare[0]), "law_o": friction_law(scene, bare[1])}
@@ -93,39 +98,56 @@ def where_bare(problem: Any, scene: Scene, bare: Bare) -> Any:
 
 
 def ball_diameters(scene: Scene) -> np.ndarray:
-    """Worn diameter of every ball as it runs (n_balls,) [m]."""
+    """Returns the worn diameter of every ball as it runs (n_balls,) [m]."""
     return worn_diameters(scene, geometry(scene))
 
 
 def worn_diameters(scene: Scene, g: Geometry) -> np.ndarray:
+    """Returns the worn diameter of every ball in a geometry (n_balls,) [m]."""
     loss = np.array(scene.wear.ball_diameter_loss_um, dtype=float) * UM
     return np.broadcast_to(g.D0 - loss, (scene.bearing.ball_count,)).copy()
 
 
 @functools.cache
 def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
-    """A rule with so many strips (split: at most) and points across each of them.
+    """Returns a rule with a number of strips (split: at most) and points across each of them.
 
-    Shared by callers, who must not write to it.
+    Callers share it and must not write to it.
     """
     if name == "split":
         m = -(-points // SEGMENTS)
         y, share = rules.chebyshev_halves(across)
         t, weight = rules.gathered(m)
-        return Rule(True, t, weight, rules.tips(m), y, share, rules.even_shares(y, True))
+        return Rule(
+            split=True,
+            t=t,
+            weight=weight,
+            tip=rules.tips(m),
+            across=y,
+            share=share,
+            even=rules.even_shares(y, True),
+        )
     y, share = rules.chebyshev(across)
     if name == "strips":
         (t, weight), tip = rules.equal_strips(points), rules.strip_tips(points)
     else:
         half = rules.tips((points + 1) // 2)
         (t, weight), tip = rules.gauss_halves(points), np.concatenate([half[::-1], half])
-    return Rule(False, t, weight, tip, y, share, rules.even_shares(y, False))
+    return Rule(
+        split=False,
+        t=t,
+        weight=weight,
+        tip=tip,
+        across=y,
+        share=share,
+        even=rules.even_shares(y, False),
+    )
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:
-    """The rule of a scene for the contact ellipse, with so many times its points.
+    """Returns the rule of a scene for the contact ellipse.
 
-    Over the ellipse at most twice as many along, and across: four times the points.
+    refined: factor on its points. Over the ellipse it is at most 2, both along and across.
     """
     model = scene.model
     name = model.quadrature
@@ -138,20 +160,30 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
 
 @functools.cache
 def split_points(count: int, across: int) -> EllipsePoints:
-    """Points of a split rule over the ellipse in time, shared, so never to be written to."""
+    """Returns points of a split rule over the ellipse in time; shared, so do not write to them."""
     return EllipsePoints(True, *rules.spread_ellipse(count, across))
 
 
 def line_points(rule: Rule) -> EllipsePoints:
-    """Points of a split rule with one across, in the form of those in time."""
+    """Returns a split rule with one point across as `EllipsePoints`."""
     middle, area = np.zeros(rule.t.size), MIDDLE_WIDTH * rule.weight
-    return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle, area, rule.tip)
+    return EllipsePoints(
+        split=True,
+        s=rule.t,
+        weight=PEAK * rule.weight,
+        y=middle,
+        moved=middle,
+        area=area,
+        tip=rule.tip,
+    )
 
 
 def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
-    """Points from which the motion in time sums friction, with so many times those of `quadrature`.
+    """Returns the points at which the motion in time sums friction.
 
-    They cost less than those of the rule and err as little.
+    They cost less than those of the rule and are as accurate.
+
+    refined: factor on the points, as in `quadrature`.
     """
     rule = quadrature(scene, refined)
     if rule.split and rule.across.size > 1:
@@ -162,7 +194,7 @@ def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
 
 
 def search_rule(scene: Scene) -> Rule:
-    """The rule for the search of other steady states: coarse, with points that do not move."""
+    """Returns the rule for the search of other steady states: coarse, with fixed points."""
     rule = quadrature(scene)
     is_coarse = not rule.split and rule.t.size <= SEARCH_POINTS
     across = min(rule.across.size, SEARCH_ACROSS)
@@ -170,7 +202,7 @@ def search_rule(scene: Scene) -> Rule:
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:
-    """K_s/H of ball and race as they are when new [1/Pa]."""
+    """Returns K_s/H of ball and race when new [1/Pa]."""
     films = Films.of(scene)
-    ball, race = (float(np.max(part)) for part in films.wearing(films.thickness > 0.0))
+    ball, race = (float(np.max(part)) for part in films.contact_factors(films.thickness > 0.0))
     return ball, race

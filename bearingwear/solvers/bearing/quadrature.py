@@ -7,12 +7,12 @@ from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK, pressure, pr
 
 FEWEST_ACROSS = 6  # of `spread_ellipse`
 MANY_ACROSS = 16  # likewise
-NEAR = 0.25  # of a segment: farther from its pure-rolling point friction is smooth across a strip
+NEAR = 0.25  # share of a segment, beyond which friction is smooth across a strip
 SLOPE = 0.1  # ds/dz at 0 of a split rule: benchmarks/rules.py
 
 
 def equal_strips(n):
-    """Positions and load shares (n,) of n equal strips (the paper's way).
+    """Returns positions and load shares (n,) of n equal strips, as in the paper.
 
     The share is the strip's own part of the semi-ellipsoidal pressure, exact for constant slip.
     """
@@ -22,7 +22,7 @@ def equal_strips(n):
 
 
 def strip_tips(n):
-    """Area of n equal strips over what the ellipse's width in their middles makes of it (n,)."""
+    """Returns the area of n equal strips over width in their middle times length (n,)."""
     edges = np.linspace(-1.0, 1.0, n + 1)
     area = np.diff(edges * np.sqrt(pressure(edges)) + np.arcsin(edges)) / np.pi
     t, weight = equal_strips(n)
@@ -30,7 +30,7 @@ def strip_tips(n):
 
 
 def uniform(y, low=-1.0, high=1.0):
-    """Weights of n points for a uniform density: exact for polynomials of the degree n - 1."""
+    """Returns weights of n points for a uniform density, exact for polynomials of degree n - 1."""
     z = (2.0 * y - low - high) / (high - low)
     moments = np.zeros(y.size)
     moments[0] = high - low
@@ -38,7 +38,7 @@ def uniform(y, low=-1.0, high=1.0):
 
 
 def tips(m):
-    """Factors on the weights of m Gauss-Legendre points on 0 to 1 under the root sqrt(1 - z).
+    """Returns factors on the weights of m Gauss-Legendre points on 0 to 1 under sqrt(1 - z).
 
     With them the root times a polynomial of the degree m - 1 is integrated exactly: the factors are
     the root's Legendre series, as far as m terms go, over the root.
@@ -49,7 +49,7 @@ def tips(m):
 
 
 def gauss_legendre(m):
-    """Gauss-Legendre points and weights (m,) on -1 to 1."""
+    """Returns Gauss-Legendre points and weights (m,) on -1 to 1."""
     if m <= 100:
         return np.polynomial.legendre.leggauss(m)
     from scipy.special import roots_legendre  # numpy's cost rises with the third power of m
@@ -58,7 +58,7 @@ def gauss_legendre(m):
 
 
 def gauss_halves(n):
-    """Positions and load shares of Gauss-Legendre points on each half of the major axis.
+    """Returns positions and load shares of Gauss-Legendre points on each half of the major axis.
 
     n points in all (one more if n is odd).
     """
@@ -70,7 +70,7 @@ def gauss_halves(n):
 
 
 def gathered(m, power=3):
-    """Points and weights of m Gauss-Legendre points on 0 to 1 that gather at 0.
+    """Returns points and weights of m Gauss-Legendre points on 0 to 1 that gather at 0.
 
     They are s = 0.1 z + 0.9 z^3 of the points z: friction turns round at s = 0 within a width that
     is not known beforehand (anything from 1e-6 to 1), and the integrand is smooth in z at any.
@@ -83,17 +83,17 @@ def gathered(m, power=3):
 
 
 def normalised(t, weight):
-    """Weights of points on 0 to 1 changed a little, so that up to t^2 is integrated exactly.
+    """Returns slightly changed weights of points on 0 to 1 that integrate up to t^2 exactly.
 
-    So the load over an ellipse is, as it has to be.
+    The load over an ellipse is then exact, which it must be.
     """
     powers = np.array([np.ones_like(t), t, t * t])
-    left = 1.0 / np.arange(1.0, 4.0) - powers @ weight
-    return weight + weight * (powers.T @ np.linalg.solve(powers * weight @ powers.T, left))
+    missing = 1.0 / np.arange(1.0, 4.0) - powers @ weight
+    return weight + weight * (powers.T @ np.linalg.solve(powers * weight @ powers.T, missing))
 
 
 def chebyshev(n):
-    """Places across a strip over its half-width, and shares of its load, at n points.
+    """Returns places across a strip over its half-width, and shares of its load, at n points.
 
     Gauss-Chebyshev points of the second kind: exact for polynomials of the degree 2 n - 1 under the
     semi-ellipse that Hertz' pressure is across the contact. One point is the line model.
@@ -105,7 +105,10 @@ def chebyshev(n):
 
 
 def even_shares(across, halves):
-    """Shares of a strip's area at its points, of the whole or of both halves by themselves."""
+    """Returns the shares of a strip's area at its points.
+
+    halves: whether each half of the strip is integrated by itself.
+    """
     if not halves or across.size == 1:
         return 0.5 * uniform(across)
     half = 0.5 * uniform(across[across.size // 2 :], 0.0, 1.0)
@@ -113,7 +116,7 @@ def even_shares(across, halves):
 
 
 def chebyshev_halves(n):
-    """Gauss points on each half of the strip, for a bend in its middle.
+    """Returns Gauss points on each half of the strip and their shares, for a bend in its middle.
 
     n points in all (one more if n is odd, but for 1), exact under the semi-ellipse on either half.
     They are the eigenvalues of the Jacobi matrix of the polynomials orthogonal there (Golub and
@@ -126,27 +129,31 @@ def chebyshev_halves(n):
     angle = 0.25 * np.pi * (angle + 1.0)
     y, weight = np.cos(angle), weight * np.sin(angle) ** 2
     mean, norm = np.zeros(m), np.empty(m)
-    before, now = np.zeros(y.size), np.ones(y.size)
+    previous, current = np.zeros(y.size), np.ones(y.size)
     for k in range(m):
-        norm[k] = (weight * now * now).sum()
-        mean[k] = (weight * y * now * now).sum() / norm[k]
+        norm[k] = (weight * current * current).sum()
+        mean[k] = (weight * y * current * current).sum() / norm[k]
         ratio = norm[k] / norm[k - 1] if k else 0.0
-        before, now = now, (y - mean[k]) * now - ratio * before
-    side = np.sqrt(norm[1:] / norm[:-1])
-    half, vectors = np.linalg.eigh(np.diag(mean) + np.diag(side, 1) + np.diag(side, -1))
+        previous, current = current, (y - mean[k]) * current - ratio * previous
+    off_diagonal = np.sqrt(norm[1:] / norm[:-1])
+    half, vectors = np.linalg.eigh(
+        np.diag(mean) + np.diag(off_diagonal, 1) + np.diag(off_diagonal, -1)
+    )
     share = 0.5 * vectors[0] ** 2
     return np.concatenate([-half[::-1], half]), np.concatenate([share[::-1], share])
 
 
 def spread_ellipse(m, across):
-    """Points of a split rule over the ellipse as the motion in time takes them, as `EllipsePoints`.
+    """Returns the points of a split rule over the ellipse for the motion in time.
 
-    For m points a segment and so many across. They err as little with half as many points
-    (benchmarks/ellipse.py): about the pure-rolling point there are three for four across, farther
-    off, where friction is smooth, fewer and fewer. In a segment so short that it is not smooth
-    there, they err on little load; with `MANY_ACROSS` all strips are alike. With less than
-    `FEWEST_ACROSS` the points' own motion would upset the balance that they measure, so these are
-    taken.
+    They are as accurate as the rule with half its points (benchmarks/ellipse.py). Near the
+    pure-rolling point there are three for four across; farther off, where friction is smooth, there
+    are fewer and fewer. In a segment too short for that, the error concerns little load. From
+    `MANY_ACROSS` on, all strips are alike. With fewer than `FEWEST_ACROSS`, the motion of the
+    points would disturb the balance that they measure, so there are never fewer.
+
+    m: points in a segment.
+    across: points across the ellipse.
     """
     t, weight = gathered(m, power=2)
     across = max(across, FEWEST_ACROSS)
@@ -163,6 +170,7 @@ def spread_ellipse(m, across):
 
 
 def spread_fixed(t, weight, tip, across, share, even):
+    """Returns the points of a rule with fixed points as the fields of `EllipsePoints`."""
     density = weight / pressure(t)
     loads, areas = np.outer(density, share), np.outer(MIDDLE_WIDTH / PEAK * density * tip, even)
     n = across.size

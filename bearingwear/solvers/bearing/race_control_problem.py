@@ -28,16 +28,18 @@ LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost of
 
 @dataclass(frozen=True)
 class Balance:
+    """Equilibrium of balls and race."""
+
     status: int
     delta: np.ndarray  # (3,) displacement (axial, Y, Z) of the inner race [m]
-    states: list[BallState]  # one, standing for all, where the scene is symmetric
+    states: list[BallState]  # one if the scene is symmetric
     stiffness: float  # axial [N/m]
-    race_residual: float  # force left unbalanced on the inner race, recomputed [N]
+    race_residual: float  # unbalanced force on the inner race, recomputed [N]
 
 
 @dataclass(frozen=True)
 class RaceControlProblem:
-    """A scene as the race-control kernels see it."""
+    """A scene in the form that the race-control kernels take."""
 
     g: Geometry
     op: OperatingPoint
@@ -45,10 +47,11 @@ class RaceControlProblem:
     F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
     delta_a: float  # static displacement under the initial preload alone [m]
     tilt: float  # [rad]
-    D: np.ndarray  # (n,) worn diameters; one entry where the scene is symmetric [m]
+    D: np.ndarray  # (n,) worn diameters, one if the scene is symmetric [m]
 
     @classmethod
     def of(cls, scene: Scene) -> "RaceControlProblem":
+        """Returns the problem of a scene."""
         g, operation = parameters.geometry(scene), scene.operation
         F_y, F_z = operation.radial_load_N
         F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
@@ -65,11 +68,14 @@ class RaceControlProblem:
 
     @property
     def psi(self) -> np.ndarray:
-        """Azimuth of the balls solved; the first stands at +Z [rad]."""
+        """Returns the azimuths of the balls solved; the first stands at +Z [rad]."""
         return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
 
     def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
-        """Equilibrium with the kinematics model of each ball (n,), of ORBIT at Omega [rad/s]."""
+        """Returns the equilibrium, with the kinematics model of each ball (n,).
+
+        Omega: orbit rate in the model ORBIT [rad/s].
+        """
         op, load = self.op, self.load(models[0], Omega)
         if len(self.D) == 1:
             return self.thrust_balance(load)
@@ -93,17 +99,20 @@ class RaceControlProblem:
             delta=delta,
             states=states,
             stiffness=race.axial_stiffness(stiffness),
-            race_residual=self.unbalanced(states),
+            race_residual=self.unbalanced_force(states),
         )
 
     def load(self, model: int, Omega: float = 0.0) -> BallLoad:
-        """Load of a ball by its kinematics model, of ORBIT at Omega [rad/s]."""
+        """Returns the load of a ball by its kinematics model.
+
+        Omega: orbit rate in the model ORBIT [rad/s].
+        """
         return orbit_load(Omega, 0.0, 0.0)._replace(
             kinematics_model=int(model), omega_i=self.op.omega_i, omega_o=self.op.omega_o
         )
 
     def thrust_balance(self, load: BallLoad) -> Balance:
-        """Equilibrium of a symmetric scene, one ball standing for all."""
+        """Returns the equilibrium of a symmetric scene, in which one ball represents all."""
         n = self.g.n_balls
         delta_a, state = thrust_equilibrium(
             self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
@@ -112,7 +121,7 @@ class RaceControlProblem:
         if self.constant_force:
             residual = abs(n * state.F_ix - self.F[0])
             if status == code.OK and residual > MOST_ROUNDING * n * max(state.Q_i, state.Q_o):
-                status = code.NOT_CONVERGED  # the load of the ball jumps past the spring's
+                status = code.NOT_CONVERGED  # the load jumps past that of the spring
         return Balance(
             status=status,
             delta=np.array([delta_a, 0.0, 0.0]),
@@ -121,23 +130,23 @@ class RaceControlProblem:
             race_residual=residual,
         )
 
-    def reason(self) -> int:
-        """Status of a scene that has no equilibrium under race control.
+    def failure_status(self) -> int:
+        """Returns the status of a scene that has no equilibrium under race control.
 
-        The same balls without the friction forces that carry their gyroscopic moments hang on
-        springs and have an equilibrium, or are loose.
+        Without the friction that carries their gyroscopic moments, the balls rest on springs: they
+        have an equilibrium, or they are loose.
         """
         op, alpha0 = self.op, self.g.alpha0
         k = race_control(
             OUTER_CONTROL, op.omega_i, op.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0
         )
-        without = self.balance(np.full(len(self.D), ORBIT), k.Omega)
-        if without.status == code.NOT_CONVERGED and unseated(without.states):
+        frictionless = self.balance(np.full(len(self.D), ORBIT), k.Omega)
+        if frictionless.status == code.NOT_CONVERGED and is_unseated(frictionless.states):
             return code.RACE_UNSEATED
-        return code.NO_RACE_CONTROL if without.status == code.OK else without.status
+        return code.NO_RACE_CONTROL if frictionless.status == code.OK else frictionless.status
 
-    def unbalanced(self, states: list[BallState]) -> float:
-        """Force left on the inner race, summed anew from the balls' forces [N]."""
+    def unbalanced_force(self, states: list[BallState]) -> float:
+        """Returns the unbalanced force on the inner race, summed anew from the balls [N]."""
         axial = np.array([s.F_ix for s in states])
         radial = np.array([s.F_ir for s in states])
         sums = np.array(
@@ -146,13 +155,14 @@ class RaceControlProblem:
         return float(np.abs(sums - self.F)[0 if self.constant_force else 1 :].max())
 
 
-def unseated(states: list[BallState]) -> bool:
+def is_unseated(states: list[BallState]) -> bool:
+    """Returns whether a ball is almost off the inner race, or beyond its groove."""
     light = LIGHT_LOAD * max(s.Q_i for s in states)
     return any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states)
 
 
 def outer_controls(state: BallState) -> bool:
-    """Whether the spin moment of the outer contact holds the ball (theory.md Eq. 23)."""
+    """Returns whether the spin moment of the outer contact controls the ball (theory.md Eq. 23)."""
     a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
     a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
     outer = state.Q_o * a_o * state.hertz_o.E * math.cos(state.alpha_i - state.alpha_o)
@@ -160,11 +170,11 @@ def outer_controls(state: BallState) -> bool:
 
 
 def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
-    """Equilibrium with the controlling race of each ball (n,) chosen by the spin-moment check.
+    """Returns the equilibrium and the controlling race of each ball (n,), by the spin moments.
 
-    All balls start under outer control; those that fail the check, or all if that has no
-    equilibrium, go over to inner control and stay there. Where that has none (a friction force on a
-    ball without load), the equilibrium found before is kept.
+    All balls start under outer control. Those that fail the check, or all if there is no
+    equilibrium, change to inner control and stay there. If that has no equilibrium (a friction
+    force on a ball without load), the last one is kept.
     """
     models = np.full(len(problem.D), OUTER_CONTROL)
     balance = problem.balance(models)
@@ -173,26 +183,26 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
         models = np.full(len(problem.D), INNER_CONTROL)
         balance = problem.balance(models)
         if balance.status == code.NOT_CONVERGED:
-            balance = replace(balance, status=problem.reason())
+            balance = replace(balance, status=problem.failure_status())
         return balance, models
     while True:
-        failed = [
+        inner_controlled = [
             j
             for j, state in enumerate(balance.states)
             if models[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
         ]
-        if not failed:
+        if not inner_controlled:
             return balance, models
-        changed = models.copy()
-        changed[failed] = INNER_CONTROL
-        found = problem.balance(changed)
-        if found.status == code.NOT_CONVERGED:
+        changed_models = models.copy()
+        changed_models[inner_controlled] = INNER_CONTROL
+        changed_balance = problem.balance(changed_models)
+        if changed_balance.status == code.NOT_CONVERGED:
             return balance, models
-        balance, models = found, changed
+        balance, models = changed_balance, changed_models
 
 
 def geometric_status(states: list[BallState], D: np.ndarray) -> int:
-    """OK where every loaded contact lies within its groove and is small against its ball."""
+    """Returns OK if every loaded contact lies within its groove and is small against its ball."""
     for state, diameter in zip(states, D, strict=True):
         loaded = (
             (state.Q_i, state.alpha_i, state.hertz_i),
@@ -207,9 +217,9 @@ def geometric_status(states: list[BallState], D: np.ndarray) -> int:
 
 
 def load_rounding(g: Geometry, state: BallState) -> float:
-    """Relative error of a ball's loads by the rounding of its position; 0 without loads [1].
+    """Returns the relative error of a ball's loads by rounding of its position; 0 without loads.
 
-    A light load's deformation is a small difference of large lengths.
+    The deformation under a light load is a small difference of large lengths.
     """
     loads = ((state.Q_i, state.hertz_i.K, g.r_i), (state.Q_o, state.hertz_o.K, g.r_o))
     return max(1.5 * LAST_BIT * r / contact_approach(K, Q) if Q > 0.0 else 0.0 for Q, K, r in loads)

@@ -9,23 +9,23 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.solvers.condition import USABLE, SolvedBearing
 
-ROTOR_BALANCED = 1e-12  # force left on the rotor, over the larger one, where its place is found
+ROTOR_BALANCED = 1e-12  # unbalanced force on the rotor, over the larger one
 _MOST_STEPS = 40
-_STEEPER = 1e3  # a secant within this of the slope of a trial is believed
-_FASTER = 2.0  # steps of a rotor that runs away are so many times as long
-_NARROW = 1e-9  # of a place: a range in which a force does not change but jumps
-_STALLED = 3  # trials without gain after which it is rounding that is left, where that is
-_LIGHT = 1e-5  # of the forces at the most
+_STEEPER = 1e3  # factor between a secant and the slope of a trial up to which it is used
+_FASTER = 2.0  # factor on the steps of a rotor that runs away
+_NARROW = 1e-9  # of a place: a range in which a change of the force is a jump
+_STALLED = 3  # trials without gain after which a small force counts as rounding
+_LIGHT = 1e-5  # largest share of the forces that may be rounding
 GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
 
 
 @dataclass(frozen=True)
 class RotorTrial:
-    """Both bearings at a place of the rotor, and what is left of its balance."""
+    """Both bearings at a place of the rotor, and the unbalanced force there."""
 
     states: tuple[SolvedBearing, SolvedBearing]
-    left: float  # [N]
-    slope: float  # of `left`, about [N/m]
+    unbalanced: float  # force [N]
+    slope: float  # of the unbalanced force, about [N/m]
     scale: float  # of the forces [N]
 
 
@@ -33,41 +33,40 @@ class RotorTrial:
 class Nearby:
     """Start values from earlier balances."""
 
-    steeper: float = 1.0  # slope of what is left over that of a trial
-    place: float = math.nan  # that was found last [m]
-    losses: np.ndarray = field(default_factory=lambda: np.zeros(2))  # there [m]
-    rough: tuple[np.ndarray, float] | None = None  # losses and place found roughly since then [m]
+    steeper: float = 1.0  # slope of the unbalanced force over that of a trial
+    place: float = math.nan  # last place of balance [m]
+    losses: np.ndarray = field(default_factory=lambda: np.zeros(2))  # at that place [m]
+    rough: tuple[np.ndarray, float] | None = None  # losses and rough place since then [m]
     slope: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the place by the losses
 
     @property
     def last(self) -> tuple[np.ndarray, float]:
-        """Losses and the place found with them last, roughly or not [m]."""
+        """Returns the last losses and place, rough or not [m]."""
         return self.rough or (self.losses, self.place)
 
     @property
-    def known(self) -> bool:
+    def has_place(self) -> bool:
         return not math.isnan(self.last[1])
 
-    def at(self, losses: tuple[float, float]) -> float:
-        """The place to expect [m]."""
+    def expected_place(self, losses: tuple[float, float]) -> float:
+        """Returns the place of balance to expect at losses [m]."""
         losses_there, place = self.last
         return place + float(self.slope @ (losses - losses_there))
 
-    def found(self, losses: tuple[float, float], place: float, exact: bool = True) -> None:
-        """Remember a place and, if it is exact, its slope by Broyden's rule.
-
-        A rough one is next to an exact one, and its error over so short a way is no slope.
-        """
-        self.rough = None if exact else (np.array(losses), place)
-        if not exact:
-            return
+    def remember(self, losses: tuple[float, float], place: float) -> None:
+        """Stores an exact place, and its slope by Broyden's rule."""
+        self.rough = None
         moved = losses - self.losses
         if not math.isnan(self.place) and moved.any():
-            self.slope += (place - self.at(losses)) / (moved @ moved) * moved
+            self.slope += (place - self.expected_place(losses)) / (moved @ moved) * moved
         self.losses, self.place = np.array(losses), place
 
+    def remember_rough(self, losses: tuple[float, float], place: float) -> None:
+        """Stores a rough place, so close to an exact one that its error would distort the slope."""
+        self.rough = np.array(losses), place
+
     def forget(self) -> None:
-        """Forget what a short way said of the slope; the last place serves shorter steps too."""
+        """Drops the slope, which came from a short distance, but keeps the last exact place."""
         self.steeper, self.slope, self.rough = 1.0, np.zeros(2), None
 
 
@@ -75,83 +74,89 @@ class Nearby:
 class _Secants:
     """Steps of the rotor towards its balance.
 
-    The force left rises with the position of a rotor that stays. Where it falls the rotor runs
-    away, and so do the steps.
+    The unbalanced force rises with the position of a rotor that stays. Where it falls, the rotor
+    runs away, and its steps become longer.
     """
 
     nearby: Nearby
     runs_away: bool = False
-    before: tuple[float, float] | None = None
-    low: float = -math.inf  # nearest places where too little, and too much, is left
-    high: float = math.inf
+    before: tuple[float, float] | None = None  # last place [m] and its unbalanced force [N]
+    low: float = -math.inf  # nearest place where the unbalanced force is negative [m]
+    high: float = math.inf  # nearest place where it is positive [m]
 
     @property
     def jumps(self) -> bool:
-        """Whether the residual changes sign without a root in between."""
+        """Returns whether the unbalanced force changes its sign without a root in between."""
         largest = max(abs(self.low), abs(self.high))
         return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
-    def step(self, x: float, found: RotorTrial) -> float:
-        """From a trial at a place [m]."""
-        left, slope = found.left, self.nearby.steeper * found.slope
+    def step(self, x: float, trial: RotorTrial) -> float:
+        """Returns the step from a trial at a place [m]."""
+        unbalanced, slope = trial.unbalanced, self.nearby.steeper * trial.slope
         if self.before is not None and x != self.before[0]:
-            secant = (left - self.before[1]) / (x - self.before[0])
-            nearer, turned = abs(left) < abs(self.before[1]), left * self.before[1] < 0.0
+            last_x, last_unbalanced = self.before
+            secant = (unbalanced - last_unbalanced) / (x - last_x)
+            nearer = abs(unbalanced) < abs(last_unbalanced)
+            turned = unbalanced * last_unbalanced < 0.0
             self.runs_away = secant < 0.0 and not nearer
             if nearer or turned:
-                near = found.slope / _STEEPER < secant < _STEEPER * found.slope
-                slope = secant if near else found.slope
-        self.nearby.steeper = slope / found.slope
-        self.before = x, left
-        self.low, self.high = (self.low, x) if left > 0.0 else (x, self.high)
+                near = trial.slope / _STEEPER < secant < _STEEPER * trial.slope
+                slope = secant if near else trial.slope
+        self.nearby.steeper = slope / trial.slope
+        self.before = x, unbalanced
+        self.low, self.high = (self.low, x) if unbalanced > 0.0 else (x, self.high)
         if self.runs_away:
-            return -_FASTER * left / found.slope
-        if not self.low < x - left / slope < self.high and self.low < self.high:
+            return -_FASTER * unbalanced / trial.slope
+        if not self.low < x - unbalanced / slope < self.high and self.low < self.high:
             return 0.5 * (self.low + self.high) - x
-        return -left / slope
+        return -unbalanced / slope
 
 
-def balanced(
-    trial: Callable[[float], RotorTrial | int],
+def balanced_place(
+    trial_at: Callable[[float], RotorTrial | int],
     x: float,
     rounded: float,
     nearby: Nearby,
     tolerance: float = ROTOR_BALANCED,
 ) -> tuple[float, RotorTrial | int]:
-    """The place of balance: Newton's method with the slope of a trial, then secants.
+    """Returns the place of balance [m], and the trial there or the status of the failure.
 
-    A trial is that of a place [m], or a status. `nearby` has the steepness of the first step, which
-    is renewed; steps of `rounded` [m] change nothing; the tolerance is the force left, over the
-    larger one. Light loads reach rounding before they balance; the check afterwards says by how
-    much. Returns the place, and the trial there or the status of what failed.
+    It is found by Newton's method with the slope of a trial, then by secants. Light loads reach
+    rounding before they balance; the check afterwards says by how much.
+
+    trial_at: returns the trial at a place [m], or a status.
+    rounded: step that changes nothing [m].
+    nearby: holds the steepness of the first step, which is renewed.
+    tolerance: unbalanced force, over the larger one.
     """
     secants, stalled = _Secants(nearby), 0
-    best: tuple[float, RotorTrial] | None = None
+    best: RotorTrial | None = None
+    best_x = x
     for _ in range(_MOST_STEPS):
-        found = trial(x)
-        lost = found if isinstance(found, int) else failed_status(found.states)
-        if isinstance(found, int) or lost != code.OK:
-            return x, code.NO_STEADY_STATE if secants.runs_away else lost
-        if best is None or abs(found.left) < abs(best[1].left):
-            best, stalled = (x, found), 0
+        trial = trial_at(x)
+        status = trial if isinstance(trial, int) else failed_status(trial.states)
+        if isinstance(trial, int) or status != code.OK:
+            return x, code.NO_STEADY_STATE if secants.runs_away else status
+        if best is None or abs(trial.unbalanced) < abs(best.unbalanced):
+            best_x, best, stalled = x, trial, 0
         else:
             stalled += 1
-        if abs(found.left) <= tolerance * found.scale:
-            return x, found
-        step = secants.step(x, found)
-        good = abs(best[1].left) <= _LIGHT * best[1].scale
-        if abs(step) <= rounded or secants.jumps or (good and stalled >= _STALLED):
+        if abs(trial.unbalanced) <= tolerance * trial.scale:
+            return x, trial
+        step = secants.step(x, trial)
+        is_light = abs(best.unbalanced) <= _LIGHT * best.scale
+        if abs(step) <= rounded or secants.jumps or (is_light and stalled >= _STALLED):
             break
         x += step
     assert best is not None
-    if abs(best[1].left) <= _LIGHT * best[1].scale:
-        return best
-    nowhere = secants.runs_away or secants.jumps
-    return x, code.NO_STEADY_STATE if nowhere else code.NOT_CONVERGED
+    if abs(best.unbalanced) <= _LIGHT * best.scale:
+        return best_x, best
+    has_no_place = secants.runs_away or secants.jumps
+    return x, code.NO_STEADY_STATE if has_no_place else code.NOT_CONVERGED
 
 
 def failed_status(states: Sequence[SolvedBearing]) -> int:
-    """Why there is no balance: a side that alone lost its contact has lifted off."""
+    """Returns why there is no balance: a side that alone lost its contact has lifted off."""
     failed = [state.status for state in states if state.status not in USABLE]
     if not failed:
         return code.OK

@@ -16,7 +16,7 @@ STANDING = 1e-6  # of the ball's speeds: an orbit rate below it does not turn
 
 
 def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
-    """Axial and radial shift of each inner groove by the displacements of the race, (n, 2, DOF)."""
+    """Returns axial and radial shift of each inner groove over displacements, (n, 2, DOF)."""
     maps, s, c = np.zeros((len(psi), 2, DOF)), np.sin(psi), np.cos(psi)
     maps[:, 0, 0] = 1.0
     maps[:, 0, 3], maps[:, 0, 4] = R_i * c, R_i * s
@@ -25,15 +25,15 @@ def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
 
 
 def azimuths(n: int) -> np.ndarray:
-    """Azimuths of n evenly spaced balls, the first at +Z [rad]."""
+    """Returns the azimuths of n evenly spaced balls, the first at +Z [rad]."""
     return 2.0 * np.pi * np.arange(n) / n
 
 
 @functools.lru_cache(maxsize=16)
 def _maps_across(R_i: float, n: int) -> np.ndarray:
-    """Sums over the balls of exp(i psi) times the maps of displacements across the axis.
+    """Returns sums over the balls of exp(i psi) times the maps of displacements across the axis.
 
-    First as they are, then a quarter turn on (2, DOF - 1, 2); read only.
+    Shape (2, DOF - 1, 2), read only: first as they are, then a quarter turn further.
     """
     psi = azimuths(n)
     maps = np.array([groove_maps(R_i, psi), groove_maps(R_i, psi + 0.5 * np.pi)])
@@ -41,10 +41,10 @@ def _maps_across(R_i: float, n: int) -> np.ndarray:
 
 
 def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | None:
-    """Quasi-static stiffness (5, 5) of a steady state, as `stiffness_of_loads` [N/m, N, N m].
+    """Returns the quasi-static stiffness (5, 5) of a steady state [N/m, N, N m].
 
-    Displacements across the axis are fixed in space: a ball meets them once an orbit, and answers
-    at that rate. None where the balls do not orbit.
+    It has the order of `stiffness_of_loads`. Displacements across the axis are fixed in space: a
+    ball meets them once an orbit, and responds at that rate. None where the balls do not orbit.
     """
     Omega = case.u[3]
     if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
@@ -78,13 +78,15 @@ def race_control_matrix(
     delta: np.ndarray,
     tilt: float,
 ) -> np.ndarray:
-    """Quasi-static stiffness (5, 5) under race control, whose forces follow the place at once.
+    """Returns the quasi-static stiffness (5, 5) under race control [N/m, N, N m].
 
-    Diameters, loads and states are those of the n balls solved, one where it stands for all; delta
-    (3,) is the displacement of the inner race [m].
+    Its forces follow the displacement at once.
+
+    D, loads, states: of the n balls solved, one if it represents all.
+    delta: displacement of the inner race (3,) [m].
     """
     psi = azimuths(g.n_balls)[: len(D)]
-    each = np.array(
+    ball_tangents = np.array(
         [
             place_tangent(g, d, load, azimuth, tuple(delta), tilt, state)
             if state.Q_i > 0.0
@@ -93,12 +95,12 @@ def race_control_matrix(
         ]
     ).reshape(-1, 2, 2)
     maps = groove_maps(g.R_i, azimuths(g.n_balls))
-    tangents = np.broadcast_to(each, (g.n_balls, 2, 2))
+    tangents = np.broadcast_to(ball_tangents, (g.n_balls, 2, 2))
     return np.einsum("jdp,jde,jeq->pq", maps, tangents, maps)
 
 
 def radially_free(K: np.ndarray) -> float:
-    """Axial stiffness of a matrix (5, 5) with the race free to yield across the axis [N/m].
+    """Returns the axial stiffness of a matrix (5, 5) whose race may yield across the axis [N/m].
 
     A race that nothing holds across the axis, in a direction, yields the least there.
     """

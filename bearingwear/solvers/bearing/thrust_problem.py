@@ -1,4 +1,4 @@
-"""A thrust-loaded bearing as the steady kernels see it."""
+"""A thrust-loaded bearing in the form that the steady kernels take."""
 
 import math
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
 @dataclass(frozen=True)
 class ThrustProblem:
-    """A thrust-loaded scene as kernels see it; built once and solved for many wear states."""
+    """A thrust-loaded scene in the form that the kernels take, for many wear states."""
 
     g: Geometry
     op: OperatingPoint
@@ -36,10 +36,11 @@ class ThrustProblem:
     rule: Rule
     fine_rule: Rule
     search_rule: Rule
-    traction: bool  # in the balance of normal forces
+    traction: bool  # whether it counts in the balance of normal forces
 
     @classmethod
     def of(cls, scene: Scene) -> "ThrustProblem":
+        """Returns the problem of a scene."""
         g = parameters.geometry(scene)
         F_x = float(scene.operation.preload_N)
         rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
@@ -49,16 +50,24 @@ class ThrustProblem:
         )
         op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
         traction = scene.model.traction_bears
-        return cls(g, op, preload, rule, fine_rule, search_rule, traction)
+        return cls(
+            g=g,
+            op=op,
+            preload=preload,
+            rule=rule,
+            fine_rule=fine_rule,
+            search_rule=search_rule,
+            traction=traction,
+        )
 
     def bearing(self, D: float) -> ThrustBearing:
-        """The bearing with balls of diameter D [m]."""
+        """Returns the bearing with balls of diameter D [m]."""
         return ThrustBearing(
             g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
         )
 
     def kinematic_start(self, kinematics_model: int) -> np.ndarray:
-        """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
+        """Returns (w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
         g, op = self.g, self.op
         k = race_control(kinematics_model, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
         return np.array(
@@ -66,23 +75,27 @@ class ThrustProblem:
         )
 
     def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
-        """Steady state with balls of diameter D [m], from a state nearby or without one.
+        """Returns the steady state with balls of diameter D [m].
 
-        The start is a motion (4,), or (6,) with its tractions, see `ThrustCase.motion`.
+        start: motion (4,) nearby, or (6,) with its tractions, see `ThrustCase.motion`.
         """
         case = self._solve(D, start, self.rule, self.fine_rule)
         if self.rule.split and case.status in UNSETTLED:
             # With a tiny v_r the sums jump where points gather anew: no state may fit them.
-            n = most_points(self.rule)
-            m = self.rule.across.size
-            sizes = [(n, m), (4 * n, m) if m == 1 else (2 * n, 2 * m)]
+            along = most_points(self.rule)
+            across = self.rule.across.size
+            sizes = [
+                (along, across),
+                (4 * along, across) if across == 1 else (2 * along, 2 * across),
+            ]
             rules = (parameters.ellipse_rule("gauss", *size) for size in sizes)
-            held = self._solve(D, start, *rules)
-            if held.status not in UNSETTLED:
-                return held._replace(held=True)
+            fixed_case = self._solve(D, start, *rules)
+            if fixed_case.status not in UNSETTLED:
+                return fixed_case._replace(held=True)
         return case
 
     def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
+        """Returns the steady state with a rule, and a finer one that the checks compare with."""
         op = self.op
         if start is not None:
             u, v_start = start, op.v_r
@@ -93,17 +106,20 @@ class ThrustProblem:
 
     @property
     def without_finer(self) -> "ThrustProblem":
-        """The problem without the finer copies that the checks compare with."""
+        """Returns the problem without the finer rule that the checks compare with."""
         return replace(self, fine_rule=self.rule)
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
-        """The problem with half the regularisation, and with twice the points, `without_finer`."""
+        """Returns the problem with half the regularisation, and with twice the points.
+
+        Both are `without_finer`.
+        """
         half, twice = self.op._replace(v_r=0.5 * self.op.v_r), parameters.quadrature(scene, 2)
         halved = replace(self, op=half, fine_rule=self.rule)
         return halved, replace(self, rule=twice, fine_rule=twice)
 
     def undetermined(self) -> int:
-        """Status that is known before any solve, or OK."""
+        """Returns the status that is known before any solve, or OK."""
         if not has_friction(self.op):
             return code.UNDETERMINED
         if self.preload.constant_force and self.preload.F_x == 0.0:
@@ -111,59 +127,62 @@ class ThrustProblem:
         return code.OK
 
     def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
-        """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
+        """Returns the eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
         m = ball_mass(self.g.rho, D)
         inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
 
     def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
-        """Whether a small disturbance of the state decays, by its `time_scales` if they are known.
+        """Returns whether a small disturbance of the state decays.
 
         With a tiny v_r the slowest motions are damped in narrow places where the slip reverses,
         which few points may miss. A state that seems unstable is checked again with many.
+
+        scales: its `time_scales`, if they are known.
         """
         if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
             return True
         many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
         again = replace(self, rule=many, fine_rule=many).solve(D, start=case.motion)
-        same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
+        is_same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
         return bool(
-            again.status == code.OK and same and self.time_scales(D, again).real.max() < 0.0
+            again.status == code.OK and is_same and self.time_scales(D, again).real.max() < 0.0
         )
 
     def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
-        """Steady states other than `case` (`stable` or not), searched for over the orbit rate.
+        """Searches over the orbit rate for steady states other than `case`.
 
-        At most so many motions are tried as a start, those nearest to rolling first.
+        stable: whether `case` is stable.
+        most: number of motions tried as a start, those nearest to rolling first.
         """
         if most == 0:
             return []
-        op, found = self.op, [case]
+        op, states = self.op, [case]
         v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
         rules = self.rule, self.search_rule
-        args = case.delta_a, case.u, not stable, most
-        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
-            # Newton may go on from a motion that had not settled to a state that is known.
-            if is_new(u, found):
-                other = self.solve(D, start=u)
-                if other.status == code.OK and is_new(other.u, found):
-                    found.append(other)
-        others = found[1:]
+        options = case.delta_a, case.u, not stable, most
+        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *options):
+            # Newton's method may lead from a motion that had not settled to a known state.
+            if is_new(u, states):
+                solved = self.solve(D, start=u)
+                if solved.status == code.OK and is_new(solved.u, states):
+                    states.append(solved)
+        others = states[1:]
         if len(others) > 1:
             rolling = self.kinematic_start(OUTER_CONTROL)[3]
-            others.sort(key=lambda c: abs(c.u[3] - rolling))
+            others.sort(key=lambda state: abs(state.u[3] - rolling))
         return others
 
 
 def time_scale_values(scales: np.ndarray) -> dict[str, float]:
-    """Result variables of the `time_scales` of a state."""
+    """Returns result variables of the `time_scales` of a state."""
     return {
         "fast_time_scale": 1.0 / np.abs(scales).max(),
         "slow_time_scale": 1.0 / np.abs(scales.real).min(),
     }
 
 
-def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
-    """Whether a motion (4,) is none of the states found."""
+def is_new(u: np.ndarray, states: list[ThrustCase]) -> bool:
+    """Returns whether a motion (4,) differs from those of all states."""
     near = SAME_STATE * np.abs(u).max()
-    return all(np.abs(u - case.u).max() > near for case in found)
+    return all(np.abs(u - case.u).max() > near for case in states)

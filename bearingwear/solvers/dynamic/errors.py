@@ -13,15 +13,22 @@ from bearingwear.solvers.dynamic.outputs import window_values
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion, periodic_motion
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.windows import INTEGRATORS, RunGrid, TimeRun
-from bearingwear.solvers.estimates import DOUBLED, MEASURED, changed, halved_part, measured, summed
+from bearingwear.solvers.estimates import (
+    DOUBLED,
+    QUANTITY_COUNT,
+    error_values,
+    estimated_quantities,
+    regularisation_error,
+    relative_change,
+)
 from bearingwear.solvers.start import Start, thrust_alone
 from bearingwear.solvers.steady import steady_answers
 from kerneljit.interrupt import Interrupt
 
-LOOSER = 10.0  # times the tolerance of a step, to see its error
-TIGHTEST = 1e-4  # tolerance of a step: no looser in such a run
-TIGHTER = 100.0  # times as tight, of a periodic motion
-DRIFT = 4.0  # times the observed drift, because slower processes hide behind it
+LOOSER = 10.0  # factor on the tolerance of a step that shows its error
+TIGHTEST = 1e-4  # least tolerance of a step in such a run
+TIGHTER = 100.0  # divisor of the tolerance of a periodic motion
+DRIFT = 4.0  # factor on the observed drift, because slower processes hide behind it
 _SCATTER = 4.0  # standard errors of a mean; many, as the turns are few and not independent
 
 
@@ -33,82 +40,82 @@ def dynamic_error_estimates(
     turns: float,
     motion: PeriodicMotion | None,
 ) -> dict[str, Any]:
-    """Estimated numerical errors of a dynamic run; empty where none can be found.
+    """Estimates the numerical errors of a dynamic run; empty if none can be found.
 
-    The end of the last window is run again with each setting of accuracy changed. That misses what
-    a ball's spin axis takes hundreds of turns to do. So the steady state under the thrust alone is
-    solved with that setting as well, if there is one, and the larger change counts. A periodic
-    motion is found anew with each setting, which misses nothing.
+    The end of the last window is run again with each setting of accuracy changed. That misses the
+    motion of a ball's spin axis, which takes hundreds of turns. So the steady state under the
+    thrust alone is solved with that setting too, if there is one, and the larger change counts. A
+    periodic motion is found anew with each setting, which misses nothing.
+
+    slow: slow time scale in shaft turns, 0 if it is not known.
+    turns: shaft turns of the last window.
     """
     slopes = run.trend.slopes()
     if slopes is None:
         return {}
     system, bearing = run.system, run.system.bearing
     v_r = 0.5 * bearing.op.v_r
-    halved = {
+    half_slip = {
         "op": bearing.op._replace(v_r=v_r),
         "cage": bearing.cage._replace(v_r=v_r),
     }
-    twice = {
+    twice_points = {
         "rule": parameters.quadrature(scene, refined=2),
         "points": parameters.spread_points(scene, refined=2),
     }
     # A new regularisation disturbs every ball; tight steps through that would take long.
     tolerance = max(run.tolerance, TIGHTEST)
-    other = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER
+    other_tolerance = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER
     settings: tuple[tuple[dict, float], ...] = (
         ({}, tolerance),
-        (halved, tolerance),
-        (twice, tolerance),
-        ({}, other),
+        (half_slip, tolerance),
+        (twice_points, tolerance),
+        ({}, other_tolerance),
     )
-    found = [
-        rerun(scene, system.variant(**changes), run, tolerance, motion)
+    reruns = [
+        rerun_quantities(scene, system.variant(**changes), run, tolerance, motion)
         for changes, tolerance in settings
     ]
-    answers = [values for values in found if values is not None]
-    if len(answers) < len(found):
+    answers = [values for values in reruns if values is not None]
+    if len(answers) < len(reruns):
         return {}
-    now, with_half, with_twice, with_other = answers
-    by_half = halved_part(now, with_half)
-    by_steps = math.sqrt(run.tolerance / tolerance) * changed(now, with_other)
+    as_run, with_half_slip, with_twice_points, with_other_steps = answers
+    slip_error = regularisation_error(as_run, with_half_slip)
+    step_error = math.sqrt(run.tolerance / tolerance) * relative_change(as_run, with_other_steps)
     if motion is not None:
-        by_steps *= DOUBLED
+        step_error *= DOUBLED
     else:
-        by_half = np.maximum(by_half, thrust_part(scene, start))
-    parts = [
-        by_half,
-        DOUBLED * changed(now, with_twice),
-        by_steps,
-    ]
+        slip_error = np.maximum(slip_error, thrust_slip_error(scene, start))
+    point_error = DOUBLED * relative_change(as_run, with_twice_points)
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
     qv, _, wear, preload, torque = drift
-    return summed([*parts, np.array([qv, preload, wear, torque, torque])])
+    drift_error = np.array([qv, preload, wear, torque, torque])
+    return error_values([slip_error, point_error, step_error, drift_error])
 
 
-def thrust_part(scene: Scene, start: Start) -> np.ndarray:
-    """Change of the steady state under the thrust alone by half the regularisation (5,)."""
+def thrust_slip_error(scene: Scene, start: Start) -> np.ndarray:
+    """Returns the error by the regularisation in the steady state under the thrust alone (5,)."""
     case = start.case
     if case is None or case.status != code.OK:
-        return np.zeros(MEASURED)
+        return np.zeros(QUANTITY_COUNT)
     thrust = thrust_alone(scene)
     problem = parameters.where_bare(ThrustProblem.of(thrust), scene, start.bare)
     D = float(parameters.ball_diameters(scene).mean())
     halved, _ = problem.perturbed(thrust)
-    other = halved.solve(D, start=case.motion)
-    if other.status != code.OK:
-        return np.zeros(MEASURED)
-    return halved_part(*steady_answers(thrust, problem, D, [case, other]))
+    half_case = halved.solve(D, start=case.motion)
+    if half_case.status != code.OK:
+        return np.zeros(QUANTITY_COUNT)
+    return regularisation_error(*steady_answers(thrust, problem, D, [case, half_case]))
 
 
-def rerun(
+def rerun_quantities(
     scene: Scene,
     system: DynamicSystem,
     run: TimeRun,
     tolerance: float,
     motion: PeriodicMotion | None,
 ) -> np.ndarray | None:
-    """What `measured` finds over a short stretch, see `RunGrid.short`; None if it fails."""
+    """Returns the `estimated_quantities` over a short stretch of another run; None if it fails."""
     state, time = run.before_last_turn
     grid = run.grid
     if motion is None:
@@ -116,28 +123,28 @@ def rerun(
     else:
         system.unpack(state, motion.time)
         system.balls[:] = motion.balls
-        again = found_periodic(scene, system, tolerance, motion)
-        if again is None:
+        new_motion = move_to_periodic(scene, system, tolerance, motion)
+        if new_motion is None:
             return None
-        grid = RunGrid.of_orbit(scene, again, system.turn)
-    short = grid.short(scene, system.time, system.turn)
+        grid = RunGrid.of_orbit(scene, new_motion, system.turn)
+    short_grid = grid.short(scene, system.time, system.turn)
     with Interrupt():
-        shorter = TimeRun(scene, system, None, tolerance, short)
-        if shorter.window(short.total) != code.OK:
+        short_run = TimeRun(scene, system, None, tolerance, short_grid)
+        if short_run.window(short_grid.total) != code.OK:
             return None
-    return measured(window_values(scene, shorter), scene.bearing.ball_count)
+    return estimated_quantities(window_values(scene, short_run), scene.bearing.ball_count)
 
 
-def found_periodic(
+def move_to_periodic(
     scene: Scene,
     system: DynamicSystem,
     tolerance: float,
     near: PeriodicMotion | None = None,
 ) -> PeriodicMotion | None:
-    """The periodic motion near a system's state; the system moves to it, if there is one."""
-    begun, method = (system.packed(), system.time), INTEGRATORS[scene.model.integrator]
-    motion = periodic_motion(system, tolerance, method, near)
-    system.unpack(*begun)
+    """Moves a system to the periodic motion near its state, and returns it if there is one."""
+    start_state = system.packed(), system.time
+    motion = periodic_motion(system, tolerance, INTEGRATORS[scene.model.integrator], near)
+    system.unpack(*start_state)
     if motion is not None:
         system.balls[:] = motion.balls
     return motion

@@ -23,7 +23,7 @@ from bearingwear.solvers.dynamic.windows import TimeRun, wear_per_joule
 
 
 def window_values(scene: Scene, run: TimeRun) -> dict:
-    """Averages and accounts between the opening of the last window and now."""
+    """Returns averages and energy accounts from the opening of the last window until now."""
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
     now, then = system.snapshot(), run.opening
     time, integrals = now.time - then.time, now.integrals - then.integrals
@@ -34,7 +34,7 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
         contacts[:] = contacts.mean(axis=0)
         sums.ball[:] = sums.ball.mean(axis=0)
         sums.slip[:] = sums.slip.mean(axis=1, keepdims=True)
-        loads = loads.of_each_alike()
+        loads = loads.of_like_balls()
     values = averages(scene, bearing, sums, contacts) | {
         "maximum_pressure": loads.largest_pressure(contacts[:, :, PRESSURE], count),
         "maximum_contact_load": loads.largest,
@@ -53,13 +53,16 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
 def averages(
     scene: Scene, bearing: BearingModel, sums: record.Sums, contacts: np.ndarray
 ) -> dict[str, Any]:
-    """Means over the instants of a window; contacts (n, 2, COLUMNS) are means already."""
+    """Returns means over the instants of a window.
+
+    contacts: (n, 2, COLUMNS), means already.
+    """
     count, D = sums.count[0], bearing.D
-    ball, whole = sums.ball / count, sums.bearing / count
-    motion = np.ascontiguousarray(ball[:, : record.RADIUS])
-    r = ball[:, record.RADIUS]
+    ball_means, bearing_means = sums.ball / count, sums.bearing / count
+    motion = np.ascontiguousarray(ball_means[:, : record.RADIUS])
+    r = ball_means[:, record.RADIUS]
     values = contact_values(
-        scene, bearing.g, bearing.op, D, motion, r, contacts, ball[:, record.AXIAL]
+        scene, bearing.g, bearing.op, D, motion, r, contacts, ball_means[:, record.AXIAL]
     )
     skids = [
         skid_ratio(bearing.op, *contacts[j, :, ANGLE], 0.5 * D[j], r[j], u)
@@ -68,26 +71,26 @@ def averages(
     return values | {
         "gyroscopic_slip": sums.slip[0] / count,
         "rolling_slip": sums.slip[1] / count,
-        "axial_displacement": whole[record.SHIFT],
-        "residual_preload": whole[record.PRELOAD],
-        "shaft_torque": whole[record.INNER_RACE_TORQUE],
-        "drag_power": whole[record.DRAG_POWER],
-        "axial_stiffness": whole[record.STIFFNESS],
-        "centrifugal_force": ball[:, record.CENTRIFUGAL],
+        "axial_displacement": bearing_means[record.SHIFT],
+        "residual_preload": bearing_means[record.PRELOAD],
+        "shaft_torque": bearing_means[record.INNER_RACE_TORQUE],
+        "drag_power": bearing_means[record.DRAG_POWER],
+        "axial_stiffness": bearing_means[record.STIFFNESS],
+        "centrifugal_force": ball_means[:, record.CENTRIFUGAL],
         "equilibrium_residual": sums.residual[0],
         "skid_ratio": np.mean(skids),
     }
 
 
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
-    """Gap of the energy balance, and the shares of the terms left out.
+    """Returns the error of the energy balance, and the shares of the neglected terms.
 
-    From the change of each term of `DynamicSystem.energy` over the window, and the kinetic energy
-    at its end [J].
+    change: of each term of `DynamicSystem.energy` over the window [J].
+    kinetic: energy at its end [J].
     """
     supplied = change.pop("supplied")
     lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
-    # Without friction there is no heat to compare with; rounding goes by the kinetic energy.
+    # Without friction there is no heat to compare with; rounding depends on the kinetic energy.
     scale = max(lost, 1e-6 * kinetic)
     return {
         "energy_account_error": (supplied - sum(change.values())) / scale,
@@ -103,12 +106,13 @@ def add_cage_values(
     time: float,
     values: dict[str, Any],
 ) -> None:
-    """Add torques, heat and wear of the cage, and what its pockets wear off the balls.
+    """Adds torques, heat and wear of the cage, and the wear of the balls by its pockets.
 
-    The integrals are those of the state over the window, from the first of them on.
+    integrals: those of the state over the window, from the first one on.
+    time: length of the window [s].
     """
-    p, offset, D = system.layout, system.layout.qv, system.bearing.D
-    pockets = integrals[p.pockets - offset : p.land - offset] / time
+    layout, first, D = system.layout, system.layout.qv, system.bearing.D
+    pockets = integrals[layout.pockets - first : layout.land - first] / time
     assert scene.cage is not None
     cage_rate = wear_per_joule(scene, scene.cage.material)
     ball_rate = wear_per_joule(scene, scene.bearing.ball_material)
@@ -119,23 +123,27 @@ def add_cage_values(
     values |= {
         "cage_wear_rate": cage_rate * pockets.sum(),
         "pocket_wear_rate": cage_rate * pockets,
-        "cage_land_wear_rate": cage_rate * integrals[p.land - offset] / time,
-        "cage_friction_heat": integrals[p.cage_heat - offset] / time,
-        "mean_pocket_torque": integrals[p.pocket_torque - offset] / time,
-        "mean_land_torque": integrals[p.land_torque - offset] / time,
-        "mean_gravity_torque": integrals[p.gravity_torque - offset] / time,
+        "cage_land_wear_rate": cage_rate * integrals[layout.land - first] / time,
+        "cage_friction_heat": integrals[layout.cage_heat - first] / time,
+        "mean_pocket_torque": integrals[layout.pocket_torque - first] / time,
+        "mean_land_torque": integrals[layout.land_torque - first] / time,
+        "mean_gravity_torque": integrals[layout.gravity_torque - first] / time,
     }
 
 
 def histories(scene: Scene, history: record.History, length: int) -> dict:
+    """Returns the histories of a run over its first instants.
+
+    length: number of instants.
+    """
     log = record.History._make(column[:length] for column in history)
     ball, race = parameters.wear_factors(scene)
     films = Films.of(scene)
-    worn_by = log.qv
+    wearing_qv = log.qv
     if films.table is not None:
         pressure = PEAK_OVER_MEAN * pressure_of_load(scene, log.load)
-        worn_by = log.qv * films.table_factor(pressure, contact_temperatures(scene))
-    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
+        wearing_qv = log.qv * films.table_factor(pressure, contact_temperatures(scene))
+    pocket_wear = wear_per_joule(scene, scene.bearing.ball_material)
     values = {
         "time": log.time,
         "history_contact_load": log.load,
@@ -145,8 +153,8 @@ def histories(scene: Scene, history: record.History, length: int) -> dict:
         "history_residual_preload": log.preload,
         "history_race_displacement": log.displacement,
         "history_ball_wear_rate": ball
-        * (worn_by.sum(axis=2) + in_pocket / ball * log.pocket_power),
-        "history_race_wear_rate": race * worn_by.sum(axis=1),
+        * (wearing_qv.sum(axis=2) + pocket_wear / ball * log.pocket_power),
+        "history_race_wear_rate": race * wearing_qv.sum(axis=1),
     }
     if scene.cage is None:
         return values

@@ -1,4 +1,4 @@
-"""From a scene to what stays the same while its bearing moves."""
+"""Makes the constant parts of the dynamic model from a scene."""
 
 import math
 from functools import lru_cache
@@ -22,26 +22,26 @@ from bearingwear.solvers.bearing.films import COVERED, Bare
 HERTZ_INTERVALS = 64
 LIGHT_IMPACT = 1e-3  # of the cage's surface speed
 RAMP = 0.2  # of the depth of a light impact
-LARGEST_LAND, LARGEST_POCKET = 0.99, 3.0  # damping at which an impact returns hardly anything
+LARGEST_LAND, LARGEST_POCKET = 0.99, 3.0  # damping at which an impact hardly rebounds
 
 
 def cage_of(scene: Scene) -> CageModel:
-    """Geometry, inertia and contact laws of a scene's cage, or the absence of one."""
-    c = scene.cage
-    if c is None:
-        nothing: dict[str, Any] = dict.fromkeys(CageModel._fields, 1.0)
+    """Returns geometry, inertia and contact laws of a scene's cage, or the absence of one."""
+    cage = scene.cage
+    if cage is None:
+        placeholders: dict[str, Any] = dict.fromkeys(CageModel._fields, 1.0)
         vectors = {"gravity": (0.0, 0.0, 0.0), "turning": (0.0, 0.0)}
-        return CageModel(**nothing | vectors | {"present": False, "land": NO_LAND})
-    b = scene.bearing
-    material = scene.materials[c.material]
-    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
-    MM = parameters.MM
-    r_i, r_o = 0.5 * c.inner_diameter_mm * MM, 0.5 * c.outer_diameter_mm * MM
-    width = c.width_mm * MM
-    R, clearance = 0.5 * b.ball_diameter_mm * MM, 0.5 * c.pocket_clearance_mm * MM
+        return CageModel(**placeholders | vectors | {"present": False, "land": NO_LAND})
+    bearing = scene.bearing
+    material = scene.materials[cage.material]
+    ball, race = scene.materials[bearing.ball_material], scene.materials[bearing.race_material]
+    mm = parameters.MM
+    r_i, r_o = 0.5 * cage.inner_diameter_mm * mm, 0.5 * cage.outer_diameter_mm * mm
+    width = cage.width_mm * mm
+    R, clearance = 0.5 * bearing.ball_diameter_mm * mm, 0.5 * cage.pocket_clearance_mm * mm
     # A ring less its pockets; the pockets take the same share of mass and inertia.
     ring = math.pi * (r_o**2 - r_i**2) * width
-    pockets = b.ball_count * math.pi * (R + clearance) ** 2 * (r_o - r_i)
+    pockets = bearing.ball_count * math.pi * (R + clearance) ** 2 * (r_o - r_i)
     mass = material.density_kg_m3 * (ring - pockets)
     # Ball in a concave cylinder. Without clearance Hertz' ellipse would be a ring: 1e-3 R is added.
     pocket = R + max(clearance, 1e-3 * R)
@@ -51,13 +51,13 @@ def cage_of(scene: Scene) -> CageModel:
         parameters.contact_modulus(ball, material),
         math.nan,
     )
-    land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[c.guiding_race]
+    land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[cage.guiding_race]
     E_star = parameters.contact_modulus(race, material)
     k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
     # A light impact sets the scale of depth in such a contact.
     operation = scene.operation
     speed = operation.fastest_rpm * parameters.RPM
-    impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
+    impact = LIGHT_IMPACT * 0.25 * bearing.pitch_diameter_mm * mm * speed
     m_ball = ball_mass(ball.density_kg_m3, 2.0 * R)
     m_eff = m_ball * mass / (m_ball + mass)
     g_x, g_y, g_z = operation.gravity_m_s2
@@ -65,21 +65,21 @@ def cage_of(scene: Scene) -> CageModel:
         present=True,
         mass=mass,
         gravity=(float(g_x), float(g_y), float(g_z)),
-        imbalance=c.imbalance_um * 1e-6,
+        imbalance=cage.imbalance_um * 1e-6,
         I_x=0.5 * mass * (r_i**2 + r_o**2),
         I_t=mass * (3.0 * (r_i**2 + r_o**2) + width**2) / 12.0,
         clearance=clearance,
         K_pocket=hertz.K,
         land=land,
         radius=r_i if land == INNER_LAND else r_o,
-        gap=0.5 * c.guide_clearance_mm * MM,
+        gap=0.5 * cage.guide_clearance_mm * mm,
         half_width=0.5 * width,
         k_land=k_land,
         mu=float(scene.friction.cage),
         v_r=float(scene.friction.slip_regularisation_m_s),
-        damping_pocket=pocket_damping(c.restitution),
+        damping_pocket=pocket_damping(cage.restitution),
         # Both edges share the mass of a cage that meets the land squarely.
-        damping_land=math.sqrt(0.5) * land_damping(c.restitution),
+        damping_land=math.sqrt(0.5) * land_damping(cage.restitution),
         ramp_pocket=max(RAMP * (1.25 * m_eff * impact**2 / hertz.K) ** 0.4, 1e-9),
         ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
         turning=(0.0, 0.0),  # see DynamicSystem.of
@@ -87,9 +87,10 @@ def cage_of(scene: Scene) -> CageModel:
 
 
 def land_restitution(ratio: float) -> float:
-    """Restitution of a spring and a dashpot of that critical-damping ratio below 1.
+    """Returns the restitution of a spring and a dashpot with a critical-damping ratio below 1.
 
-    delta'' + 2 ratio delta' + delta = 0 from delta = 0, delta' = 1 to where the force ends.
+    It solves delta'' + 2 ratio delta' + delta = 0 from delta = 0, delta' = 1 to where the force
+    ends.
     """
     w = math.sqrt(1.0 - ratio**2)
     end = (math.pi - math.atan2(2.0 * ratio * w, 1.0 - 2.0 * ratio**2)) / w
@@ -98,9 +99,10 @@ def land_restitution(ratio: float) -> float:
 
 
 def pocket_restitution(damping: float) -> float:
-    """Restitution of a Hertz contact: delta'' + damping delta^(1/4) delta' + delta^(3/2) = 0.
+    """Returns the restitution of a Hertz contact with damping.
 
-    From delta = 0, delta' = 1 to where the force ends.
+    It solves delta'' + damping delta^(1/4) delta' + delta^(3/2) = 0 from delta = 0, delta' = 1 to
+    where the force ends.
     """
 
     def rates(_, y):
@@ -119,16 +121,18 @@ def pocket_restitution(damping: float) -> float:
 
 @lru_cache
 def land_damping(restitution: float) -> float:
-    """Critical-damping ratio of a land for a coefficient of restitution."""
-    return _damping(land_restitution, restitution, LARGEST_LAND)
+    """Returns the critical-damping ratio of a land for a coefficient of restitution."""
+    return _damping_for(land_restitution, restitution, LARGEST_LAND)
 
 
 @lru_cache
 def pocket_damping(restitution: float) -> float:
-    return _damping(pocket_restitution, restitution, LARGEST_POCKET)
+    """Returns the damping of a pocket for a coefficient of restitution."""
+    return _damping_for(pocket_restitution, restitution, LARGEST_POCKET)
 
 
-def _damping(law, restitution: float, largest: float) -> float:
+def _damping_for(law, restitution: float, largest: float) -> float:
+    """Returns the damping, up to the largest, at which a law gives a restitution."""
     if restitution >= 1.0:
         return 0.0
     if restitution <= law(largest):
@@ -137,17 +141,17 @@ def _damping(law, restitution: float, largest: float) -> float:
 
 
 def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
-    """Hertz factors K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact at a contact angle."""
+    """Returns Hertz factors K [N/m^1.5], c_a and c_b [m/N^(1/3)] at a contact angle."""
     hertz = race_contact(g, race, D, cos_alpha, math.nan)
     return hertz.K, hertz.c_a, hertz.c_b
 
 
 def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
-    """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
+    """Returns Hertz factors of all contacts as cubic splines in the cosine of the contact angle.
 
-    (n, 2, HERTZ_INTERVALS, 12), see quasistatic.hertz_at. They depend on the angle so weakly that
-    the spline is exact to rounding. Solving Hertz' equation each time would take a third of a
-    step's time.
+    Shape (n, 2, HERTZ_INTERVALS, 12), see quasistatic.hertz_at. They depend on the angle so weakly
+    that the spline is exact to rounding. Solving Hertz' equation each time would take a third of
+    the time of a step.
     """
     cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
     powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)
@@ -158,14 +162,17 @@ def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndar
             factors = np.array(
                 [[factors_of(g, race, diameter, c) for c in cosine] for race in (INNER, OUTER)]
             )
-            c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, factor)
-            c = c * powers[:, None, None, None]
-            splines[diameter] = np.moveaxis(c, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(2, -1, 12)
+            coefficients = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, factor)
+            coefficients = coefficients * powers[:, None, None, None]
+            splines[diameter] = np.moveaxis(coefficients, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(
+                2, -1, 12
+            )
         table[j] = splines[diameter]
     return table
 
 
 def bearing_model(scene: Scene, bare: Bare = COVERED) -> BearingModel:
+    """Returns the model of a scene's bearing, some of its contacts without film."""
     g, operation = parameters.geometry(scene), scene.operation
     D = parameters.ball_diameters(scene)
     mass = ball_mass(g.rho, D)

@@ -2,9 +2,9 @@
 
 Under a load that stands still, or turns at one rate, like balls that are evenly spaced all move
 alike: after the time of a passing each is where the next one was, as seen from the load. That is
-solved by a quasi-Newton method for the balls' states and the time, and what small disturbances of
-it grow to in a passing says whether it lasts. A run does not come to it by itself: the spacing that
-its balls have once the rest has settled stays, or they bunch, which a cage keeps them from.
+solved by a quasi-Newton method for the balls' states and the time. The growth of small disturbances
+in a passing shows whether it is stable. A run does not reach it by itself: the spacing of the balls
+once the rest has settled stays, or the balls bunch, which a cage prevents.
 """
 
 import contextlib
@@ -26,65 +26,68 @@ ACCEPTED = 1e-6  # where the time steps are too rough for better
 _MOST_STEPS = 25  # of the quasi-Newton method
 _STALLED = 6  # steps without a smaller change
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try
-LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no period worth waiting for
-TANGENT_STEPS = 8  # of the disturbances in a stretch, each as many of the motion as it needs
+LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no useful period
+TANGENT_STEPS = 8  # steps of the disturbances in a passing; the motion takes as many as it needs
 
 
 @dataclass(frozen=True)
 class PeriodicMotion:
-    balls: np.ndarray  # (n, 5) states as the run begins
-    time: float  # of that [s]
-    passing: float  # until each ball is where the next one was, as seen from the load [s]
+    """A periodic motion, and its stability."""
+
+    balls: np.ndarray  # (n, 5) states at the start of the run
+    time: float  # at the start [s]
+    passing: float  # time until each ball is where the next one was, as seen from the load [s]
     error: float  # change over it, of the largest speed or in rad [1]
     turns: float  # simulated to find it
-    inverse: np.ndarray  # of the derivative of what a passing changes, see `Passing.solve`
-    growth: GrowthRates | None = None  # of its disturbances, where it was asked for and found
+    inverse: np.ndarray  # of the derivative of `Passing.change`, see `Passing.solve`
+    growth: GrowthRates | None = None  # of its disturbances, if it was computed
 
     @property
     def sentence(self) -> str:
+        """Returns the stability of the motion in words."""
         return self.growth.sentence if self.growth else "stability unknown"
 
 
 class Passing:
     """Change of the balls' states by one passing, as seen from the load.
 
-    The search begins from the balls of a system, which is moved about.
+    The search starts from the balls of a system, and changes its state.
     """
 
     def __init__(self, system: DynamicSystem, tolerance: float, method: Tableau) -> None:
         self.system, self.control = system, system.control(tolerance, method)
-        self.begun = system.packed(), system.time
+        self.start_state = system.packed(), system.time
         self.n = len(system.balls)
         bearing = system.bearing
         self.load_rate = bearing.op.omega_i if bearing.F_rot else 0.0
         self.speed = float(np.abs(system.balls[:, : OMEGA + 1]).max())
         self.scale = np.append(np.full(OMEGA + 1, self.speed), 1.0)
         rate = float(system.balls[:, OMEGA].mean()) - self.load_rate
-        self.ahead = 1 if rate > 0.0 else -1  # the next ball
+        self.ahead = 1 if rate > 0.0 else -1  # step to the number of the next ball
         self.passing = _TURN / self.n / max(abs(rate), 1e-300)
         self.middle = float(system.balls[:, PSI].mean())
         self.simulated = 0.0  # [s]
 
     def states(self) -> np.ndarray:
-        """Unknowns: the balls' states over their scale, then the passing in turns."""
+        """Returns the unknowns: the balls' states over their scale, then the passing in turns."""
         return np.append(self.system.balls / self.scale, self.passing / self.system.turn)
 
-    def place(self, states: np.ndarray) -> float:
-        """Put the balls into these states at the start; returns the passing [s]."""
-        self.system.unpack(*self.begun)
+    def put_balls(self, states: np.ndarray) -> float:
+        """Puts the balls into these states at the start; returns the passing [s]."""
+        self.system.unpack(*self.start_state)
         self.system.balls[:] = states[:-1].reshape(self.n, BALL) * self.scale
         return float(states[-1] * self.system.turn)
 
     def advance(self, duration: float) -> bool:
-        """Simulate for a time; returns whether that went well."""
+        """Simulates a duration [s]; returns whether that succeeded."""
         self.simulated += duration
         tally = self.system.simulate(self.control, duration)
         return bool(tally.status == code.OK)
 
     def march(self, orbits: float) -> bool:
-        """Continue as a run would, for a number of orbits; returns whether that went well."""
+        """Continues as a run would, for a number of orbits; returns whether that succeeded."""
         system, passing = self.system, self.passing
-        self.place(np.append(self.start, passing / system.turn))
+        self.put_balls(np.append(self.start, passing / system.turn))
         duration = orbits * self.n * passing
         if not self.advance(duration):
             return False
@@ -96,100 +99,108 @@ class Passing:
 
     @property
     def start(self) -> np.ndarray:
-        balls = self.begun[0][: self.n * BALL].reshape(self.n, BALL)
+        """Returns the balls' states at the start, over their scale."""
+        balls = self.start_state[0][: self.n * BALL].reshape(self.n, BALL)
         return (balls / self.scale).ravel()
 
     def change(self, states: np.ndarray) -> np.ndarray | None:
-        """Change in a ball-pass period beyond the shift by a ball, and of the mean azimuth."""
-        passing = self.place(states)
+        """Returns the change in a passing beyond the shift by a ball, and of the mean azimuth.
+
+        None if the passing cannot be simulated.
+        """
+        passing = self.put_balls(states)
         if not self.is_usable(passing) or not self.advance(passing):
             return None
-        return self.changed(states)
+        return self.change_after(states)
 
     def is_usable(self, passing: float) -> bool:
-        """Whether a passing lasts neither no time nor for ever [s]."""
+        """Returns whether a passing [s] has a finite length."""
         return 0.0 < passing < LONGEST_PASSING * self.system.turn
 
-    def changed(self, states: np.ndarray) -> np.ndarray:
-        """`change`, once a passing from these states has been simulated."""
-        there = self.system.balls.copy()
-        there[:, PSI] -= self.load_rate * states[-1] * self.system.turn
-        next_one = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
-        next_one[-1 if self.ahead > 0 else 0, PSI] += self.ahead * _TURN
-        mean = states[PSI:-1:BALL].mean() - self.middle
-        return np.append(there / self.scale - next_one, mean)
+    def change_after(self, states: np.ndarray) -> np.ndarray:
+        """Returns `change`, once a passing from these states has been simulated."""
+        after = self.system.balls.copy()
+        after[:, PSI] -= self.load_rate * states[-1] * self.system.turn
+        next_balls = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
+        next_balls[-1 if self.ahead > 0 else 0, PSI] += self.ahead * _TURN
+        azimuth_change = states[PSI:-1:BALL].mean() - self.middle
+        return np.append(after / self.scale - next_balls, azimuth_change)
 
     def change_and_tangents(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """`change`, and the derivative (5 n, 5 n) of where a passing leads by the states."""
-        passing = self.place(states)
+        """Returns `change`, and the derivative (5 n, 5 n) of the final states by the first ones."""
+        passing = self.put_balls(states)
         if not self.is_usable(passing):
             return None
         self.simulated += passing
-        found = tangents(self.system, self.control, passing)
-        if found is None:
+        derivative = tangents(self.system, self.control, passing)
+        if derivative is None:
             return None
         scale = np.tile(self.scale, self.n)
-        return self.changed(states), found * scale / scale[:, np.newaxis]
+        return self.change_after(states), derivative * scale / scale[:, np.newaxis]
 
-    def slope(self, moved: np.ndarray) -> np.ndarray:
-        """Derivative of `change` where a passing ends, from that of where it leads."""
+    def slope(self, derivative: np.ndarray) -> np.ndarray:
+        """Returns the derivative of `change`, from that of the final states."""
         m = self.n * BALL
         rates = self.system.rates()[:m].reshape(self.n, BALL) / self.scale
         rates[:, PSI] -= self.load_rate
         J = np.zeros((m + 1, m + 1))
-        J[:m, :m] = moved - np.roll(np.eye(m), self.ahead * BALL, axis=1)
+        J[:m, :m] = derivative - np.roll(np.eye(m), self.ahead * BALL, axis=1)
         J[:m, m] = rates.ravel() * self.system.turn
         J[m, PSI:m:BALL] = 1.0 / self.n
         return J
 
     def growth(self, states: np.ndarray) -> GrowthRates | None:
-        """Growth of disturbances of a periodic motion through these states."""
-        found = self.change_and_tangents(states)
-        if found is None:
+        """Returns the growth of disturbances of a periodic motion through these states."""
+        linearised = self.change_and_tangents(states)
+        if linearised is None:
             return None
-        multipliers = np.linalg.eigvals(np.roll(found[1], self.ahead * BALL, axis=0))
+        _, derivative = linearised
+        multipliers = np.linalg.eigvals(np.roll(derivative, self.ahead * BALL, axis=0))
         return GrowthRates.of(multipliers, self.n, float(states[-1]))
 
     def solve(
         self, states: np.ndarray, inverse: np.ndarray | None = None
     ) -> tuple[np.ndarray, float, np.ndarray]:
-        """States that repeat themselves, and by how much they do not (infinite where it fails).
+        """Returns states that repeat themselves, and by how much they do not.
 
-        Broyden's method, from `slope` or from an inverse that it ended with nearby, which is
-        returned last.
+        Broyden's method starts from `slope`, or from the inverse of a solution nearby. Its last
+        inverse is the third result. The second one is infinite where the search fails.
         """
-        nothing = states, np.inf, np.empty((0, 0))
+        failure = states, np.inf, np.empty((0, 0))
+        change: np.ndarray | None
         if inverse is None:
-            found = self.change_and_tangents(states)
-            change = None if found is None else found[0]
-            inverse = None if found is None else inverse_of(self.slope(found[1]))
+            linearised = self.change_and_tangents(states)
+            if linearised is None:
+                return failure
+            change, derivative = linearised
+            inverse = inverse_of(self.slope(derivative))
         else:
             change = self.change(states)
         if change is None or inverse is None:
-            return nothing
-        best, size, inverse = states, float(np.abs(change).max()), inverse.copy()
-        since = 0
-        for _ in range(_MOST_STEPS if size > CONVERGED else 0):
+            return failure
+        best, best_size, inverse = states, float(np.abs(change).max()), inverse.copy()
+        stalled = 0
+        for _ in range(_MOST_STEPS if best_size > CONVERGED else 0):
             step = -inverse @ change
             states = states + step
-            new = self.change(states)
-            if new is None:
+            new_change = self.change(states)
+            if new_change is None:
                 break
-            since += 1
-            if np.abs(new).max() < size:
-                best, size, since = states, float(np.abs(new).max()), 0
-            if size <= CONVERGED or since >= _STALLED:
+            stalled += 1
+            if np.abs(new_change).max() < best_size:
+                best, best_size, stalled = states, float(np.abs(new_change).max()), 0
+            if best_size <= CONVERGED or stalled >= _STALLED:
                 break
-            mapped = inverse @ (new - change)
-            inverse += np.outer(step - mapped, step @ inverse) / (step @ mapped)
-            change = new
-        return best, size, inverse
+            inverse_change = inverse @ (new_change - change)
+            inverse += np.outer(step - inverse_change, step @ inverse) / (step @ inverse_change)
+            change = new_change
+        return best, best_size, inverse
 
 
 def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np.ndarray | None:
-    """Derivative (5 n, 5 n) of the balls' states after a time by those now; None where a run fails.
+    """Returns the derivative (5 n, 5 n) of the balls' states after a duration; None on failure.
 
-    The system moves to that time, by the implicit method, whose matrix this takes.
+    The system moves to that time by the implicit method, whose matrix is used.
     """
     control = control._replace(method=ROSENBROCK)
     old = np.eye(len(system.balls) * BALL)
@@ -208,6 +219,7 @@ def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np
 
 
 def inverse_of(J: np.ndarray) -> np.ndarray | None:
+    """Returns the inverse of a matrix; None if it is singular or not finite."""
     with contextlib.suppress(np.linalg.LinAlgError):
         return np.linalg.inv(J) if np.isfinite(J).all() else None
     return None
@@ -219,11 +231,12 @@ def periodic_motion(
     method: Tableau,
     near: PeriodicMotion | None = None,
 ) -> PeriodicMotion | None:
-    """The periodic motion that the balls of a system come to; None where none is found.
+    """Returns the periodic motion that the balls of a system come to; None if none is found.
 
-    The system begins near it, or as a run would; it is left somewhere else. Where the balls are
-    already at a motion `near`, of much the same system, the growth of disturbances is not asked for
-    again.
+    The system starts near it, or as a run would, and ends in another state.
+
+    near: motion of much the same system, at which the balls already are. The growth of disturbances
+        is then not computed again.
     """
     passing = Passing(system, tolerance, method)
     tries: list[tuple[float, np.ndarray | None]] = [(orbits, None) for orbits in MARCHED]
@@ -238,15 +251,15 @@ def periodic_motion(
         states, error, inverse = passing.solve(passing.states(), inverse)
         if error <= ACCEPTED:
             growth = passing.growth(states) if near is None else None
-            found = passing.place(states)
+            duration = passing.put_balls(states)
             return PeriodicMotion(
                 balls=system.balls.copy(),
-                time=passing.begun[1],
-                passing=found,
+                time=passing.start_state[1],
+                passing=duration,
                 error=error,
                 turns=passing.simulated / system.turn,
                 inverse=inverse,
                 growth=growth,
             )
-        system.unpack(*passing.begun)
+        system.unpack(*passing.start_state)
     return None

@@ -1,4 +1,4 @@
-"""Solve a scene by the dynamic model: start, run until settled, averages, histories, checks."""
+"""Solves a scene by the dynamic model: start, run until settled, averages, histories, checks."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -12,20 +12,20 @@ from bearingwear.kernels.dynamic.integrators import ROSENBROCK
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import COVERED, Bare
-from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, found_periodic
+from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, move_to_periodic
 from bearingwear.solvers.dynamic.outputs import histories, window_values
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
-from bearingwear.solvers.dynamic.stability import LEAST_GROWTH, is_found_periodic
+from bearingwear.solvers.dynamic.stability import LEAST_GROWTH, seeks_periodic
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
 from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, RunGrid, TimeRun
 from bearingwear.solvers.start import Start, start_of
 from kerneljit.interrupt import Interrupt
 
 LARGEST_UNBALANCED = 1e-6  # of the contact load; the solver leaves less
-LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
-TIGHTEST_RUN = 1e-9  # no run is tightened further from here
-MOSTLY_LONGEST = 4.0  # times the fewest steps: with fewer the longest is shortened as well
-MOST_TRIES = 50_000  # steps: longer runs are not repeated
+LARGEST_ACCOUNT = 1e-3  # of the heat: error of the energy balance of a verified run
+TIGHTEST_RUN = 1e-9  # tolerance below which no run is repeated
+MOSTLY_LONGEST = 4.0  # times the fewest steps: with fewer, the longest step is shortened as well
+MOST_TRIES = 50_000  # steps of a run that may be repeated
 DRIFTS = "qv_drift_per_turn", "wear_rate_drift_per_turn"
 
 
@@ -35,23 +35,25 @@ def solve_dynamic(
     progress: Callable[[str], None] | None = None,
     bare: Bare = COVERED,
 ) -> tuple[dict, dict]:
-    """Values and attributes of a dynamic run, some of its contacts without film.
+    """Returns values and attributes of a dynamic run, some of its contacts without film.
 
-    Averages over the evaluated window under the names of the steady solution, histories of the
-    whole run, checks. A restart is the `state` and `time` where another run of the scene ended (its
-    `final_state`, `final_time`).
+    They are averages over the evaluated window with the names of the steady solution, histories of
+    the whole run, and checks.
+
+    restart: `state` and `time` where another run of the scene ended (its `final_state`,
+        `final_time`).
     """
     start, tolerance, longest = start_of(scene, bare), scene.model.dynamic_tolerance, 1.0
     while True:
-        values, attrs = run_of(scene, start, restart, progress, tolerance, longest)
-        open_account = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
-        tries = values.get("steps_accepted", 0) + values.get("steps_rejected", 0)
-        if not open_account or tries > MOST_TRIES or tolerance < TIGHTEST_RUN:
+        values, attrs = dynamic_run(scene, start, restart, progress, tolerance, longest)
+        is_open = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
+        steps = values.get("steps_accepted", 0) + values.get("steps_rejected", 0)
+        if not is_open or steps > MOST_TRIES or tolerance < TIGHTEST_RUN:
             return values, attrs
-        # With next to no friction, or balls off the inner race, errors that hardly change the slip
-        # change the heat, or work that goes to and fro and is far larger than it.
+        # With hardly any friction, or balls off the inner race, errors that hardly change the slip
+        # change the heat, or the work that goes to and fro and is far larger.
         tolerance /= TIGHTER
-        if tries * longest < MOSTLY_LONGEST * STEPS_PER_TURN * values["simulated_turns"]:
+        if steps * longest < MOSTLY_LONGEST * STEPS_PER_TURN * values["simulated_turns"]:
             longest /= TIGHTER ** (1.0 / ROSENBROCK.order)
         if progress is not None:
             error = values["energy_account_error"]
@@ -61,10 +63,10 @@ def solve_dynamic(
             )
 
 
-def begin(
+def system_at_start(
     scene: Scene, start: Start, restart: Mapping[str, Any] | None
 ) -> tuple[DynamicSystem, str]:
-    """The system as a run begins, and what that is in words."""
+    """Returns the system at the start of a run, and a description of this start."""
     system = DynamicSystem.of(scene, start.u, start.bare)
     if restart is None:
         return system, start.kind
@@ -81,6 +83,8 @@ def begin(
 
 @dataclass(frozen=True)
 class LastWindow:
+    """The window that a run ends with."""
+
     status: int
     turns: float
     slopes: np.ndarray | None = None  # see `Trend.slopes`
@@ -89,9 +93,9 @@ class LastWindow:
 
 
 def run_until_settled(scene: Scene, run: TimeRun, slow: float) -> LastWindow:
-    """Simulate window by window until the averages have settled or the turns are used up.
+    """Simulates windows until the averages have settled or the turns are used up.
 
-    The slow time scale is in shaft turns, 0 if not known.
+    slow: slow time scale in shaft turns, 0 if it is not known.
     """
     for length in run.grid.windows:
         turns = length / run.grid.points * run.grid.turns
@@ -99,15 +103,17 @@ def run_until_settled(scene: Scene, run: TimeRun, slow: float) -> LastWindow:
         if status != code.OK:
             return LastWindow(status=status, turns=turns)
         slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
-        # what is left of the drift, over the slow time scale
-        left = math.inf if slopes is None else np.abs(slopes[:2]).max() * max(slow, turns)
-        settled = bool(left <= scene.model.settled_drift) and to_land > FAR_FROM_LAND
-        if settled and length == run.grid.window:
+        # the change that remains, if the drift goes on for the slow time scale
+        remaining = math.inf if slopes is None else np.abs(slopes[:2]).max() * max(slow, turns)
+        is_settled = bool(remaining <= scene.model.settled_drift) and to_land > FAR_FROM_LAND
+        if is_settled and length == run.grid.window:
             break
-    return LastWindow(status=status, turns=turns, slopes=slopes, settled=settled, to_land=to_land)
+    return LastWindow(
+        status=status, turns=turns, slopes=slopes, settled=is_settled, to_land=to_land
+    )
 
 
-def run_of(
+def dynamic_run(
     scene: Scene,
     start: Start,
     restart: Mapping[str, Any] | None,
@@ -115,37 +121,40 @@ def run_of(
     tolerance: float,
     longest: float,
 ) -> tuple[dict, dict]:
-    """One run of `solve_dynamic` with this tolerance and longest step, see `TimeRun`."""
-    system, kind = begin(scene, start, restart)
+    """Returns values and attributes of one run of `solve_dynamic`.
+
+    longest: longest step, see `TimeRun`.
+    """
+    system, start_words = system_at_start(scene, start, restart)
     values: dict = {
         "status": system.diagnose(system.update()),
         "ball_diameter_loss": system.bearing.g.D0 - system.bearing.D,
         "initial_axial_displacement": system.buffers.rest[0],
     }
-    attrs: dict = {"residual": "not solved", "start": kind}
+    attrs: dict = {"residual": "not solved", "start": start_words}
     if values["status"] != code.OK:
         return values, attrs
     slow = start.scales.get("slow_time_scale", 0.0) / system.turn
     motion = grid = None
-    if is_found_periodic(scene):
-        motion, attrs["start"] = kept_periodic(scene, system, tolerance, kind)
+    if seeks_periodic(scene):
+        motion, attrs["start"] = usable_periodic(scene, system, tolerance, start_words)
         if motion is not None:
             grid = RunGrid.of_orbit(scene, motion, system.turn)
             values |= motion.growth.values if motion.growth else {}
         elif scene.model.dynamic_solution == "periodic":
             attrs["residual"] = "not solved: no periodic motion was found"
             return values | {"status": code.NOT_CONVERGED}, attrs
-    begun = system.packed(), system.time
+    start_state = system.packed(), system.time
     with Interrupt():
         run = TimeRun(scene, system, progress, tolerance, grid, longest)
         if restart is not None or motion is not None:
-            system.unpack(*begun)  # what compiles first has moved it
+            system.unpack(*start_state)  # compiling has moved it
         last = run_until_settled(scene, run, slow)
         if last.status != code.OK:
-            stopped = {"status": system.diagnose(last.status), "final_time": system.time}
+            failure = {"status": system.diagnose(last.status), "final_time": system.time}
             attrs["residual"] = f"not solved; the run stopped at {system.time:.6g} s"
-            return values | stopped | run.counts(0.0), attrs
-        # First of all, because whatever else looks at the end changes the last bits.
+            return values | failure | run.counts(0.0), attrs
+        # First of all, because every other evaluation of the end changes the last bits.
         final_state = system.packed()
     values |= window_values(scene, run) | start.scales | run.counts(last.turns)
     if last.slopes is not None:
@@ -153,55 +162,59 @@ def run_of(
     if run.keeps_history:
         values |= histories(scene, run.recorder.history, run.done)
     values |= {"final_state": final_state, "final_time": system.time}
-    residual, account = values["equilibrium_residual"], values["energy_account_error"]
-    if residual <= LARGEST_UNBALANCED and abs(account) <= LARGEST_ACCOUNT:
+    residual, energy_error = values["equilibrium_residual"], values["energy_account_error"]
+    if residual <= LARGEST_UNBALANCED and abs(energy_error) <= LARGEST_ACCOUNT:
         values |= dynamic_error_estimates(scene, run, start, slow, last.turns, motion)
     else:
         values["status"] = system.diagnose(code.UNVERIFIED)
     attrs |= {
-        "residual": _balance_sentence(residual, account),
+        "residual": _balance_sentence(residual, energy_error),
         "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
         "integrator": integrator_sentence(scene, run, tolerance),
     }
     return values, attrs
 
 
-def _balance_sentence(residual: float, account: float) -> str:
-    """How well the two balances that check a run are satisfied."""
+def _balance_sentence(residual: float, energy_error: float) -> str:
+    """States how well the two balances that check a run are satisfied."""
     return (
         f"error in the normal force balance: {residual:.1e} of the contact load (allowed: "
-        f"{LARGEST_UNBALANCED:.0e}); error in the energy balance: {account:.1e} of the energy "
+        f"{LARGEST_UNBALANCED:.0e}); error in the energy balance: {energy_error:.1e} of the energy "
         f"dissipated (allowed: {LARGEST_ACCOUNT:.0e})"
     )
 
 
-def kept_periodic(
-    scene: Scene, system: DynamicSystem, tolerance: float, kind: str
+def usable_periodic(
+    scene: Scene, system: DynamicSystem, tolerance: float, start_words: str
 ) -> tuple[PeriodicMotion | None, str]:
-    """The periodic motion that a run records, unless there is none or it is left; and the start."""
-    begun = system.packed(), system.time
-    motion = found_periodic(scene, system, tolerance)
+    """Returns the periodic motion that a run records, or None, and a description of the start."""
+    start_state = system.packed(), system.time
+    motion = move_to_periodic(scene, system, tolerance)
     if motion is None:
-        return None, kind
-    # unstable, and not by the spacing that a cage keeps
-    unstable = motion.growth is not None and motion.growth.other > LEAST_GROWTH
-    if unstable and scene.model.dynamic_solution == "auto":
-        system.unpack(*begun)
+        return None, start_words
+    # instability of the spacing does not count, because a cage keeps it
+    is_unstable = motion.growth is not None and motion.growth.other > LEAST_GROWTH
+    if is_unstable and scene.model.dynamic_solution == "auto":
+        system.unpack(*start_state)
         return (
             None,
-            f"{kind}; a periodic motion was found but not used, because it is {motion.sentence}",
+            f"{start_words}; a periodic motion was found but not used, because it is "
+            f"{motion.sentence}",
         )
-    return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
+    return motion, f"a periodic motion, found from {start_words} in {motion.turns:.3g} turns"
 
 
 def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
-    """Tolerance of a run, and why it differs from the one requested."""
-    asked = scene.model.dynamic_tolerance
-    tightened = "" if tolerance == asked else f": the energy balance did not close with {asked:g}"
+    """States the tolerance of a run, and why it differs from the one requested."""
+    requested = scene.model.dynamic_tolerance
+    tightened = (
+        "" if tolerance == requested else f": the energy balance did not close with {requested:g}"
+    )
     return f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}"
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
+    """States how well a periodic motion repeats itself, and whether it is stable."""
     drift = (
         "" if last.slopes is None else f"; the recorded QV drifts by {last.slopes[0]:+.1e} per turn"
     )
@@ -213,11 +226,14 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
 
 
 def settled_sentence(last: LastWindow) -> str:
+    """States whether the averages of a run have settled."""
     if last.slopes is None:
         return "unknown: fewer than three complete turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turn limit was reached"
     qv, wear = last.slopes[:2]
-    said = f"{verdict}: QV drifts by {qv:+.1e} and wear by {wear:+.1e} per turn"
+    sentence = f"{verdict}: QV drifts by {qv:+.1e} and wear by {wear:+.1e} per turn"
     if last.to_land <= FAR_FROM_LAND:
-        said += f"; the cage drifts towards its land and would reach it in {last.to_land:.0f} turns"
-    return said
+        sentence += (
+            f"; the cage drifts towards its land and would reach it in {last.to_land:.0f} turns"
+        )
+    return sentence

@@ -1,4 +1,4 @@
-"""Whether a scene has a periodic motion, and whether it lasts (theory.md section 22)."""
+"""Existence and stability of the periodic motion of a scene (theory.md section 22)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,38 +11,42 @@ from bearingwear.scene.scene import Scene
 LIKE = 1e-9  # of the diameter: balls that differ by less are alike
 
 LEAST_GROWTH = 1e-5
-"""Growth a turn from which a motion is unstable: less is left open by `tangents`."""
+"""Growth per turn above which a motion is unstable; `tangents` cannot resolve less."""
 
 GROWTHS = ("spacing_growth_per_turn", "disturbance_growth_per_turn")
 """Variables of the two fields of `GrowthRates`."""
 
-_NOTHING = 1e-300  # the least of multipliers: all others may underflow
+_SMALLEST = 1e-300  # multiplier: others may underflow
 
 
 def why_not_periodic(scene: Scene) -> str:
-    """Why a scene (with its cage if that is solved) has no periodic motion; empty if it has one."""
+    """Returns why a scene has no periodic motion; empty if it has one.
+
+    scene: with its cage only if that is solved.
+    """
     operation = scene.operation
-    standing = any(operation.radial_load_N) or operation.tilt_mrad
+    has_fixed_load = any(operation.radial_load_N) or operation.tilt_mrad
     if scene.cage is not None:
         return "a cage"
     if 1e-3 * np.ptp(scene.wear.ball_diameter_loss_um) > LIKE * scene.bearing.ball_diameter_mm:
         return "unequal ball diameters"
-    if standing and operation.rotating_load_N:
+    if has_fixed_load and operation.rotating_load_N:
         return "stationary and rotating loads together"
-    if not standing and not operation.rotating_load_N:
+    if not has_fixed_load and not operation.rotating_load_N:
         return "pure thrust"
     return ""
 
 
-def is_found_periodic(scene: Scene) -> bool:
-    """Whether a periodic motion is looked for: on request, or where no history is asked for."""
-    asked = scene.model.dynamic_solution
-    if asked == "auto":
+def seeks_periodic(scene: Scene) -> bool:
+    """Returns whether a periodic motion is sought: on request, or if no history is requested."""
+    solution = scene.model.dynamic_solution
+    if solution == "auto":
         return not (scene.model.history_points_per_turn or why_not_periodic(scene))
-    return asked == "periodic"
+    return solution == "periodic"
 
 
 def check_solution(scene: Scene) -> None:
+    """Refuses the request of a periodic motion for a scene without one."""
     if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
         raise NotAvailable(
             f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto or march"
@@ -53,9 +57,10 @@ def check_solution(scene: Scene) -> None:
 class GrowthRates:
     """Rates at which small disturbances of a periodic motion grow, per shaft turn.
 
-    Were the race held, the phase of each ball would stay as it is: n multipliers of 1, one of which
-    says that the motion may begin at any instant. The race couples the balls, which makes those of
-    their spacing a little larger or smaller. All others belong to slip and spin.
+    If the race were held, the phase of each ball would not change: there would be n multipliers of
+    1, one of which means that the motion may begin at any instant. The race couples the balls,
+    which makes those of their spacing a little larger or smaller. All others belong to slip and
+    spin.
     """
 
     spacing: float  # of the balls' even spacing, the fastest
@@ -63,52 +68,55 @@ class GrowthRates:
 
     @classmethod
     def of(cls, multipliers: np.ndarray, balls: int, turns: float) -> "GrowthRates":
-        """From what a passing of so many turns multiplies disturbances by.
+        """Returns the rates from the multipliers of disturbances in a passing of a number of turns.
 
-        It moves the phases on by a ball: those of the spacing stay near the roots of 1.
+        A passing moves the phases on by a ball: multipliers of the spacing lie near the roots of 1.
         """
-        left, phases = list(multipliers), []
+        others, phases = list(multipliers), []
         for root in np.exp(2j * np.pi * np.arange(balls) / balls):
-            phases.append(left.pop(int(np.argmin(np.abs(np.array(left) - root)))))
+            phases.append(others.pop(int(np.argmin(np.abs(np.array(others) - root)))))
         rates = (
-            float(np.log(np.abs(group).max(initial=_NOTHING))) / turns
-            for group in (phases[1:], left)
+            float(np.log(np.abs(group).max(initial=_SMALLEST))) / turns
+            for group in (phases[1:], others)
         )
         return cls(*rates)
 
     @property
     def values(self) -> dict[str, float]:
+        """Returns the rates as result variables."""
         return dict(zip(GROWTHS, (self.spacing, self.other), strict=True))
 
     @property
     def sentence(self) -> str:
+        """Returns the stability in words."""
         if self.other > LEAST_GROWTH:
             return f"unstable: disturbances grow by a factor of e in {_turns(self.other)}"
-        spacing = (
+        spacing_words = (
             f"grow by a factor of e in {_turns(self.spacing)}"
             if self.spacing > LEAST_GROWTH
             else "do not grow"
         )
         return (
             f"disturbances decay by a factor of e in {_turns(self.other)}; disturbances to the "
-            f"even ball spacing {spacing}"
+            f"even ball spacing {spacing_words}"
         )
 
 
 def _turns(rate: float) -> str:
+    """Returns the time in which a disturbance changes by a factor of e, in words."""
     return f"{float(f'{1.0 / abs(rate):.2g}'):g} turns"
 
 
 def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | None:
-    """Sentence and advice for an unstable periodic motion."""
-    spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
-    if other > LEAST_GROWTH:
-        said = f"disturbances grow by a factor of e in {_turns(other)}"
-        return {"said": said, "advice": "set model.dynamic_solution: march"}
+    """Returns sentence and advice for an unstable periodic motion; None if it is stable."""
+    spacing, disturbances = (values.get(name, -np.inf) for name in GROWTHS)
+    if disturbances > LEAST_GROWTH:
+        phrase = f"disturbances grow by a factor of e in {_turns(disturbances)}"
+        return {"phrase": phrase, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
-        said = (
+        phrase = (
             "without a cage, disturbances to the even ball spacing grow by a factor of e in "
             f"{_turns(spacing)}"
         )
-        return {"said": said, "advice": "add a cage to the scene"}
+        return {"phrase": phrase, "advice": "add a cage to the scene"}
     return None

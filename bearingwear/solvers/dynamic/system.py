@@ -36,13 +36,13 @@ from bearingwear.kernels.layout import (
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import COVERED, Bare
-from bearingwear.solvers.bearing.race_control_problem import unseated
+from bearingwear.solvers.bearing.race_control_problem import is_unseated
 from bearingwear.solvers.dynamic.parts import bearing_model
 
 CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
 _FIRST_STEP = 1e-4  # of a shaft turn
 HARDLY_SQUEEZED = 0.01  # of the cage's elastic energy in its usual place
-STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
+STEPS_PER_TURN = 20  # fewest steps: a ball's loads change with its azimuth
 TOLERANCE = 1e-3  # of the mean slip, see step_control.step_error
 _ONLY_READY = -1  # intervals to simulate: none, but buffers and rates are brought to the state
 POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
@@ -51,15 +51,15 @@ POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
 class CageStart(NamedTuple):
     """Start of a cage: its centre, and the orbit rate of the centre."""
 
-    offset: float = 0.5  # from the axis, over the clearance
+    offset: float = 0.5  # distance from the axis, over the clearance
     angle: float = -0.5 * math.pi  # from Y towards Z; below the axis
-    whirl: float = 0.0  # turns round the axis for a turn of the shaft
+    whirl: float = 0.0  # orbits about the axis per shaft turn
     lag: float = CAGE_LAG  # share by which the cage turns slower than the balls
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Integrals and energies at one instant of a run, for differences."""
+    """Integrals and energies at an instant of a run, for differences."""
 
     time: float  # [s]
     integrals: np.ndarray
@@ -85,7 +85,10 @@ class DynamicSystem:
 
     @classmethod
     def of(cls, scene: Scene, u: np.ndarray, bare: Bare = COVERED) -> "DynamicSystem":
-        """Every ball of a scene moving as u = (w_x, w_y, w_z, Omega), evenly spaced."""
+        """Returns the bearing of a scene, its balls evenly spaced and moving alike.
+
+        u: motion (w_x, w_y, w_z, Omega) of every ball [rad/s].
+        """
         bearing = bearing_model(scene, bare)
         system = cls(bearing, np.zeros(bearing.layout.size))
         n = len(bearing.D)
@@ -101,143 +104,143 @@ class DynamicSystem:
         return system
 
     def turning_displacement(self) -> tuple[float, float]:
-        """Displacement (Y, Z) of the race by the rotating load alone, now [m]; zero if it fails."""
-        balls, found = self.buffers.balls, []
+        """Returns the displacement (Y, Z) of the race by the rotating load alone [m], or 0."""
+        balls, displacements = self.buffers.balls, []
         for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
             if free_equilibrium(self.time, self.y, bearing, self.buffers) != code.OK:
                 return 0.0, 0.0
-            found.append(balls.delta[1:].copy())
-        y, z = (found[1] - found[0]).tolist()
+            displacements.append(balls.delta[1:].copy())
+        y, z = (displacements[1] - displacements[0]).tolist()
         return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
-        """Bearing with some fields of its model replaced; `unpack` gives it a state."""
-        other = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
-        other.buffers.rest[:] = self.buffers.rest
-        other.buffers.balls.delta[:] = other.buffers.rest
-        return other
+        """Returns a system with some fields of its model replaced; `unpack` gives it a state."""
+        system = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
+        system.buffers.rest[:] = self.buffers.rest
+        system.buffers.balls.delta[:] = system.buffers.rest
+        return system
 
     def place_cage(self) -> None:
-        """The cage at the start: every ball in the middle of its pocket, the cage slower.
+        """Places the cage at the start: every ball in the middle of its pocket, the cage slower.
 
-        Its centre hangs below the axis by half of its clearance. A cage that is centred
-        and turns with the balls would never touch anything. Load or tilt may move the balls out of
-        their plane, so that they squeeze a cage in that place. It then starts where it is squeezed
-        least; if that is hardly less, the cage has no room.
+        Its centre hangs below the axis by half of its clearance: a centred cage that turns with the
+        balls would never touch anything. Load or tilt may move the balls out of their plane, so
+        that they squeeze the cage. It then starts where it is squeezed least; if that is hardly
+        less, the cage has no room.
         """
-        balls, contacts, z = self.buffers.balls, self.buffers.cage, self.cage_state
+        balls, contacts, state = self.buffers.balls, self.buffers.cage, self.cage_state
         cage = self.bearing.cage
         free_equilibrium(self.time, self.y, self.bearing, self.buffers)
-        z[:] = 0.0
+        state[:] = 0.0
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
-        z[CENTRE] = balls.X[:, 0].mean()
-        z[CENTRE + 2] = -0.5 * room
+        state[CENTRE] = balls.X[:, 0].mean()
+        state[CENTRE + 2] = -0.5 * room
         if cage.land == INNER_LAND:
-            z[CENTRE + 1 : CENTRE + 3] += balls.delta[1:]
-        middle = z[POSE] + np.r_[0.0, 0.0, cage.imbalance, 0.0, 0.0, 0.0]
+            state[CENTRE + 1 : CENTRE + 3] += balls.delta[1:]
+        middle = state[POSE] + np.r_[0.0, 0.0, cage.imbalance, 0.0, 0.0, 0.0]
 
-        def squeezed(shift: np.ndarray) -> float:
-            z[POSE] = middle + shift * scale
+        def elastic_energy(shift: np.ndarray) -> float:
+            state[POSE] = middle + shift * scale
             cage_contacts(self.y, self.bearing, balls, contacts)
             return float(contacts.sums[ELASTIC])
 
         scale = np.zeros(6)
-        energy = squeezed(scale)
+        energy = elastic_energy(scale)
         if energy > 0.0:
             scale[:] = contacts.approach.max()
             scale[3:] /= cage.radius
-            least = minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x
-            self.cage_has_room = squeezed(least) <= HARDLY_SQUEEZED * energy
+            best_shift = minimize(lambda shift: elastic_energy(shift) / energy, np.zeros(6)).x
+            self.cage_has_room = elastic_energy(best_shift) <= HARDLY_SQUEEZED * energy
         momentum = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, OMEGA].mean()
-        z[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
+        state[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
 
     def start_cage(self, start: CageStart) -> None:
-        """Put the cage at a start, wherever `place_cage` has put it."""
-        cage, z, omega = self.bearing.cage, self.cage_state, self.balls[:, OMEGA].mean()
+        """Puts the cage at a start, wherever `place_cage` has put it."""
+        cage, state, omega = self.bearing.cage, self.cage_state, self.balls[:, OMEGA].mean()
         race_centre = self.buffers.balls.delta if cage.land == INNER_LAND else np.zeros(3)
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
         outward = np.array([math.cos(start.angle), math.sin(start.angle)])
         radius, rate = start.offset * room, start.whirl * 2.0 * math.pi / self.turn
-        z[CENTRE + 1 : CENTRE + 3] = (
+        state[CENTRE + 1 : CENTRE + 3] = (
             race_centre[1:] + radius * outward + np.array([0.0, cage.imbalance])
         )
-        z[VELOCITY + 1 : VELOCITY + 3] = rate * radius * np.array([-outward[1], outward[0]])
-        z[MOMENTUM : MOMENTUM + 3] = cage.I_x * (1.0 - start.lag) * omega, 0.0, 0.0
+        state[VELOCITY + 1 : VELOCITY + 3] = rate * radius * np.array([-outward[1], outward[0]])
+        state[MOMENTUM : MOMENTUM + 3] = cage.I_x * (1.0 - start.lag) * omega, 0.0, 0.0
 
     @property
     def layout(self) -> StateLayout:
-        """Offsets into the state vector `y`."""
+        """Returns the offsets into the state vector `y`."""
         return self.bearing.layout
 
     @property
     def turn(self) -> float:
-        """Duration of a shaft turn, or of a turn of the faster race [s]."""
-        m = self.bearing.op
-        return 2.0 * math.pi / max(abs(m.omega_i), abs(m.omega_o))
+        """Returns the duration of a shaft turn, or of a turn of the faster race [s]."""
+        op = self.bearing.op
+        return 2.0 * math.pi / max(abs(op.omega_i), abs(op.omega_o))
 
     @property
     def balls(self) -> np.ndarray:
-        """States (n, 5) of the balls: w_x, w_y, w_z, Omega, psi; a view."""
+        """Returns the states (n, 5) of the balls: w_x, w_y, w_z, Omega, psi; a view."""
         n = len(self.bearing.D)
         return self.y[: BALL * n].reshape(n, BALL)
 
     @property
     def ball_ratio(self) -> float:
-        """Mean orbit rate of the balls, over the rate of the shaft or of the faster race."""
+        """Returns the mean orbit rate of the balls, over the rate of the faster race."""
         return float(self.balls[:, OMEGA].mean()) * self.turn / (2.0 * math.pi)
 
     @property
     def cage_state(self) -> np.ndarray:
-        """State (12,) of the cage, if there is one; a view."""
+        """Returns the state (12,) of the cage, if there is one; a view."""
         return self.y[self.layout.cage : self.layout.cage + CAGE]
 
     @property
     def qv(self) -> np.ndarray:
-        """Time integral of QV (n, 2), inner and outer contact of each ball [J]; a view."""
+        """Returns the time integral of QV (n, 2), inner and outer contact [J]; a view."""
         return self.y[self.layout.qv : self.layout.pockets].reshape(-1, 2)
 
     def update(self) -> int:
-        """Bring buffers and rates to this instant; returns the status of the equilibrium."""
+        """Brings buffers and rates to this instant; returns the status of the equilibrium."""
         status = self.simulate(self.control(method=RUNGE_KUTTA), 0.0, _ONLY_READY).status
         self.dy[:] = self.stages.rates[0]
         return status
 
     def diagnose(self, status: int) -> int:
-        """The status, or one that gives a reason where it gives none.
+        """Returns the status, or a more specific one where it gives no reason.
 
-        It is found at the last state that had an equilibrium: balls and race without the cage, from
-        a safe start.
+        The reason is sought at the last state that had an equilibrium: balls and race without the
+        cage, from a safe start.
         """
         if status == code.TOO_STIFF and not self.cage_has_room:
             return code.CAGE_JAMMED
         if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
-        bearing, buf, n = self.bearing, self.buffers, len(self.bearing.D)
+        bearing, buffers, n = self.bearing, self.buffers, len(self.bearing.D)
         loads = np.zeros((n, race.LOAD_FIELDS))
         loads[:, race.MODEL], loads[:, race.ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
-        load_at(bearing, self.time, buf.balls.F)
-        rows, delta = np.empty((n, race.PACKED)), buf.rest.copy()
-        alone, *_ = race.race_equilibrium(
+        load_at(bearing, self.time, buffers.balls.F)
+        rows, delta = np.empty((n, race.PACKED)), buffers.rest.copy()
+        without_cage, *_ = race.race_equilibrium(
             bearing.g,
             bearing.D,
             loads,
             self.balls[:, PSI].copy(),
-            buf.balls.F,
+            buffers.balls.F,
             bearing.tilt,
             int(bearing.axial_is_held),
             delta,
             rows,
         )
-        if alone not in (code.OK, code.NOT_CONVERGED):
-            return int(alone)
-        if unseated([race.unpack_ball_state(row) for row in rows]):
+        if without_cage not in (code.OK, code.NOT_CONVERGED):
+            return int(without_cage)
+        if is_unseated([race.unpack_ball_state(row) for row in rows]):
             return code.RACE_UNSEATED
-        if status == code.NOT_CONVERGED and alone == code.OK and bearing.cage.present:
+        if status == code.NOT_CONVERGED and without_cage == code.OK and bearing.cage.present:
             return code.CAGE_JAMMED
         return status
 
     def snapshot(self) -> Snapshot:
-        """Time, integrals, energies and the cage's angular momentum now."""
+        """Returns time, integrals, energies and the cage's angular momentum now."""
         return Snapshot(
             energy=self.energy(),
             time=self.time,
@@ -246,7 +249,7 @@ class DynamicSystem:
         )
 
     def rates(self) -> np.ndarray:
-        """Time derivative of the state now; also brings the buffers up to date."""
+        """Returns the time derivative of the state now; also brings the buffers up to date."""
         self.update()
         return self.dy
 
@@ -256,6 +259,10 @@ class DynamicSystem:
         method: Tableau = ROSENBROCK,
         longest: float | None = None,
     ) -> StepControl:
+        """Returns the control of the time steps.
+
+        longest: longest step, by default the usual one [s].
+        """
         return StepControl(
             method=method,
             tolerance=float(tolerance),
@@ -263,35 +270,38 @@ class DynamicSystem:
         )
 
     def advance(self, duration: float, *options, **named) -> Tally:
-        """Integrate, with options of `control`; the status of the tally says if that went well."""
+        """Integrates with options of `control`; the tally has the status."""
         tally = self.simulate(self.control(*options, **named), duration)
         self.time, self.h = tally.time, tally.h
         return tally
 
     def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
-        """Move the state on from this instant; time and first step stay as they are."""
+        """Moves the state on from this instant; time and first step stay as they are."""
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         model = (self.y, self.bearing, self.buffers, self.stages)
         return record.advance_and_record(control, grid, 0, intervals, self.h, *model, self._unread)
 
     @functools.cached_property
     def _unread(self) -> record.Recorder:
-        """For records that nobody reads: one kernel, half a minute to compile, serves all runs."""
+        """Returns a recorder that nobody reads.
+
+        One kernel, which takes half a minute to compile, so serves all runs.
+        """
         n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
         sums = record.empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
         return record.Recorder(sums=sums, history=record.empty_history(1, n), keep=False)
 
     def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
-        """All arrays that a run goes on from, the next step h (1,) among them."""
+        """Returns all arrays that a run continues from, the next step h (1,) among them."""
         balls = self.buffers.balls
         return self.y, h, self.buffers.cage.R0, balls.X, balls.delta
 
     def packed(self) -> np.ndarray:
-        """State from which a run continues as if it had not stopped; see `unpack`."""
+        """Returns the state from which a run continues as if it had not stopped; see `unpack`."""
         return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
 
     def unpack(self, state: np.ndarray, time: float) -> None:
-        """Continue from the state that `packed()` held at `time`."""
+        """Continues from the state that `packed()` returned at `time`."""
         h = np.empty(1)
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):
@@ -305,16 +315,16 @@ class DynamicSystem:
         self.buffers.balls.factors[:] = 0.0
 
     def cage_momentum(self) -> float:
-        """Angular momentum of the cage about the bearing axis [kg m2/s]."""
-        z = self.cage_state
-        _, y, z_centre = z[CENTRE : CENTRE + 3]
-        _, v_y, v_z = z[VELOCITY : VELOCITY + 3]
-        return float(z[MOMENTUM] + self.bearing.cage.mass * (y * v_z - z_centre * v_y))
+        """Returns the angular momentum of the cage about the bearing axis [kg m2/s]."""
+        state = self.cage_state
+        _, y, z_centre = state[CENTRE : CENTRE + 3]
+        _, v_y, v_z = state[VELOCITY : VELOCITY + 3]
+        return float(state[MOMENTUM] + self.bearing.cage.mass * (y * v_z - z_centre * v_y))
 
     def energy(self) -> dict[str, float]:
-        """Terms of the energy balance now (theory.md Eq. 26) [J].
+        """Returns the terms of the energy balance now (theory.md Eq. 26) [J].
 
-        Over any stretch the change of `supplied` is that of the sum of all others.
+        Over any time the change of `supplied` equals that of the sum of all others.
         """
         self.update()
         bearing, balls, cage = self.bearing, self.buffers.balls, self.buffers.cage
@@ -328,22 +338,27 @@ class DynamicSystem:
         orbit = bearing.mass * r**2 * Omega**2
         cage_kinetic = weight_work = 0.0
         if bearing.cage.present:
-            z = self.cage_state
-            cage_kinetic = cage_energy(bearing.cage, z, cage.R)
-            weight_work = bearing.cage.mass * np.dot(bearing.cage.gravity, z[CENTRE : CENTRE + 3])
+            state = self.cage_state
+            cage_kinetic = cage_energy(bearing.cage, state, cage.R)
+            weight_work = bearing.cage.mass * np.dot(
+                bearing.cage.gravity, state[CENTRE : CENTRE + 3]
+            )
         # translations in which the load does work: none where the race is held
-        moves = np.array([0.0 if bearing.axial_is_held else 1.0, 1.0, 1.0])
-        races = STORED * (balls.factors[:, :, HERTZ_K] * d**2.5).sum()
+        free_directions = np.array([0.0 if bearing.axial_is_held else 1.0, 1.0, 1.0])
+        elastic = STORED * (balls.factors[:, :, HERTZ_K] * d**2.5).sum()
         return {
             "supplied": (
-                y[layout.shaft] + balls.delta @ (balls.F * moves) - y[layout.load] + weight_work
+                y[layout.shaft]
+                + balls.delta @ (balls.F * free_directions)
+                - y[layout.load]
+                + weight_work
             ),
             "heat": y[layout.heat],
             "drag": y[layout.drag],
             "cage heat": y[layout.cage_heat],
             "damping": y[layout.damping],
             "kinetic": 0.5 * (bearing.inertia * (w**2).sum(axis=1) + orbit).sum() + cage_kinetic,
-            "elastic": races + cage.sums[ELASTIC],
+            "elastic": elastic + cage.sums[ELASTIC],
             "coriolis": -(orbit.sum() - y[layout.turning]),
             "azimuth": -y[layout.azimuth],
             "hertz": -y[layout.hertz],

@@ -24,19 +24,21 @@ from kerneljit.interrupt import check_interrupt
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
 FAR_FROM_LAND = 200.0  # turns: a cage that drifts to its land more slowly counts as settled
-RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
+RIDING = 0.02  # of its clearance: mean distance at which a cage rides on its land
 FEWEST_OF_TREND = 3  # turns, or passings of a periodic motion
 _SIGNIFICANT = 3.0  # standard errors of a slope
 TREND_OF_TORQUE = 4  # column of `Trend`: the shaft's torque, summed over the instants of a turn
-SHORT = 16  # turns of the run for each that is run again
-RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ in cost
+SHORT = 16  # turns of the run for each turn that is run again
+RECENT_REPORTS = 3  # lines of progress from which the remaining time is estimated
 
 
 class Trend:
     """Straight lines through the values of successive turns, or passings, without keeping them.
 
-    QV, wear of all parts, wear as counted, preload, shaft torque; last the room between the cage
-    and its land, as a share of their clearance. Each value is of so many turns.
+    The values are QV, wear of all parts, wear as counted, preload, shaft torque, and last the room
+    between the cage and its land, as a share of their clearance.
+
+    turns: shaft turns of each value.
     """
 
     def __init__(self, turns: float = 1.0) -> None:
@@ -45,89 +47,93 @@ class Trend:
         self.values = np.zeros((3, 6))  # (value, k value, value^2) of each
 
     def add(self, values: np.ndarray) -> None:
+        """Adds the values of a turn."""
         k = self.sums[0]
         self.sums += (1.0, k, k * k)
         self.values += [values, k * values, values * values]
 
     @property
-    def known(self) -> bool:
+    def is_known(self) -> bool:
+        """Returns whether there are enough turns for slopes."""
         return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Relative change a turn of each but the room (5,); None if not `known`."""
+        """Returns relative changes per turn of all values but the room (5,), or None."""
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
-        if not self.known:
+        if not self.is_known:
             return None
         mean = np.where(total != 0.0, total / n, 1.0)
         return (n * weighted - k * total) / (n * kk - k * k) / mean / self.turns
 
     def scatter(self) -> np.ndarray:
-        """Standard error of each mean, relative, were the turns independent (5,)."""
+        """Returns the relative standard error of each mean, as of independent turns (5,)."""
         n = self.sums[0]
         mean, square = self.values[0, :-1] / n, self.values[2, :-1] / n
         variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
         return np.sqrt(variance) / np.where(mean != 0.0, np.abs(mean), 1.0)
 
     def turns_to_land(self) -> float:
-        """Turns until the cage meets its land if it drifts on; infinite where it does not drift."""
+        """Returns the turns until a drifting cage meets its land, infinite without a drift."""
         n, k, kk = self.sums
         total, weighted, square = self.values[:, -1]
         if n < 3:
             return math.inf
         spread = kk - k * k / n
         slope = (weighted - k * total / n) / spread
-        rest = max(square - total * total / n - slope * slope * spread, 0.0)
-        error = math.sqrt(rest / ((n - 2.0) * spread))
-        left = total / n + 0.5 * slope * (n - 1.0)
-        if left <= RIDING or -slope <= _SIGNIFICANT * error:
+        residual_squares = max(square - total * total / n - slope * slope * spread, 0.0)
+        error = math.sqrt(residual_squares / ((n - 2.0) * spread))
+        room = total / n + 0.5 * slope * (n - 1.0)
+        if room <= RIDING or -slope <= _SIGNIFICANT * error:
             return math.inf
-        return -left / slope
+        return -room / slope
 
 
 def wear_per_joule(scene: Scene, material: str) -> float:
-    """K_s/H of a material without its films: worn volume per normal force times slip [m3/J]."""
+    """Returns K_s/H of a material without films: worn volume per normal force times slip [m3/J]."""
     m = scene.materials[material]
     return Archard(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA).factor
 
 
 def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
-    """Weights (3, m) that turn the time integrals of the state [J] into QV and worn volumes.
+    """Returns weights (3, m) that turn time integrals of the state [J] into QV and worn volumes.
 
-    Rows: QV in the contacts of balls and races [J]; wear of all parts, and as counted, of the balls
-    or of balls and races [m3].
+    The rows are QV in the contacts of balls and races [J], wear of all parts, and wear as counted,
+    of the balls or of balls and races [m3].
     """
-    p = system.layout
+    layout = system.layout
     ball, race = parameters.wear_factors(scene)
-    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
+    ball_in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
-    weights = np.zeros((3, p.size - p.qv))
-    contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
+    weights = np.zeros((3, layout.size - layout.qv))
+    contacts = slice(0, layout.pockets - layout.qv)
+    pockets = slice(layout.pockets - layout.qv, layout.land - layout.qv)
     weights[0, contacts] = 1.0
     counted = ball + race if scene.wear.counts_races else ball
     weights[1:, contacts] = np.array([[ball + race], [counted]])
-    weights[1:, pockets] = np.array([[in_pocket + cage], [in_pocket]])
-    weights[1, p.land - p.qv] = cage
+    weights[1:, pockets] = np.array([[ball_in_pocket + cage], [ball_in_pocket]])
+    weights[1, layout.land - layout.qv] = cage
     return weights
 
 
 class LoadRange:
-    """Loads of each contact over the instants of a window: largest, smallest, how often none."""
+    """Loads of each contact over the instants of a window: largest, smallest, and time without."""
 
     def __init__(self, balls: int) -> None:
         self.largest = np.zeros((balls, 2))
         self.smallest = np.full((balls, 2), np.inf)
         self.unloaded = np.zeros((balls, 2))  # instants
-        self.roots = np.zeros((balls, 2))  # sum of the loads' cube roots: pressure goes by them
+        self.roots = np.zeros((balls, 2))  # sum of the loads' cube roots, as of the pressure
 
     def add(self, loads: np.ndarray) -> None:
-        """Add loads (instants, n, 2) [N]."""
+        """Adds loads (instants, n, 2) [N]."""
         self.largest = np.maximum(self.largest, loads.max(axis=0))
         self.smallest = np.minimum(self.smallest, loads.min(axis=0))
         self.unloaded += (loads == 0.0).sum(axis=0)
         self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
 
-    def of_each_alike(self) -> "LoadRange":
+    def of_like_balls(self) -> "LoadRange":
+        """Returns the range of balls that all move alike, each with that of all."""
         alike = LoadRange(len(self.largest))
         alike.largest[:] = self.largest.max(axis=0)
         alike.smallest[:] = self.smallest.min(axis=0)
@@ -136,14 +142,14 @@ class LoadRange:
         return alike
 
     def largest_pressure(self, mean: np.ndarray, count: int) -> np.ndarray:
-        """Largest pressure (n, 2), given its mean over so many instants [Pa].
+        """Returns the largest pressure (n, 2), given its mean over a number of instants [Pa].
 
-        By Hertz' law for each contact. The contact angle, which the mean stands for, moves the
-        curvatures by a few thousandths at most.
+        Hertz' law is applied at the mean contact angle, which changes the curvatures by a few
+        thousandths at most.
         """
-        of_mean = self.roots / count
-        ratio = np.cbrt(self.largest) / np.where(of_mean > 0.0, of_mean, 1.0)
-        return mean * np.where(of_mean > 0.0, ratio, 0.0)
+        mean_root = self.roots / count
+        ratio = np.cbrt(self.largest) / np.where(mean_root > 0.0, mean_root, 1.0)
+        return mean * np.where(mean_root > 0.0, ratio, 0.0)
 
 
 class _Progress:
@@ -151,21 +157,21 @@ class _Progress:
 
     def __init__(self, say: Callable[[str], None] | None, turns: float, turn: float) -> None:
         self.say, self.turns, self.turn = say, turns, turn
-        self.begun = self.last = clock.monotonic()
-        self.recent = deque([(self.begun, 0.0)], maxlen=RECENT_REPORTS)  # clock, turns
+        self.start = self.last = clock.monotonic()
+        self.recent = deque([(self.start, 0.0)], maxlen=RECENT_REPORTS)  # clock, turns
 
     def __call__(self, done: float, slopes: np.ndarray | None) -> None:
         now = clock.monotonic()
         if self.say is None or now - self.last < REPORT_EVERY:
             return
         self.last = now
-        then, before = self.recent[0]
+        last_time, last_done = self.recent[0]
         self.recent.append((now, done))
-        left = (self.turns - done) * (now - then) / (done - before)
+        seconds_left = (self.turns - done) * (now - last_time) / (done - last_done)
         drift = "not yet known" if slopes is None else f"{slopes[0]:+.1e} per turn"
         self.say(
             f"{done:.0f} of {self.turns:.0f} turns, {plain(1e3 * done * self.turn)} ms simulated "
-            f"in {now - self.begun:.0f} s, about {left:.0f} s left, QV drift {drift}"
+            f"in {now - self.start:.0f} s, about {seconds_left:.0f} s left, QV drift {drift}"
         )
 
 
@@ -176,36 +182,55 @@ class RunGrid:
     A continued run keeps to the grid of the first, so both take the steps of a single run.
     """
 
-    points: int  # a shaft turn, or a passing of a periodic motion
+    points: int  # instants per shaft turn, or per passing of a periodic motion
     dt: float  # [s]
     origin: float  # [s]
-    first: int
+    first: int  # number k of the first instant
     total: int  # intervals to simulate
-    window: int  # intervals that averages are taken over
-    turns: float = 1.0  # that `points` take
+    window: int  # intervals of a window for averages
+    turns: float = 1.0  # duration of `points` intervals
 
     @classmethod
     def of(cls, scene: Scene, time: float, turn: float) -> "RunGrid":
+        """Returns the grid of a scene's run from a time [s].
+
+        turn: duration of a shaft turn [s].
+        """
         points = scene.model.history_points_per_turn or STEPS_PER_TURN
         dt = turn / points
         total = max(1, round(scene.model.simulated_turns * points))
         window = min(total, max(1, round(scene.model.averaged_turns * points)))
         k = round(time / dt)
-        on_grid = k * dt == time
-        return cls(points, dt, 0.0 if on_grid else time, k if on_grid else 0, total, window)
+        is_on_grid = k * dt == time
+        return cls(
+            points=points,
+            dt=dt,
+            origin=0.0 if is_on_grid else time,
+            first=k if is_on_grid else 0,
+            total=total,
+            window=window,
+        )
 
     @classmethod
     def of_orbit(cls, scene: Scene, motion: PeriodicMotion, turn: float) -> "RunGrid":
-        """Passings of a periodic motion: an orbit for histories, else as many as show a trend."""
+        """Returns passings of a periodic motion: an orbit for histories, or enough for a trend."""
         turns, balls = motion.passing / turn, len(motion.balls)
         per_turn = scene.model.history_points_per_turn or STEPS_PER_TURN
         points = math.ceil(per_turn * turns)
         passings = balls if scene.model.history_points_per_turn else min(balls, FEWEST_OF_TREND)
-        whole = passings * points
-        return cls(points, motion.passing / points, motion.time, 0, whole, whole, turns)
+        total = passings * points
+        return cls(
+            points=points,
+            dt=motion.passing / points,
+            origin=motion.time,
+            first=0,
+            total=total,
+            window=total,
+            turns=turns,
+        )
 
     def short(self, scene: Scene, time: float, turn: float) -> "RunGrid":
-        """Half a turn from that time, or less of a short run; of a periodic motion a passing."""
+        """Returns half a turn from a time [s] or less; of a periodic motion, a passing."""
         if self.is_periodic:
             return replace(self, origin=time, total=self.points, window=self.points)
         count = max(1, min(self.points // 2, self.total // SHORT))
@@ -214,20 +239,20 @@ class RunGrid:
 
     @property
     def is_periodic(self) -> bool:
-        """Whether each ball does in turn what all of them do."""
+        """Returns whether the grid is that of a periodic motion, whose balls all move alike."""
         return self.turns != 1.0
 
     @property
     def windows(self) -> list[int]:
-        """Lengths of the stretches; what does not fill whole windows comes first."""
-        whole, left = divmod(self.total, self.window)
-        return [left] * (left > 0) + [self.window] * whole
+        """Returns the lengths of the windows; a rest that fills none comes first."""
+        count, rest = divmod(self.total, self.window)
+        return [rest] * (rest > 0) + [self.window] * count
 
 
 class TimeRun:
     """A dynamic run of a scene.
 
-    `longest` is the longest step over the usual one, a twentieth of a turn.
+    longest: longest step, over the usual one of a twentieth of a turn.
     """
 
     def __init__(
@@ -252,7 +277,7 @@ class TimeRun:
             sums=record.empty_sums(
                 n, system.bearing.rule, strip_centres(scene.model.strips), integrals
             ),
-            # without histories a turn of them is kept, for the range of the loads
+            # without histories one turn is recorded, for the range of the loads
             history=record.empty_history(grid.total if self.keeps_history else grid.points, n),
             keep=True,
         )
@@ -271,16 +296,16 @@ class TimeRun:
         return self.done / self.grid.points * self.grid.turns
 
     def advance(self, count: int) -> int:
-        """Simulate a number of intervals; returns a status."""
-        system, grid, place = self.system, self.grid, self.done
-        instants = record.TimeGrid(origin=grid.origin, dt=grid.dt, first=grid.first)
+        """Simulates a number of intervals; returns a status."""
+        system, grid, first = self.system, self.grid, self.done
+        time_grid = record.TimeGrid(origin=grid.origin, dt=grid.dt, first=grid.first)
         if not self.keeps_history:
             assert count <= grid.points
-            instants, place = instants._replace(first=instants.first + place), 0
+            time_grid, first = time_grid._replace(first=time_grid.first + first), 0
         tally = record.advance_and_record(
             self.control,
-            instants,
-            place,
+            time_grid,
+            first,
             count,
             system.h,
             system.y,
@@ -294,19 +319,19 @@ class TimeRun:
         if tally.status == code.OK:
             self.done += count
             if count:
-                self.loads.add(self.recorder.history.load[place : place + count])
-                self.room = self.land_room(slice(place, place + count))
+                self.loads.add(self.recorder.history.load[first : first + count])
+                self.room = self.land_room(slice(first, first + count))
         return tally.status
 
     def land_room(self, stretch: slice) -> float:
-        """Mean room of the cage to its land over instants of the history, over the clearance."""
+        """Returns the mean room of the cage to its land over a stretch, over the clearance."""
         cage = self.system.bearing.cage
         if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
             return 1.0
         return 1.0 - float(np.hypot(*self.cage_offset(stretch).T).mean()) / cage.gap
 
     def cage_offset(self, stretch: slice) -> np.ndarray:
-        """Places (n, 2) of the cage's centre along Y and Z, from the axis of what guides it [m]."""
+        """Returns positions (n, 2) of the cage's centre from the axis of its guide [m]."""
         history = self.recorder.history
         offset = history.cage[stretch, record.POSITION + 1 : record.POSITION + 3].astype(float)
         if self.system.bearing.cage.land == INNER_LAND:
@@ -314,7 +339,7 @@ class TimeRun:
         return offset
 
     def window(self, length: int) -> int:
-        """Simulate a window and record it; returns a status."""
+        """Simulates a window and records it; returns a status."""
         integrals = self.system.y[self.system.layout.qv :]
         sums, points = self.recorder.sums, self.grid.points
         record.clear(sums)
@@ -325,22 +350,26 @@ class TimeRun:
             count = min(points, length - first)
             if first + points >= length:
                 self.before_last_turn = self.system.packed(), self.system.time
-            before, summed = integrals.copy(), sums.bearing.copy()
+            integrals_before, sums_before = integrals.copy(), sums.bearing.copy()
             status = self.advance(count)
             check_interrupt()
             if status != code.OK:
                 return status
             if count == points:
-                gained = integrals - before
-                preload, torque = (sums.bearing - summed)[
+                gain = integrals - integrals_before
+                preload, torque = (sums.bearing - sums_before)[
                     [record.PRELOAD, record.INNER_RACE_TORQUE]
                 ]
-                self.trend.add(np.array([*self.weights @ gained, preload, torque, self.room]))
-            shown = self.trend if self.trend.known else before_last
+                self.trend.add(np.array([*self.weights @ gain, preload, torque, self.room]))
+            shown = self.trend if self.trend.is_known else before_last
             self.report(self.turns, shown.slopes())
         return code.OK
 
     def counts(self, evaluated: float) -> dict:
+        """Returns numbers of turns and steps as result variables.
+
+        evaluated: turns of the window that was averaged.
+        """
         accepted, rejected, evaluations, events = (int(number) for number in self.tally)
         return {
             "simulated_turns": self.turns,

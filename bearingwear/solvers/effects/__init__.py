@@ -1,1 +1,1 @@
-"""What a solve includes and leaves out: the choice of a model, sentences and warnings."""
+"""Included and neglected effects of a solve: the choice of a model, sentences and warnings."""

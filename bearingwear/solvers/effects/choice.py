@@ -7,7 +7,7 @@ from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.dynamic.stability import check_solution, is_found_periodic
+from bearingwear.solvers.dynamic.stability import check_solution, seeks_periodic
 
 ASKED_FOR = "requested by the scene or the command"
 
@@ -26,69 +26,74 @@ LARGEST_KERNEL = {
 
 @dataclass(frozen=True)
 class Choice:
-    """Model chosen for a scene, with the reason; whether it includes the scene's cage."""
+    """Model chosen for a scene, with the reason."""
 
     scene: Scene
     fidelity: str
     why: str
-    cage: bool = False
+    cage: bool = False  # whether the scene's cage is included
     of_life: bool = False
-    grooves: str = ""  # of a life: whether they wear, and why
+    grooves: str = ""  # in a life: whether they wear, and why
 
     def reduced(self, scene: Scene) -> Scene:
-        """The scene without a cage that is not solved; other models than the dynamic ignore it."""
+        """Returns the scene without a cage that is not solved; only the dynamic model has one."""
         unsolved = self.fidelity == "dynamic" and scene.cage is not None and not self.cage
         return scene.without_cage if unsolved else scene
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Included and neglected effects of the model, in sentences."""
+        """Returns sentences on included and neglected effects."""
         from bearingwear.solvers.effects.table import EFFECTS  # imports this module
 
-        return tuple(said for effect in EFFECTS for said in effect.modelled(self))
+        return tuple(sentence for effect in EFFECTS for sentence in effect.modelled(self))
 
 
 def asymmetries(scene: Scene) -> list[str]:
-    """Properties of a scene that make its balls differ."""
+    """Returns properties of a scene that make its balls differ."""
     if scene.pair is not None:
         return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation
-    found = {
+    properties = {
         "radial load": any(operation.radial_load_N),
         "rotating load": operation.rotating_load_N,
         "tilt": operation.tilt_mrad,
         "unequal ball diameters": len(set(scene.wear.ball_diameter_loss_um)) > 1,
     }
-    return [name for name, stands in found.items() if stands]
+    return [name for name, is_there in properties.items() if is_there]
 
 
 def stands_still(scene: Scene) -> bool:
+    """Returns whether neither race turns."""
     return not (scene.operation.shaft_speed_rpm or scene.operation.outer_speed_rpm)
 
 
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Choose the model; `fidelity` overrides `model.fidelity` of the scene.
+    """Chooses the model; `fidelity` overrides `model.fidelity` of the scene.
 
     Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene.
     """
     wanted = fidelity or scene.model.fidelity
-    _check(scene, wanted)
-    found, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
+    _check_fidelity(scene, wanted)
+    asymmetry, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
     if wanted != "auto":
-        return _chosen(scene, wanted, ASKED_FOR)
+        return _choice_of(scene, wanted, ASKED_FOR)
     if needs_cage:
-        return _chosen(scene, "dynamic", "cage motion and wear are requested")
-    if found and stands_still(scene):
-        return _chosen(scene, "race_control", f"{found} with both races at rest: nothing moves")
-    if found and scene.pair is not None:
-        why = f"{found}, so no steady state exists; the dynamic model does not support a pair"
-        return _chosen(scene, "race_control", why)
-    if found:
-        return _chosen(scene, "dynamic", f"{found}, so no steady state exists")
-    return _chosen(scene, "steady", "pure thrust load")
+        return _choice_of(scene, "dynamic", "cage motion and wear are requested")
+    if asymmetry and stands_still(scene):
+        return _choice_of(
+            scene, "race_control", f"{asymmetry} with both races at rest: nothing moves"
+        )
+    if asymmetry and scene.pair is not None:
+        why = f"{asymmetry}, so no steady state exists; the dynamic model does not support a pair"
+        return _choice_of(scene, "race_control", why)
+    if asymmetry:
+        return _choice_of(scene, "dynamic", f"{asymmetry}, so no steady state exists")
+    return _choice_of(scene, "steady", "pure thrust load")
 
 
-def _check(scene: Scene, wanted: str) -> None:
+def _check_fidelity(scene: Scene, wanted: str) -> None:
+    """Refuses a fidelity that does not exist or cannot solve a scene: NotAvailable."""
+
     def refusal(problem: str, others: str) -> NotAvailable:
         return NotAvailable(
             f"{scene.name}: model.fidelity: got '{wanted}'; {problem}, expected auto, {others}"
@@ -98,22 +103,22 @@ def _check(scene: Scene, wanted: str) -> None:
         raise NotAvailable(
             f"{scene.name}: fidelity: got {wanted!r}, expected {', '.join(FIDELITIES)}"
         )
-    found, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
+    asymmetry, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
         raise refusal("cage motion and wear require the dynamic model", "dynamic")
     if scene.pair is not None and (wanted == "dynamic" or needs_cage):
-        asked, instead = (
+        got, instead = (
             ("model.fidelity: got 'dynamic'", "steady or race_control")
             if wanted == "dynamic"
             else ("model.cage_results: got true", "false")
         )
         raise NotAvailable(
-            f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; the dynamic "
+            f"{scene.name}: {got} with a {scene.pair.kind}, expected {instead}; the dynamic "
             "model supports only one bearing: set arrangement.kind to single (one of two identical "
             "bearings)"
         )
-    if wanted == "steady" and found:
-        raise refusal(f"a scene with {found} has no steady state", "dynamic, race_control")
+    if wanted == "steady" and asymmetry:
+        raise refusal(f"a scene with {asymmetry} has no steady state", "dynamic, race_control")
     if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
             f"{scene.name}: operation.shaft_speed_rpm: got 0 with the outer race at rest, "
@@ -121,17 +126,21 @@ def _check(scene: Scene, wanted: str) -> None:
         )
 
 
-def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
+def _choice_of(scene: Scene, fidelity: str, why: str) -> Choice:
+    """Returns the choice of a fidelity.
+
+    Raises NotAvailable if a requested dynamic solution does not exist.
+    """
     # a dynamic model requested by name includes the cage
     cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
-    chosen = Choice(scene, fidelity, why, cage and scene.cage is not None)
+    chosen = Choice(scene=scene, fidelity=fidelity, why=why, cage=cage and scene.cage is not None)
     if fidelity == "dynamic":
         check_solution(chosen.reduced(scene))
     return chosen
 
 
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Choose the model of a wear life: that of a solve, if it evaluates any criterion of the scene.
+    """Chooses the model of a wear life: that of a solve, if it evaluates any of the criteria.
 
     Raises NotAvailable if the requested fidelity cannot solve this scene, evaluates none of its
     criteria, or is race control for a scene that the steady model solves.
@@ -142,56 +151,59 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
             f"{scene.name}: model.fidelity: got 'race_control' for a life, expected auto or steady:"
             " the steady model solves this scene, and race control only estimates its slip"
         )
-    unseen = unwatched(scene, chosen)
+    unevaluated = unevaluated_criteria(scene, chosen)
     end = scene.wear.end_of_life
-    if unseen and end is not None and unseen.keys() == end.criteria.keys():
-        other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "fidelity dynamic"
+    if unevaluated and end is not None and unevaluated.keys() == end.criteria.keys():
+        alternative = "fidelity auto" if unevaluated.keys() <= NEEDS_SLIP else "fidelity dynamic"
         raise NotAvailable(
-            f"{scene.name}: wear.end_of_life: got only {', '.join(unseen)}, which fidelity "
-            f"{chosen.fidelity} does not evaluate, expected another criterion, or {other}"
+            f"{scene.name}: wear.end_of_life: got only {', '.join(unevaluated)}, which fidelity "
+            f"{chosen.fidelity} does not evaluate, expected another criterion, or {alternative}"
         )
     return replace(chosen, of_life=True)
 
 
-def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
-    """Criteria of a scene that a life of this fidelity does not evaluate, with their limits."""
+def unevaluated_criteria(scene: Scene, chosen: Choice) -> dict[str, float]:
+    """Returns the criteria of a scene that a life does not evaluate, with their limits."""
     end = scene.wear.end_of_life or EndOfLife()
-    blind = set() if chosen.cage else end.criteria.keys() - end.without_cage.criteria.keys()
+    unevaluated = set() if chosen.cage else end.criteria.keys() - end.without_cage.criteria.keys()
     if chosen.fidelity == "race_control" and not stands_still(scene):
-        blind |= NEEDS_SLIP
-    return {name: limit for name, limit in end.criteria.items() if name in blind}
+        unevaluated |= NEEDS_SLIP
+    return {name: limit for name, limit in end.criteria.items() if name in unevaluated}
 
 
 def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
+    """Describes the accuracy settings of a scene in words."""
     model = scene.model
     across = f" by {model.points_across} across" if model.slip_is_over == "ellipse" else ""
-    always = (
+    settings = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
         ", friction regularised below a slip speed of "
         f"{scene.friction.slip_regularisation_m_s:g} m/s"
     )
     if chosen.fidelity != "dynamic":
-        return always
+        return settings
     return (
-        f"{always}, step tolerance {model.dynamic_tolerance:g}, at most {model.simulated_turns:g} "
-        f"turns, settled below a drift of {model.settled_drift:g}"
+        f"{settings}, step tolerance {model.dynamic_tolerance:g}, at most "
+        f"{model.simulated_turns:g} turns, settled below a drift of {model.settled_drift:g}"
     )
 
 
-def effort(scene: Scene, chosen: Choice) -> str:
-    """Rough estimate of the computing time of a solve, in words."""
+def effort_sentence(scene: Scene, chosen: Choice) -> str:
+    """Estimates roughly the computing time of a solve, in words."""
     compiled = PROJECT.is_compiled(LARGEST_KERNEL[chosen.fidelity])
-    before = "" if compiled else f"up to {PROJECT.compile_time} to compile the solver (once), then "
+    compile_words = (
+        "" if compiled else f"up to {PROJECT.compile_time} to compile the solver (once), then "
+    )
     if chosen.fidelity != "dynamic":
-        return f"computing time: {before}milliseconds at any accuracy"
-    if is_found_periodic(chosen.reduced(scene)):
-        return f"computing time: {before}about a tenth of a second"
+        return f"computing time: {compile_words}milliseconds at any accuracy"
+    if seeks_periodic(chosen.reduced(scene)):
+        return f"computing time: {compile_words}about a tenth of a second"
     turns = scene.model.simulated_turns
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
     runs = ""
     if scene.wear.end_of_life is not None:
         runs = f"; a life calculation requires at least about {scene.model.life_steps} such runs"
     return (
-        f"computing time: {before}about {1e-3 * turns * ms:.1g} s for at most {turns:g} shaft "
-        f"turns (estimated from timings of one scene){runs}"
+        f"computing time: {compile_words}about {1e-3 * turns * ms:.1g} s for at most {turns:g} "
+        f"shaft turns (estimated from timings of one scene){runs}"
     )

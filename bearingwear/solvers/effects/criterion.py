@@ -1,4 +1,4 @@
-"""What ended a life: the measure, its value and its limit."""
+"""The criterion that ends a life: its measure, value and limit."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -13,17 +13,18 @@ from bearingwear.sides import OF_ARRANGEMENT, SHARED
 
 
 def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
-    """The measure [SI] of each criterion of a scene that a case holds, and its variable."""
+    """Returns the measure [SI] and the variable of each criterion of a scene that a case holds."""
     end, preload = scene.wear.end_of_life, scene.operation.preload_N
-    held = dict(case)
-    for system, own in OF_ARRANGEMENT.items():
-        if system not in held and own in held:
+    known = dict(case)
+    for system_name, bearing_name in OF_ARRANGEMENT.items():
+        if system_name not in known and bearing_name in known:
             holding = bearings_holding(scene.operation.preload_method)
-            held[system] = holding * np.asarray(held[own])
+            known[system_name] = holding * np.asarray(known[bearing_name])
+    measures = {name: ENDS[name] for name in (end.criteria if end else ())}
     return {
-        name: ENDS[name].critical(lambda one: held.get(one, np.nan), preload)
-        for name in (end.criteria if end else ())
-        if held.keys() & {*ENDS[name].variables} and (preload or not ENDS[name].over_preload)
+        name: measure.critical(lambda variable: known.get(variable, np.nan), preload)
+        for name, measure in measures.items()
+        if known.keys() & {*measure.variables} and (preload or not measure.over_preload)
     }
 
 
@@ -37,29 +38,32 @@ class Reached(NamedTuple):
 
     @property
     def excess(self) -> float:
-        """Ratio of value to limit, or the reverse where less is worse."""
+        """Returns the ratio of value to limit, or its inverse where less is worse."""
         return self.measure.excess(self.value, self.limit)
 
     @property
-    def words(self) -> str:
+    def phrase(self) -> str:
+        """Returns value and limit in words."""
         return self.measure.violation_phrase(self.value, self.limit, self.variable)
 
 
 def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Reached]:
-    """Each criterion that a case is beyond, the farthest first."""
+    """Returns each criterion that a case exceeds, the one exceeded most first."""
     end = scene.wear.end_of_life
-    found = [
+    reached = [
         Reached(ENDS[name], end.criteria[name], *critical)
         for name, critical in criteria_of_case(scene, case).items()
         if end and ENDS[name].is_passed(critical[0], end.criteria[name])
     ]
-    return sorted(found, key=lambda one: -one.excess)
+    return sorted(reached, key=lambda criterion: -criterion.excess)
 
 
 def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | None:
-    """The criterion that ends a life, with its value at a step; None if none does.
+    """Returns the criterion that ends a life, with its value at a step; None if none does.
 
-    The value is that of the worse bearing of a pair.
+    In a pair, the value is that of the worse bearing.
+
+    k: index of the step in the histories.
     """
     name, end = CRITERIA[int(life["end_criterion"])], scene.wear.end_of_life
     if end is None or name not in ENDS or "history_ball_diameter_loss" not in life:
@@ -67,15 +71,15 @@ def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | No
 
     def at_step(variable: str) -> np.ndarray:
         history = np.asarray(life[f"history_{variable}"])
-        of_each = len(scene.sides) > 1 and f"history_{variable}" not in SHARED
-        return history[:, k] if of_each else history[k]
+        is_by_bearing = len(scene.sides) > 1 and f"history_{variable}" not in SHARED
+        return history[:, k] if is_by_bearing else history[k]
 
     initial = np.array([side.operation.preload_N for side in scene.sides])
     return Reached(ENDS[name], end.criteria[name], *ENDS[name].critical(at_step, initial))
 
 
 def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
-    """Attribute of a life that says which criterion ended it, at what value and limit."""
+    """Returns the attribute of a life that names the criterion, its value and its limit."""
     met = criterion_met(scene, values, -1)
     if met is None:
         return {}

@@ -1,4 +1,4 @@
-"""What warnings look at: a scene, and the states of its result."""
+"""Input of the warnings: a scene, and the states of its result."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -16,8 +16,8 @@ from bearingwear.solvers.state import State
 INNER_SIDE, OUTER_SIDE = 0, 1
 
 Finding = dict[str, Any]
-"""What fills the sentence of a warning: `value` and `limit`, or the `excess` of the one over the
-other; neither of a fact."""
+"""Values that complete the sentence of a warning. They include `value` and `limit`, or their ratio
+`excess`; a plain fact has neither."""
 
 _UNKNOWN = (math.nan, math.nan)
 _UNKNOWN_STATUS = -1
@@ -25,7 +25,7 @@ _UNKNOWN_STATUS = -1
 
 @dataclass(frozen=True)
 class Evidence:
-    """A scene and a state of it; only its temperatures are known where it was not verified."""
+    """A scene and a state of it, of which only temperatures are known if it was not verified."""
 
     scene: Scene
     chosen: Choice
@@ -34,10 +34,11 @@ class Evidence:
     case: Mapping[str, Any] | None = None  # values of a case
 
     def contacts(self, name: str) -> np.ndarray:
-        """A variable in every contact (n, 2); NaN where it is not known."""
+        """Returns a variable in every contact (n, 2); NaN where it is not known."""
         return np.atleast_2d(self.state.values.get(name, _UNKNOWN))
 
     def mean(self, name: str) -> float:
+        """Returns the mean of a variable over the balls."""
         return float(np.mean(self.state[name]))
 
 
@@ -51,19 +52,19 @@ _SOLVED = (
 
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
-    """A case, or the first and the last state of a life."""
+    """Yields a case, or the first and the last state of a life."""
     status = int(values.get("status", _UNKNOWN_STATUS))
     prefix = "history_" if "end_criterion" in values else ""
-    found = values.get(prefix + "part_temperature", part_temperatures(scene))
-    warmth = {"part_temperature": np.atleast_2d(found)[-1]}
-    solved = all(np.size(values.get(prefix + name, ())) for name in _SOLVED)
-    unverified = not prefix and status not in (_UNKNOWN_STATUS, code.OK)
-    if not solved or unverified:
-        yield Evidence(scene, chosen, State(status, warmth))
+    temperatures = values.get(prefix + "part_temperature", part_temperatures(scene))
+    temperature_values = {"part_temperature": np.atleast_2d(temperatures)[-1]}
+    is_solved = all(np.size(values.get(prefix + name, ())) for name in _SOLVED)
+    is_unverified = not prefix and status not in (_UNKNOWN_STATUS, code.OK)
+    if not is_solved or is_unverified:
+        yield Evidence(scene, chosen, State(status, temperature_values))
     elif not prefix:
-        yield Evidence(scene, chosen, State(status, warmth | dict(values)), case=values)
+        yield Evidence(scene, chosen, State(status, temperature_values | dict(values)), case=values)
     else:
-        histories = {name[len(prefix) :]: one for name, one in values.items() if prefix in name}
+        histories = {name[len(prefix) :]: value for name, value in values.items() if prefix in name}
         for k in (0, -1):
-            state = {name: np.asarray(one)[k] for name, one in histories.items()}
-            yield Evidence(scene, chosen, State(status, warmth | state), life=values)
+            state = {name: np.asarray(value)[k] for name, value in histories.items()}
+            yield Evidence(scene, chosen, State(status, temperature_values | state), life=values)

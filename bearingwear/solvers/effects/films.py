@@ -21,32 +21,35 @@ from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 
 def film_sentences(chosen: Choice) -> Iterator[str]:
-    scene, films, given = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
-    if given is not None:
-        plus = f" plus {given.pressure_coefficient:g}" if given.pressure_coefficient else ""
+    """Describes friction and wear of films, and running in."""
+    scene, films, film = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
+    if film is not None:
+        offset = f" plus {film.pressure_coefficient:g}" if film.pressure_coefficient else ""
         yield (
-            f"friction: film shear strength ({given.shear_strength_MPa:g} MPa) divided by the "
-            f"mean pressure of each contact{plus}; about {_at_rest(scene)} at rest"
+            f"friction: film shear strength ({film.shear_strength_MPa:g} MPa) divided by the "
+            f"mean pressure of each contact{offset}; about {_friction_at_rest(scene)} at rest"
         )
     if films.table is not None:
-        warmth = "at the mean temperature of ring and balls"
+        temperature_words = "at the mean temperature of ring and balls"
         if np.isnan(contact_temperatures(scene)).any():
-            warmth = f"at {films.table.reference:g} degC (the scene gives no temperature)"
+            temperature_words = (
+                f"at {films.table.reference:g} degC (the scene gives no temperature)"
+            )
         rows = _table_range(films.table)
         yield (
             f"wear of films: by their lives in tests ({rows}), under the Hertzian peak pressure of "
-            f"each contact and {warmth}"
+            f"each contact and {temperature_words}"
         )
-    coated = {"races": films.race, "balls": films.ball}
-    for part, surface in coated.items():
+    surfaces = {"races": films.race, "balls": films.ball}
+    for part, surface in surfaces.items():
         if surface.film is None:
             continue
         factor = surface.film.factor
-        thick = "never worn through"
+        thickness = "never worn through"
         if math.isfinite(surface.thickness):
-            thick = f"{surface.thickness / UM:g} um thick; {_then(scene)}"
-        yield f"film on the {part}: K_s/H {factor:.2g} m2/N; {thick}"
-    for part, surface in coated.items():
+            thickness = f"{surface.thickness / UM:g} um thick; {_worn_through_words(scene)}"
+        yield f"film on the {part}: K_s/H {factor:.2g} m2/N; {thickness}"
+    for part, surface in surfaces.items():
         if surface.running_in:
             yield (
                 f"running-in of the {part}: K_s from {surface.first:g} to "
@@ -55,44 +58,46 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _table_range(table: WearTable) -> str:
-    """Range of pressures and temperatures of a table."""
-    both = (table.pressure / MPA, table.temperature)
-    pressures, temperatures = (" to ".join(dict.fromkeys(map(plain, one[[0, -1]]))) for one in both)
+    """Describes the range of pressures and temperatures of a table."""
+    pressures, temperatures = (
+        " to ".join(dict.fromkeys(map(plain, values[[0, -1]])))
+        for values in (table.pressure / MPA, table.temperature)
+    )
     return f"{pressures} MPa, {temperatures} degC"
 
 
 NEAR_TESTS_K = 5.0
-"""Kelvin beyond the temperatures of a table from which on it is warned of, assumed."""
+"""Kelvin beyond the temperatures of a table above which there is a warning, assumed."""
 
 
 def film_beyond_tests(e: Evidence) -> Finding | None:
-    """The contact whose pressure or temperature lies farthest beyond the tests of its film."""
-    table, found = Films.of(e.scene).table, []
+    """Finds the contact whose pressure or temperature lies farthest beyond the film's tests."""
+    table, findings = Films.of(e.scene).table, []
     if table is None:
         return None
     pressures = PEAK_OVER_MEAN * pressure_of_load(e.scene, e.contacts("contact_load").mean(axis=0))
     for pressure in pressures.tolist():
         low, high = table.pressure[[0, -1]].tolist()
         excess = max(pressure / high, low / pressure) if pressure > 0.0 else math.nan
-        found.append((excess, f"peak pressure of {plain(pressure / MPA)} MPa", pressure > high))
-    for kelvin in contact_temperatures(e.scene, e.state["part_temperature"]).tolist():
+        findings.append((excess, f"peak pressure of {plain(pressure / MPA)} MPa", pressure > high))
+    for celsius in contact_temperatures(e.scene, e.state["part_temperature"]).tolist():
         low, high = table.temperature[[0, -1]].tolist()
-        excess = 1.0 + (max(kelvin - high, low - kelvin) - NEAR_TESTS_K) / 100.0
-        found.append((excess, f"temperature of {plain(kelvin)} degC", kelvin > high))
-    beyond = [one for one in found if not math.isnan(one[0])]
-    if not beyond:
+        excess = 1.0 + (max(celsius - high, low - celsius) - NEAR_TESTS_K) / 100.0
+        findings.append((excess, f"temperature of {plain(celsius)} degC", celsius > high))
+    known = [finding for finding in findings if not math.isnan(finding[0])]
+    if not known:
         return None
-    excess, what, above = max(beyond)
-    advice = "expect a shorter life than computed" if above else "the life computed is cautious"
-    return {"what": what, "range": _table_range(table), "advice": advice, "excess": excess}
+    excess, quantity, is_above = max(known)
+    advice = "expect a shorter life than computed" if is_above else "the life computed is cautious"
+    return {"what": quantity, "range": _table_range(table), "advice": advice, "excess": excess}
 
 
 def film_worn(e: Evidence) -> Finding | None:
-    """A film worn through in a life that continues with the film's friction."""
+    """Finds a film worn through in a life that continues with the film's friction."""
     if e.life is None or "history_film_worn_share" not in e.life:
         return None
-    shares, given = e.life["history_film_worn_share"], e.scene.friction.film
-    if not shares.max() > 0.0 or (given is not None and given.bare_ball_race is not None):
+    shares, film = e.life["history_film_worn_share"], e.scene.friction.film
+    if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
     if len(shares) < 3 or not shares[:-1].max() > 0.0:  # it ends there
         return None
@@ -100,25 +105,28 @@ def film_worn(e: Evidence) -> Finding | None:
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
 
 
-def _then(scene: Scene) -> str:
-    end, given = scene.wear.end_of_life, scene.friction.film
+def _worn_through_words(scene: Scene) -> str:
+    """States what happens where a film is worn through."""
+    end, film = scene.wear.end_of_life, scene.friction.film
     if end is not None and end.film_worn_share is not None:
         share = f"{100.0 * end.film_worn_share:g} %"
         return f"the life ends when the film is worn through over {share} of a track"
-    if given is not None and given.bare_ball_race is not None:
-        return f"where the film is worn through, friction is {given.bare_ball_race:g}"
+    if film is not None and film.bare_ball_race is not None:
+        return f"where the film is worn through, friction is {film.bare_ball_race:g}"
     return "where the film is worn through, friction is unchanged"
 
 
-def _at_rest(scene: Scene) -> str:
-    """Friction coefficients under the preload at rest, by fitted Hertz factors."""
+def _friction_at_rest(scene: Scene) -> str:
+    """Describes friction coefficients under the preload at rest, by fitted Hertz factors."""
     # loaded here: its kernels load slowly, and other commands do not use them
     from bearingwear.solvers.bearing.parameters import friction_law
 
     g, preload, law = mounted_geometry(scene), scene.operation.preload_N, friction_law(scene)
-    sine = math.sin(g.alpha0)
-    if not (preload > 0.0 and sine > 0.0):
+    sin_alpha = math.sin(g.alpha0)
+    if not (preload > 0.0 and sin_alpha > 0.0):
         return f"at least {law.mu:.3g}"
-    loads = np.full(2, preload / (g.n_balls * sine))
-    pair = (law.mu + law.S / float(p) if law.S else law.mu for p in pressure_of_load(scene, loads))
-    return " (inner) and ".join(f"{mu:.2g}" for mu in pair) + " (outer)"
+    loads = np.full(2, preload / (g.n_balls * sin_alpha))
+    coefficients = (
+        law.mu + law.S / float(p) if law.S else law.mu for p in pressure_of_load(scene, loads)
+    )
+    return " (inner) and ".join(f"{mu:.2g}" for mu in coefficients) + " (outer)"

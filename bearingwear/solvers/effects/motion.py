@@ -9,15 +9,15 @@ from bearingwear.scene.arrangement import Arrangement, set_over_pair
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
-from bearingwear.solvers.dynamic.stability import is_found_periodic, why_not_periodic
+from bearingwear.solvers.dynamic.stability import seeks_periodic, why_not_periodic
 from bearingwear.solvers.effects.choice import Choice, asymmetries
 
 
 def centrifugal_share(scene: Scene) -> float:
-    """Centrifugal force on a ball over its contact load under the preload alone, estimated.
+    """Estimates the centrifugal force on a ball over its contact load under the preload [1].
 
-    Estimated by the kinematics at the free contact angle [1]; NaN without a preload. Friction
-    depends on the angles at speed and is not estimated.
+    The kinematics is that at the free contact angle. NaN without a preload. Friction depends on the
+    angles at speed and is not estimated.
     """
     b, operation = scene.bearing, scene.operation
     D, dm = MM * b.ball_diameter_mm, MM * b.pitch_diameter_mm
@@ -29,10 +29,10 @@ def centrifugal_share(scene: Scene) -> float:
 
 
 def gyroscopic_share(scene: Scene) -> float:
-    """Traction that carries the gyroscopic moment over the axial load of a ball, estimated.
+    """Estimates the traction that carries the gyroscopic moment over a ball's axial load [1].
 
-    M_g/R over the preload of a ball at the free contact angle [1]. The spin axis is that of inner
-    race control, the steeper of the two; NaN without a preload.
+    It is M_g/R over the preload of a ball at the free contact angle. The spin axis is that of inner
+    race control, the steeper of the two. NaN without a preload.
     """
     b, operation = scene.bearing, scene.operation
     D, alpha = MM * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
@@ -47,7 +47,10 @@ def gyroscopic_share(scene: Scene) -> float:
 
 
 def rolling_rates(scene: Scene) -> tuple[float, float]:
-    """Orbit rates relative to the outer race and in space, rolling at the free contact angle."""
+    """Returns orbit rates relative to the outer race and in space [rad/s].
+
+    The balls roll at the free contact angle.
+    """
     b, operation = scene.bearing, scene.operation
     omega_i, omega_o = (RPM * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm))
     lean = b.ball_diameter_mm / b.pitch_diameter_mm * math.cos(math.radians(b.contact_angle_deg))
@@ -56,9 +59,9 @@ def rolling_rates(scene: Scene) -> tuple[float, float]:
 
 
 def spin_across_share(scene: Scene) -> float:
-    """Share of a spinning contact's friction due to slip across the ellipse, estimated.
+    """Estimates the share of spin friction due to slip across the ellipse [1].
 
-    E(m) - 1 [1] at the free contact angle, for the race with the larger value; by the fit E =
+    It is E(m) - 1 at the free contact angle, for the race with the larger value, by the fit E =
     1.0003 + 0.5968 A/B of Brewe and Hamrock (1977).
     """
     g = mounted_geometry(scene)
@@ -66,13 +69,14 @@ def spin_across_share(scene: Scene) -> float:
     return max(0.0003 + 0.5968 * A / B for A, B in pairs)
 
 
-def slip(chosen: Choice) -> Iterator[str]:
+def slip_sentences(chosen: Choice) -> Iterator[str]:
+    """Describes where slip is evaluated, and what a centre line neglects."""
     model = chosen.scene.model
     share = 100.0 * spin_across_share(chosen.scene)
     size = f"about {plain(share, 2)} % of the friction of a spinning contact"
     if model.slip_is_over == "line":
-        who = "model.slip_over" if model.slip_over else "model.contact: paper"
-        yield f"slip: evaluated on the centre line of the ellipse ({who}), which neglects {size}"
+        key = "model.slip_over" if model.slip_over else "model.contact: paper"
+        yield f"slip: evaluated on the centre line of the ellipse ({key}), which neglects {size}"
     else:
         yield (
             "slip: evaluated over the whole ellipse; evaluation on its centre line would neglect "
@@ -80,62 +84,65 @@ def slip(chosen: Choice) -> Iterator[str]:
         )
 
 
-def traction_borne(chosen: Choice) -> Iterator[str]:
+def traction_sentences(chosen: Choice) -> Iterator[str]:
+    """Describes whether traction counts in the balance of normal forces, and its share."""
     model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
-    share_of = (
+    share_words = (
         "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
     )
     status = "included in the balance of normal forces"
     if chosen.fidelity == "race_control":
         status += " at the controlling race"
     elif not model.traction_bears:
-        why = "model.normal_balance" if model.normal_balance else "model.contact: paper"
-        status = f"neglected in the balance of normal forces ({why})"
+        key = "model.normal_balance" if model.normal_balance else "model.contact: paper"
+        status = f"neglected in the balance of normal forces ({key})"
     yield (
-        f"traction: {status}; the part that balances the gyroscopic moment is {share_of} of a "
+        f"traction: {status}; the part that balances the gyroscopic moment is {share_words} of a "
         "ball's axial load"
     )
 
 
-def pair(chosen: Choice) -> Iterator[str]:
+def pair_sentences(chosen: Choice) -> Iterator[str]:
+    """Describes how a pair is solved, and what is assumed of it."""
     a = chosen.scene.pair
     if a is None:
         return
-    solved = "each bearing has its own displacement, and the rotor is in equilibrium"
+    solution = "each bearing has its own displacement, and the rotor is in equilibrium"
     if a.is_symmetric:
-        solved = "two identical bearings without an external force, solved as one"
-    preload = "fixed spacing" if a.kind == "rigid_pair" else "a spring preloads the second"
-    yield f"{a.kind.replace('_', ' ')}: {solved}; {preload}"
+        solution = "two identical bearings without an external force, solved as one"
+    preload_words = "fixed spacing" if a.kind == "rigid_pair" else "a spring preloads the second"
+    yield f"{a.kind.replace('_', ' ')}: {solution}; {preload_words}"
     if max(a.tandem) > 1:
         counts = " and ".join(map(str, a.tandem))
         yield (
             f"tandem: {counts} identical bearings on the two sides; bearings on the same side "
-            f"share its load equally; {_set_preload(chosen.scene, a)}"
+            f"share its load equally; {_set_preload_words(chosen.scene, a)}"
         )
     if asymmetries(chosen.scene):
         yield "radial load and tilt: the values in the scene apply to each bearing"
     if a.rotor_mass_kg is not None and a.span_mm is not None:
-        rod = " with the transverse inertia of a slender rod"
+        inertia = " with the transverse inertia of a slender rod"
         if a.rotor_transverse_inertia_kg_mm2:
-            rod = ""
-        yield f"natural frequencies: for a rigid rotor at standstill{rod} (assumed)"
+            inertia = ""
+        yield f"natural frequencies: for a rigid rotor at standstill{inertia} (assumed)"
 
 
-def _set_preload(scene: Scene, a: Arrangement) -> str:
-    """What the preload of a set is the force of, and what it would be from a maker's pair."""
+def _set_preload_words(scene: Scene, a: Arrangement) -> str:
+    """States which force the preload of a set is, and the corresponding one of a maker's pair."""
     preload = scene.operation.preload_N
     of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
         return of_side
-    times = set_over_pair(a.tandem)
+    ratio = set_over_pair(a.tandem)
     return (
-        f"{of_side}; bearings matched for a pair of {plain(preload / times)} N give it, because a "
-        f"set has {times:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
-        f"set {plain(preload * times)} N)"
+        f"{of_side}; bearings matched for a pair of {plain(preload / ratio)} N give it, because a "
+        f"set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
+        f"set {plain(preload * ratio)} N)"
     )
 
 
-def no_cage(chosen: Choice) -> Iterator[str]:
+def cage_sentences(chosen: Choice) -> Iterator[str]:
+    """Names a cage that is missing or neglected."""
     if chosen.scene.cage is None:
         yield "cage: none in the scene"
     elif not chosen.cage:
@@ -145,13 +152,14 @@ def no_cage(chosen: Choice) -> Iterator[str]:
         )
 
 
-def balls(chosen: Choice) -> Iterator[str]:
+def ball_sentences(chosen: Choice) -> Iterator[str]:
+    """Describes the motion of the balls in the model, and the forces on them."""
     scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
         yield "balls: one ball represents all, because all balls move identically"
-        yield from _forces(scene)
+        yield from _force_sentences(scene)
     elif chosen.fidelity == "dynamic":
-        yield from _in_time(scene)
+        yield from _dynamic_sentences(scene)
     else:
         yield (
             "ball motion: determined by Jones-Harris race control, without a friction balance; "
@@ -164,12 +172,14 @@ def balls(chosen: Choice) -> Iterator[str]:
             yield "lubricant drag: neglected, because race control excludes skidding"
 
 
-def _forces(scene: Scene) -> Iterator[str]:
-    """Always included, because neglecting one saves no time (benchmarks/reductions.py)."""
+def _force_sentences(scene: Scene) -> Iterator[str]:
+    """Describes the forces on a ball; neglecting one saves no time (benchmarks/reductions.py)."""
     share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
     if not math.isnan(share):
-        times = f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"
-        size = f"about {times} the contact load due to the preload at rest"
+        share_words = (
+            f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"
+        )
+        size = f"about {share_words} the contact load due to the preload at rest"
     yield f"centrifugal force: included; {size}"
     yield "gyroscopic moment: included"
     yield "lubricant drag: " + (
@@ -178,15 +188,16 @@ def _forces(scene: Scene) -> Iterator[str]:
     yield "elastic micro-slip: not modelled; it would reduce QV by 2 to 5 %"
 
 
-def _in_time(scene: Scene) -> Iterator[str]:
+def _dynamic_sentences(scene: Scene) -> Iterator[str]:
+    """Describes degrees of freedom, loads and cage of the dynamic model."""
     operation, cage = scene.operation, scene.cage
-    fixed = operation.preload_method == "fixed_position"
-    loads = [] if fixed else [f"preload of {operation.preload_N:g} N"]
+    is_fixed = operation.preload_method == "fixed_position"
+    loads = [] if is_fixed else [f"preload of {operation.preload_N:g} N"]
     if any(operation.radial_load_N):
         loads.append("radial load fixed in space")
     if operation.rotating_load_N:
         loads.append("radial load rotating with the shaft, initially along +Z")
-    freedoms = "two translations, axially fixed" if fixed else "three translations"
+    freedoms = "two translations, axially fixed" if is_fixed else "three translations"
     tilt = f"{operation.tilt_mrad:g} mrad about Y, constant" if operation.tilt_mrad else "none"
     yield (
         f"balls: {scene.bearing.ball_count}; the three rotations and the orbit of each are "
@@ -195,7 +206,7 @@ def _in_time(scene: Scene) -> Iterator[str]:
     yield f"inner race: {freedoms}, in equilibrium at each instant"
     yield f"loads on the inner race: {', '.join(loads) or 'axial force alone'}"
     yield f"tilt of the inner race: {tilt}"
-    yield from _forces(scene)
+    yield from _force_sentences(scene)
     if len(set(scene.wear.ball_diameter_loss_um)) > 1:
         yield "ball diameters: individual, as worn"
     if cage is not None:
@@ -208,10 +219,10 @@ def _in_time(scene: Scene) -> Iterator[str]:
         )
         balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
         yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
-        steps = scene.model.dynamic_tolerance
-        if steps > CAGE_TOLERANCE:
-            yield f"steps: tolerance {steps:g}; cage wear requires 0.001"
-        elif steps == CAGE_TOLERANCE:
+        tolerance = scene.model.dynamic_tolerance
+        if tolerance > CAGE_TOLERANCE:
+            yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
+        elif tolerance == CAGE_TOLERANCE:
             yield (
                 "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
                 "motion persists"
@@ -222,11 +233,12 @@ def _in_time(scene: Scene) -> Iterator[str]:
     )
 
 
-def solution(chosen: Choice) -> Iterator[str]:
+def solution_sentences(chosen: Choice) -> Iterator[str]:
+    """Describes how the dynamic model finds the motion."""
     scene = chosen.reduced(chosen.scene)
     if chosen.fidelity != "dynamic":
         return
-    if is_found_periodic(scene):
+    if seeks_periodic(scene):
         yield "motion: periodic, computed directly; the balls are evenly spaced, as with a cage"
     elif scene.model.dynamic_solution == "march":
         yield "motion: integrated in time until it settles (model.dynamic_solution)"

@@ -1,4 +1,4 @@
-"""How far a bearing is beyond what practice allows: the limits of warnings, and their findings.
+"""Limits of practice, and findings of bearings beyond them.
 
 Each limit has a source or is called assumed, or a rule of thumb. The sentences stand in `table`.
 """
@@ -33,7 +33,7 @@ LIGHTEST_INNER = 0.1
 drives a ball."""
 
 LONGEST_LIFTED = 0.05
-"""Share of time off the inner race that knocks of the cage explain, assumed."""
+"""Share of time off the inner race that impacts of the cage may explain, assumed."""
 
 LEAST_PRELOAD = 1.5e-3
 """Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa at rest in steel, assumed."""
@@ -47,18 +47,18 @@ WARMEST_STEEL, COLDEST = 200.0, -150.0
 200 (makers' class S1). Below -150 bearings run in cryogenic fluids alone, of steels like 440C."""
 
 WARMEST_POLYMER, POLYMER_GPA = 120.0, 30.0
-"""Most of a cage of phenolic resin and fabric [degC], by makers' catalogues; Young's modulus below
-which a cage is taken for a polymer."""
+"""Highest temperature of a cage of phenolic resin and fabric [degC], by makers' catalogues; Young's
+modulus below which a cage counts as a polymer."""
 
 CERAMIC_DENSITY = 6000.0
-"""Density [kg/m3] below which balls or races as stiff as steel are taken for ceramic."""
+"""Density [kg/m3] below which balls or races as stiff as steel count as ceramic."""
 
 UNLOADING = 0.6
 """Radial load times tan(contact angle) over the thrust at which a ball loses its load at rest, by
 Sjovall's integrals for point contact."""
 
 MOST_RADIAL = 0.4
-"""The same from which on the least loaded ball is warned of: two thirds of that, assumed."""
+"""The same ratio above which there is a warning: two thirds of that, assumed."""
 
 MOST_GROWN = 3.0
 """Running preload of a fixed position over the one set, a rule of thumb: many spindles run at
@@ -76,70 +76,82 @@ _GPA, _MPA, _MM = 1e9, 1e6, 1e-3
 _CONTACT = "contact_angle", "contact_load", "semi_major_axis"
 
 
-def _for_less_pressure(e: Evidence) -> str:
-    tilted = abs(e.scene.operation.tilt_mrad) > MOST_TILT
-    return "reduce the tilt" if tilted else "reduce the load or speed, or use larger balls"
+def _pressure_advice(e: Evidence) -> str:
+    """States how to reduce the pressure."""
+    is_tilted = abs(e.scene.operation.tilt_mrad) > MOST_TILT
+    return "reduce the tilt" if is_tilted else "reduce the load or speed, or use larger balls"
 
 
-def dents(e: Evidence) -> Finding:
+def pressure_above_yield(e: Evidence) -> Finding:
+    """Compares the peak pressure with the yield pressure."""
     limit, source = yield_pressure(e.scene)
     value = float(np.max(e.state["maximum_pressure"])) / _GPA
-    return {"value": value, "limit": limit, "source": source, "take": _for_less_pressure(e)}
+    return {"value": value, "limit": limit, "source": source, "take": _pressure_advice(e)}
 
 
-def pressed_hard(e: Evidence) -> Finding | None:
+def pressure_above_practice(e: Evidence) -> Finding | None:
+    """Compares a peak pressure below yield with that of a long life."""
     limit, _ = yield_pressure(e.scene)
     value = float(np.max(e.state["maximum_pressure"])) / _GPA
     if value > limit:  # another warning says so
         return None
-    return {"value": value, "limit": LONG_LIVED * limit, "take": _for_less_pressure(e)}
+    return {"value": value, "limit": LONG_LIVED * limit, "take": _pressure_advice(e)}
 
 
-def over_shoulder(e: Evidence) -> Finding:
-    """The edge of the ellipse that comes closest to its shoulder, as angles from the bottom."""
-    b = e.scene.bearing
-    D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
+def ellipse_over_shoulder(e: Evidence) -> Finding:
+    """Finds the edge of an ellipse closest to its shoulder, as angles from the groove's bottom."""
+    bearing = e.scene.bearing
+    D, cosine = bearing.ball_diameter_mm, math.cos(math.radians(bearing.contact_angle_deg))
     angle, load, major = (e.contacts(name) for name in _CONTACT)
-    if e.case is not None and "maximum_contact_load" in e.case:  # the largest, not the mean
+    if e.case is not None and "maximum_contact_load" in e.case:  # the largest load, not the mean
         with np.errstate(invalid="ignore", divide="ignore"):
             peak = np.cbrt(np.asarray(e.case["maximum_contact_load"]) / load)
         major = major * np.where(np.isfinite(peak), peak, 1.0)
-    found = []
-    radii = np.array([b.inner_groove_factor * D, b.outer_groove_factor * D])
+    findings = []
+    radii = np.array([bearing.inner_groove_factor * D, bearing.outer_groove_factor * D])
     edges = np.degrees(angle + major / (_MM * radii))
     edges = np.where(load > 0.0, edges, -np.inf).max(axis=0)  # not where a ball is lifted off
-    for race, side, r, shoulder in (
-        (INNER_SIDE, -1.0, radii[INNER_SIDE], b.inner_shoulder_mm),
-        (OUTER_SIDE, 1.0, radii[OUTER_SIDE], b.outer_shoulder_mm),
+    for race, side, radius, shoulder in (
+        (INNER_SIDE, -1.0, radii[INNER_SIDE], bearing.inner_shoulder_mm),
+        (OUTER_SIDE, 1.0, radii[OUTER_SIDE], bearing.outer_shoulder_mm),
     ):
-        limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
+        limit = max(SHOULDER_DEG, bearing.contact_angle_deg + SHOULDER_ROOM_DEG)
         source = "the assumed shoulder"
         if shoulder is not None:
-            centre = 0.5 * b.pitch_diameter_mm - side * (r - 0.5 * D) * cosine
-            rise = side * (0.5 * shoulder - centre) / r
+            centre = 0.5 * bearing.pitch_diameter_mm - side * (radius - 0.5 * D) * cosine
+            rise = side * (0.5 * shoulder - centre) / radius
             limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "the shoulder"
-        words = {"value": edges[race], "limit": limit, "source": source}
-        found.append(words | {"race": ("inner", "outer")[race]})
-    return max(found, key=lambda one: one["value"] / one["limit"])
+        finding = {"value": edges[race], "limit": limit, "source": source}
+        findings.append(finding | {"race": ("inner", "outer")[race]})
+    return max(findings, key=lambda finding: finding["value"] / finding["limit"])
 
 
-def too_fast(e: Evidence) -> Finding:
-    o = e.scene.operation
-    relative = abs(o.shaft_speed_rpm - o.outer_speed_rpm)
+def speed_beyond_practice(e: Evidence) -> Finding:
+    """Compares speed times pitch diameter with the fastest bearings on rigs."""
+    operation = e.scene.operation
+    relative = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm)
     value = 1e-6 * relative * e.scene.bearing.pitch_diameter_mm
     return {"value": value, "limit": FASTEST}
 
 
-def faster_than_made_for(e: Evidence) -> Finding | None:
-    """Of one under a light spring, or of a rigid pair by its preload; a starved bearing has no
-    oil that cools it, so the limit with grease counts."""
+def speed_beyond_makers(e: Evidence) -> Finding | None:
+    """Compares the speed with the maker's limit.
+
+    The limit is that under a light spring, or of a rigid pair by its preload. A starved bearing has
+    no oil that cools it, so the limit with grease counts.
+    """
     entry = entry_of_bearing(vars(e.scene.bearing))
     if entry is None:
         return None
-    o = e.scene.operation
-    factor, name = entry.speed_factor(o.preload_method, o.preload_N)
-    limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
-    kind = f"in a rigid pair of preload class {name}" if name else "with light spring preload"
+    operation = e.scene.operation
+    factor, class_name = entry.speed_factor(operation.preload_method, operation.preload_N)
+    limit = factor * entry.speed_grease
+    value = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm)
+    kind = (
+        f"in a rigid pair of preload class {class_name}"
+        if class_name
+        else "with light spring preload"
+    )
     return {
         "value": value,
         "limit": limit,
@@ -151,106 +163,124 @@ def faster_than_made_for(e: Evidence) -> Finding | None:
 
 
 def hoop_stress(e: Evidence) -> Finding | None:
-    """Hoop stress at the bore of a rotating annulus, out to the shoulder or the groove's bottom."""
-    b = e.scene.bearing
-    if b.bore_mm is None:
+    """Returns the hoop stress at the bore of a rotating annulus.
+
+    It reaches out to the shoulder, or to the bottom of the groove.
+    """
+    bearing = e.scene.bearing
+    if bearing.bore_mm is None:
         return None
-    steel = e.scene.materials[b.race_material]
-    inside = 0.5 * _MM * b.bore_mm
-    bottom = b.pitch_diameter_mm - b.ball_diameter_mm
-    outside = 0.5 * _MM * (b.inner_shoulder_mm or bottom)
-    nu, omega = steel.poisson_ratio, math.pi / 30.0 * e.scene.operation.shaft_speed_rpm
-    squares = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
-    value = 0.25 * steel.density_kg_m3 * omega**2 * squares / _MPA
+    material = e.scene.materials[bearing.race_material]
+    inside = 0.5 * _MM * bearing.bore_mm
+    bottom = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
+    outside = 0.5 * _MM * (bearing.inner_shoulder_mm or bottom)
+    nu, omega = material.poisson_ratio, math.pi / 30.0 * e.scene.operation.shaft_speed_rpm
+    shape = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
+    value = 0.25 * material.density_kg_m3 * omega**2 * shape / _MPA
     return {"value": value, "limit": HOOP_MPA}
 
 
-def inner_load(e: Evidence) -> Finding | None:
+def inner_load_lost(e: Evidence) -> Finding | None:
+    """Finds a ball that is off the inner race, or hardly driven by it."""
     if e.scene.operation.shaft_speed_rpm == e.scene.operation.outer_speed_rpm == 0.0:
         return None  # nothing skids
     load = e.contacts("contact_load")
     share = np.min(load[:, INNER_SIDE] / load[:, OUTER_SIDE])
-    known = e.state.values.get("unloaded_share", load == 0.0)
-    lifted = float(np.max(known[:, INNER_SIDE]))
-    if lifted > LONGEST_LIFTED:
-        time = f"{plain(100.0 * lifted, 2)} % of the time"
-        most = f"rule of thumb: at most {100.0 * LONGEST_LIFTED:g} %"
-        said = f"a ball is out of contact with the inner race for {time} ({most})"
-        return {"excess": lifted / LONGEST_LIFTED, "said": said}
+    unloaded = e.state.values.get("unloaded_share", load == 0.0)
+    lifted_share = float(np.max(unloaded[:, INNER_SIDE]))
+    if lifted_share > LONGEST_LIFTED:
+        time = f"{plain(100.0 * lifted_share, 2)} % of the time"
+        allowed = f"rule of thumb: at most {100.0 * LONGEST_LIFTED:g} %"
+        phrase = f"a ball is out of contact with the inner race for {time} ({allowed})"
+        return {"excess": lifted_share / LONGEST_LIFTED, "phrase": phrase}
     least = f"{100.0 * LIGHTEST_INNER:g} %"
-    said = (
+    phrase = (
         f"a ball's inner contact load is only {plain(100.0 * share, 2)} % of its outer contact "
         f"load (rule of thumb: at least {least})"
     )
-    return {"excess": LIGHTEST_INNER / share, "said": said}
+    return {"excess": LIGHTEST_INNER / share, "phrase": phrase}
 
 
-def tiny_preload(e: Evidence) -> Finding | None:
-    b, preload = e.scene.bearing, e.scene.operation.preload_N
+def preload_too_small(e: Evidence) -> Finding | None:
+    """Compares the preload with a minimum for the balls."""
+    bearing, preload = e.scene.bearing, e.scene.operation.preload_N
     if not preload:
         return None
-    limit = LEAST_PRELOAD * b.ball_count * b.ball_diameter_mm**2
-    words = {"value": preload, "limit": limit, "n": b.ball_count, "D": b.ball_diameter_mm}
-    return words | {"excess": limit / preload}
+    limit = LEAST_PRELOAD * bearing.ball_count * bearing.ball_diameter_mm**2
+    finding = {
+        "value": preload,
+        "limit": limit,
+        "n": bearing.ball_count,
+        "D": bearing.ball_diameter_mm,
+    }
+    return finding | {"excess": limit / preload}
 
 
-def friction_beyond(e: Evidence) -> Finding | None:
+def friction_beyond_practice(e: Evidence) -> Finding | None:
+    """Compares the friction coefficient with measured ones."""
     value, (least, most) = e.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
-    excess, said = least / value, f"below {least:g}, the lowest value ever measured"
+    excess, phrase = least / value, f"below {least:g}, the lowest value ever measured"
     if value > most:
-        excess, said = value / most, f"above {most:g}, the value at which metals seize"
-    return {"value": value, "said": said, "excess": excess}
+        excess, phrase = value / most, f"above {most:g}, the value at which metals seize"
+    return {"value": value, "phrase": phrase, "excess": excess}
 
 
-def temperature_beyond(e: Evidence) -> Finding | None:
-    """The part farthest beyond what its material bears, in kelvin over the allowed span."""
-    b, cage, found = e.scene.bearing, e.scene.cage, []
+def temperature_beyond_practice(e: Evidence) -> Finding | None:
+    """Finds the part farthest beyond the temperatures that its material bears.
+
+    The excess is that over the allowed span of temperatures.
+    """
+    bearing, cage, parts = e.scene.bearing, e.scene.cage, []
     inner, balls, outer, *_ = e.state["part_temperature"]
-    for part, kelvin in (("inner ring", inner), ("balls", balls), ("outer ring", outer)):
-        name = b.ball_material if part == "balls" else b.race_material
+    for part, celsius in (("inner ring", inner), ("balls", balls), ("outer ring", outer)):
+        name = bearing.ball_material if part == "balls" else bearing.race_material
         if e.scene.materials[name].density_kg_m3 >= CERAMIC_DENSITY:
-            found.append((part, name, kelvin, WARMEST_STEEL))
+            parts.append((part, name, celsius, WARMEST_STEEL))
     if cage is not None and e.scene.materials[cage.material].youngs_modulus_GPa < POLYMER_GPA:
-        found.append(("cage", cage.material, max(inner, outer), WARMEST_POLYMER))
-    each = []
-    for part, name, value, warmest in found:
+        parts.append(("cage", cage.material, max(inner, outer), WARMEST_POLYMER))
+    findings = []
+    for part, name, value, warmest in parts:
         for limit, side, sign in ((warmest, "above", 1.0), (COLDEST, "below", -1.0)):
             excess = 1.0 + (value - limit) / (warmest - COLDEST) * sign
-            words = {"part": part, "name": name, "value": value, "limit": limit}
-            each.append(words | {"side": side, "excess": excess})
-    return max(each, key=lambda one: one["excess"], default=None)
+            finding = {"part": part, "name": name, "value": value, "limit": limit}
+            findings.append(finding | {"side": side, "excess": excess})
+    return max(findings, key=lambda finding: finding["excess"], default=None)
 
 
-def radial_load(e: Evidence) -> Finding | None:
-    o = e.scene.operation
-    load = math.hypot(*o.radial_load_N) + abs(o.rotating_load_N)
-    if not (load > 0.0 and o.preload_N > 0.0):
+def radial_load_large(e: Evidence) -> Finding | None:
+    """Compares the radial load with the one that unloads a ball at rest."""
+    operation = e.scene.operation
+    load = math.hypot(*operation.radial_load_N) + abs(operation.rotating_load_N)
+    if not (load > 0.0 and operation.preload_N > 0.0):
         return None
     tangent = math.tan(math.radians(e.scene.bearing.contact_angle_deg))
-    lost = UNLOADING * o.preload_N / tangent if tangent > 0.0 else math.inf
-    excess = load * UNLOADING / (MOST_RADIAL * lost)
-    return {"load": load, "preload": o.preload_N, "lost": lost, "excess": excess}
+    unloading = UNLOADING * operation.preload_N / tangent if tangent > 0.0 else math.inf
+    excess = load * UNLOADING / (MOST_RADIAL * unloading)
+    return {"load": load, "preload": operation.preload_N, "lost": unloading, "excess": excess}
 
 
-def grown_preload(e: Evidence) -> Finding | None:
-    o = e.scene.operation
-    if o.preload_method != "fixed_position" or not o.preload_N > 0.0:
+def preload_grown(e: Evidence) -> Finding | None:
+    """Compares the running preload of a fixed position with the one set."""
+    operation = e.scene.operation
+    if operation.preload_method != "fixed_position" or not operation.preload_N > 0.0:
         return None
     preload = e.mean("residual_preload")
-    ratio = preload / o.preload_N
+    ratio = preload / operation.preload_N
     excess = ratio / MOST_GROWN
-    return {"ratio": ratio, "value": preload, "preload": o.preload_N, "excess": excess}
+    return {"ratio": ratio, "value": preload, "preload": operation.preload_N, "excess": excess}
 
 
-def tilt_beyond(e: Evidence) -> Finding:
+def tilt_beyond_practice(e: Evidence) -> Finding:
+    """Compares the tilt of the rings with that of catalogues."""
     value = abs(e.scene.operation.tilt_mrad)
     minutes = math.degrees(1e-3 * value) * 60.0
     return {"value": value, "minutes": minutes, "limit": MOST_TILT}
 
 
-def angle_in_radians(e: Evidence) -> Finding | None:
+def contact_angle_too_small(e: Evidence) -> Finding | None:
+    """Finds a contact angle that may have been given in radians."""
     angle = e.scene.bearing.contact_angle_deg
     if not angle:
         return None
@@ -258,7 +288,8 @@ def angle_in_radians(e: Evidence) -> Finding | None:
     return {"value": angle, "degrees": math.degrees(angle), "excess": excess}
 
 
-def no_angle(e: Evidence) -> Finding | None:
+def contact_angle_zero(e: Evidence) -> Finding | None:
+    """Finds a contact angle of zero."""
     return None if e.scene.bearing.contact_angle_deg else {}
 
 
@@ -269,7 +300,7 @@ balls fill, of which bearings have three quarters. All are assumed."""
 
 
 def units_in_doubt(scene: Scene) -> Iterator[str]:
-    """Values that are allowed and that no bearing has, so that another unit was probably meant."""
+    """Describes values that no bearing has, so that another unit was probably meant."""
     b = scene.bearing
     for name in dict.fromkeys((b.ball_material, b.race_material)):
         material = scene.materials[name]
@@ -295,16 +326,19 @@ def units_in_doubt(scene: Scene) -> Iterator[str]:
 
 
 def unit_in_doubt(e: Evidence) -> Finding | None:
-    said = [*units_in_doubt(e.scene)]
-    return {"said": "; ".join(said)} if said else None
+    """Joins the values whose units are in doubt."""
+    phrases = [*units_in_doubt(e.scene)]
+    return {"phrase": "; ".join(phrases)} if phrases else None
 
 
-def units_before_solve(chosen: Choice) -> Iterator[str]:
+def unit_sentences(chosen: Choice) -> Iterator[str]:
+    """Names the values whose units are in doubt, before a solve."""
     for sentence in units_in_doubt(chosen.scene):
         yield f"unit: {sentence}; check the unit"
 
 
-def angle_before_solve(chosen: Choice) -> Iterator[str]:
+def angle_sentences(chosen: Choice) -> Iterator[str]:
+    """Names a contact angle that is zero or may be in radians, before a solve."""
     angle = chosen.scene.bearing.contact_angle_deg
     if angle == 0.0:
         yield "contact angle: 0 degrees, which needs a clearance of exactly 0"

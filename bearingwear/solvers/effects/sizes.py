@@ -30,10 +30,10 @@ from bearingwear.solvers.effects.motion import (
 from bearingwear.solvers.effects.table import FLAT_GROOVE
 
 ALWAYS_ON, NEVER_ON, IF_ASKED, IF_GIVEN = "always", "never", "if asked", "if given"
-"""Limits that are no numbers."""
+"""Limits that are not numbers."""
 
 SECOND_ORDER = "2nd order"
-"""Size of a change of the preload that a spring makes up for."""
+"""Size of a change of the preload that a spring compensates."""
 
 UNSIZED = math.nan
 
@@ -49,102 +49,154 @@ class EffectSize(NamedTuple):
     size: float | str
     limit: float | str
     unit: str = ""
-    note: str = ""  # what it is a share of, or the key that turns it on
+    note: str = ""  # what the size is a share of, or the key that turns the effect on
 
 
 def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
-    """The effects of a scene and its model."""
+    """Yields the effects of a scene and its model."""
     scene, fidelity = chosen.scene, chosen.fidelity
-    yield from _forces(scene, fidelity)
-    yield _slip(scene)
+    yield from _force_effects(scene, fidelity)
+    yield _slip_effect(scene)
     yield EffectSize(
-        "elastic micro-slip", False, "2 to 5", NEVER_ON, "%", "of QV, which it reduces"
+        name="elastic micro-slip",
+        is_on=False,
+        size="2 to 5",
+        limit=NEVER_ON,
+        unit="%",
+        note="of QV, which it reduces",
     )
-    yield from _growth(scene.sides[0])
-    yield _grooves(scene, fidelity)
+    yield from _growth_effects(scene.sides[0])
+    yield _groove_effect(scene, fidelity)
     unequal = " and ".join(asymmetries(scene)) or "radial load, tilt, diameters"
     yield EffectSize(
-        "differences between balls", fidelity != "steady", UNSIZED, "if any", "", unequal
+        name="differences between balls",
+        is_on=fidelity != "steady",
+        size=UNSIZED,
+        limit="if any",
+        note=unequal,
     )
-    yield EffectSize("cage", chosen.cage, UNSIZED, IF_ASKED, "", "model.cage_results")
+    yield EffectSize(
+        name="cage", is_on=chosen.cage, size=UNSIZED, limit=IF_ASKED, note="model.cage_results"
+    )
     key = "drag_density_kg_m3"
     drag = getattr(scene.lubricant, key) > 0.0 and fidelity != "race_control"
-    yield EffectSize("lubricant drag", drag, UNSIZED, IF_GIVEN, "", f"lubricant.{key}")
-    if fidelity == "dynamic":
-        yield EffectSize("Coriolis force", False, UNSIZED, NEVER_ON)
-
-
-def _forces(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
-    """Forces on a ball; neglecting one saves no time, so that all but one are always modelled."""
-    of_load, of_axial = "of the contact load at rest", "of a ball's axial load"
-    centrifugal, gyroscopic = centrifugal_share(scene), 100.0 * gyroscopic_share(scene)
-    yield EffectSize("centrifugal force", True, 100.0 * centrifugal, ALWAYS_ON, "%", of_load)
-    yield EffectSize("gyroscopic moment", True, gyroscopic, ALWAYS_ON, "%", of_axial)
-    balanced = fidelity != "race_control"
     yield EffectSize(
-        "friction balance of a ball", balanced, UNSIZED, ALWAYS_ON, "", "but for race control"
+        name="lubricant drag", is_on=drag, size=UNSIZED, limit=IF_GIVEN, note=f"lubricant.{key}"
     )
-    model, name = scene.model, "traction in normal forces"
-    if model.traction_bears or not balanced:
-        yield EffectSize(name, True, gyroscopic, ALWAYS_ON, "%", of_axial)
-    else:
-        key = "model.normal_balance" if model.normal_balance else "model.contact"
-        yield EffectSize(name, False, gyroscopic, IF_ASKED, "%", f"{of_axial}; {key}")
+    if fidelity == "dynamic":
+        yield EffectSize(name="Coriolis force", is_on=False, size=UNSIZED, limit=NEVER_ON)
 
 
-def _slip(scene: Scene) -> EffectSize:
-    model, name = scene.model, "slip across the ellipse"
-    share, of_spin = 100.0 * spin_across_share(scene), "of spin friction"
-    if model.slip_is_over != "line":
-        return EffectSize(name, True, share, ALWAYS_ON, "%", of_spin)
+def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
+    """Yields the forces on a ball; neglecting one saves no time, so all but one are modelled."""
+    load_note, axial_note = "of the contact load at rest", "of a ball's axial load"
+    centrifugal, gyroscopic = centrifugal_share(scene), 100.0 * gyroscopic_share(scene)
+    yield EffectSize(
+        name="centrifugal force",
+        is_on=True,
+        size=100.0 * centrifugal,
+        limit=ALWAYS_ON,
+        unit="%",
+        note=load_note,
+    )
+    yield EffectSize(
+        name="gyroscopic moment",
+        is_on=True,
+        size=gyroscopic,
+        limit=ALWAYS_ON,
+        unit="%",
+        note=axial_note,
+    )
+    is_balanced = fidelity != "race_control"
+    yield EffectSize(
+        name="friction balance of a ball",
+        is_on=is_balanced,
+        size=UNSIZED,
+        limit=ALWAYS_ON,
+        note="but for race control",
+    )
+    model = scene.model
+    is_included = model.traction_bears or not is_balanced
+    key = "model.normal_balance" if model.normal_balance else "model.contact"
+    yield EffectSize(
+        name="traction in normal forces",
+        is_on=is_included,
+        size=gyroscopic,
+        limit=ALWAYS_ON if is_included else IF_ASKED,
+        unit="%",
+        note=axial_note if is_included else f"{axial_note}; {key}",
+    )
+
+
+def _slip_effect(scene: Scene) -> EffectSize:
+    """Returns slip across the ellipse, by its share of spin friction."""
+    model, note = scene.model, "of spin friction"
+    is_included = model.slip_is_over != "line"
     key = "model.slip_over" if model.slip_over else "model.contact"
-    return EffectSize(name, False, share, IF_ASKED, "%", f"{of_spin}; {key}")
+    return EffectSize(
+        name="slip across the ellipse",
+        is_on=is_included,
+        size=100.0 * spin_across_share(scene),
+        limit=ALWAYS_ON if is_included else IF_ASKED,
+        unit="%",
+        note=note if is_included else f"{note}; {key}",
+    )
 
 
-def _growth(scene: Scene) -> Iterator[EffectSize]:
-    """Growth by speed, heat and fits, each by its change of a preload at fixed position."""
+def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
+    """Yields growth by speed, heat and fits, each by its change of a fixed-position preload."""
     limit = 100.0 * MOST_LEFT_OUT
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
         if not is_held(scene):
-            return EffectSize(name, is_on, SECOND_ORDER, IF_GIVEN, "", note)
-        return EffectSize(name, is_on, 100.0 * change, limit, "%", f"of preload; {note}")
+            return EffectSize(name=name, is_on=is_on, size=SECOND_ORDER, limit=IF_GIVEN, note=note)
+        return EffectSize(
+            name=name,
+            is_on=is_on,
+            size=100.0 * change,
+            limit=limit,
+            unit="%",
+            note=f"of preload; {note}",
+        )
 
-    held = is_held(scene)
-    at_speed = change_at_speed(scene) if held else UNSIZED
+    is_fixed = is_held(scene)
+    at_speed = change_at_speed(scene) if is_fixed else UNSIZED
     yield effect("growth at speed", scene.bearing.bore_mm is not None, at_speed, "bearing.bore_mm")
-    warm = change_by_warmth(scene) if held else UNSIZED
+    by_warmth = change_by_warmth(scene) if is_fixed else UNSIZED
     if scene.temperature is not None or scene.thermal is not None:
-        yield effect("temperature", True, warm, "thermal" if scene.thermal else "as given")
+        yield effect("temperature", True, by_warmth, "thermal" if scene.thermal else "as given")
     else:
-        note = f"inner ring {WARMER:g} K warmer" if held else "temperature or thermal"
-        yield effect("temperature", False, warm, note)
-    fits = change_by_fits(scene) if held else UNSIZED
-    yield effect("interference fits", has_interference(scene), fits, "fits")
+        note = f"inner ring {WARMER:g} K warmer" if is_fixed else "temperature or thermal"
+        yield effect("temperature", False, by_warmth, note)
+    by_fits = change_by_fits(scene) if is_fixed else UNSIZED
+    yield effect("interference fits", has_interference(scene), by_fits, "fits")
 
 
-def _grooves(scene: Scene, fidelity: str) -> EffectSize:
-    """Grooves as they wear, which a life follows or not."""
+def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
+    """Returns the wear of grooves, which a life models or not."""
     share = max(wear_over_gap_estimate(side) for side in scene.sides)
     end, model = scene.wear.end_of_life, scene.model
-    may = fidelity == "steady" and scene.wear.counts == "ball_and_races"
-    may = may and model.contact == "auto" and model.slip_is_over != "line"
-    by_depth = end is not None and end.groove_depth_um is not None
-    is_on = model.contact == "worn" or (may and (by_depth or share > FLAT_GROOVE))
+    is_possible = (
+        fidelity == "steady"
+        and scene.wear.counts == "ball_and_races"
+        and model.contact == "auto"
+        and model.slip_is_over != "line"
+    )
+    ends_by_depth = end is not None and end.groove_depth_um is not None
+    is_on = model.contact == "worn" or (is_possible and (ends_by_depth or share > FLAT_GROOVE))
     return EffectSize(
-        "worn grooves, in a life",
-        is_on,
-        share,
-        FLAT_GROOVE if may or is_on else IF_ASKED,
-        "",
-        "wear over gap" + ("" if may or is_on else "; model.contact"),
+        name="worn grooves, in a life",
+        is_on=is_on,
+        size=share,
+        limit=FLAT_GROOVE if is_possible or is_on else IF_ASKED,
+        note="wear over gap" + ("" if is_possible or is_on else "; model.contact"),
     )
 
 
 def wear_over_gap_estimate(scene: Scene) -> float:
-    """Loss at the end of life over the gap at the edge of the contact, by fitted Hertz factors.
+    """Estimates loss at the end of life over the gap at the contact's edge, by fitted factors.
 
-    NaN where the scene says nothing of the loss or has no preload.
+    NaN if the scene does not limit the loss or has no preload.
     """
     g, end, operation = mounted_geometry(scene), scene.wear.end_of_life, scene.operation
     sine, cosine = math.sin(g.alpha0), math.cos(g.alpha0)

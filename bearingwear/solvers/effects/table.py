@@ -15,7 +15,7 @@ from bearingwear.kernels import status as code
 from bearingwear.measures import ENDS, plain
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
-from bearingwear.solvers.effects.choice import Choice, unwatched
+from bearingwear.solvers.effects.choice import Choice, unevaluated_criteria
 from bearingwear.solvers.effects.criterion import criteria_passed, criterion_met
 from bearingwear.solvers.effects.evidence import Evidence, Finding
 from bearingwear.solvers.estimates import COULOMB_SLIP, ROUNDED_SLIP
@@ -36,11 +36,11 @@ _UM, _MM = 1e-6, 1e-3
 class Effect:
     """An effect on the bearing, or a limit, with its sentences.
 
-    `size` computes its magnitude in a state, which completes sentence and advice; None where it
-    does not apply. A finding without a value is always a warning, one with a value if it exceeds
-    its limit. `impractical` marks designs that cannot be built or run; other warnings concern
-    neglected effects or the user's intent. `modelled` writes the sentences before the solve:
-    whether the effect is included, and its magnitude.
+    `size` returns its finding in a state, which completes sentence and advice; None where it does
+    not apply. A finding without a value is always a warning, one with a value if it exceeds its
+    limit. `impractical` marks designs that cannot be built or run; other warnings concern neglected
+    effects or the user's intent. `modelled` writes the sentences before the solve: whether the
+    effect is included, and its magnitude.
     """
 
     id: str
@@ -51,74 +51,95 @@ class Effect:
     modelled: Callable[[Choice], Iterable[str]] = lambda chosen: ()
 
 
-def _groove(e: Evidence) -> Finding | None:
+def _groove_worn(e: Evidence) -> Finding | None:
+    """Compares the wear depth with the gap between ball and groove at the ellipse's edge."""
     if e.life is not None and "groove_depth" in e.life:
-        return None  # it was followed
-    b = e.scene.bearing
-    radii = _MM * b.ball_diameter_mm * np.array([b.inner_groove_factor, b.outer_groove_factor])
-    curvature = 0.5 * (2.0 / (_MM * b.ball_diameter_mm) - 1.0 / radii)
+        return None  # the life has computed it
+    bearing = e.scene.bearing
+    radii = (
+        _MM
+        * bearing.ball_diameter_mm
+        * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
+    )
+    curvature = 0.5 * (2.0 / (_MM * bearing.ball_diameter_mm) - 1.0 / radii)
     loss, major = e.mean("ball_diameter_loss"), e.contacts("semi_major_axis").mean(axis=0)
     value = loss / np.min(curvature * major**2)
     return {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
 
 
-def _rounded(e: Evidence) -> Finding | None:
-    """Slip so low that the friction law is not Coulomb's."""
+def _slip_rounded(e: Evidence) -> Finding | None:
+    """Finds slip so low that the friction law is not Coulomb's."""
     load = e.contacts("contact_load").sum()
     slip = e.contacts("qv").sum() / load if load else math.nan
     if not slip > 0.0:
         return None
-    v_r, lost = e.scene.friction.slip_regularisation_m_s, e.state["torque_lost_to_regularisation"]
-    by = f", the torque by {plain(100.0 * lost)} %" if math.isfinite(lost) else ""
-    excess, better = v_r / (ROUNDED_SLIP * slip), COULOMB_SLIP * slip
-    return {"v_r": v_r, "slip": slip, "by": by, "better": better, "excess": excess}
+    v_r = e.scene.friction.slip_regularisation_m_s
+    lost_share = e.state["torque_lost_to_regularisation"]
+    torque_words = (
+        f", the torque by {plain(100.0 * lost_share)} %" if math.isfinite(lost_share) else ""
+    )
+    excess, recommended = v_r / (ROUNDED_SLIP * slip), COULOMB_SLIP * slip
+    return {"v_r": v_r, "slip": slip, "by": torque_words, "better": recommended, "excess": excess}
 
 
-def _unwatched(e: Evidence) -> Finding | None:
-    names = [ENDS[name].words for name in unwatched(e.scene, e.chosen)]
+def _criterion_not_watched(e: Evidence) -> Finding | None:
+    """Names the end-of-life criteria that the model cannot evaluate."""
+    names = [ENDS[name].words for name in unevaluated_criteria(e.scene, e.chosen)]
     return {"names": ", ".join(names), "fidelity": e.chosen.fidelity} if names else None
 
 
-def _not_watched(chosen: Choice) -> Iterator[str]:
-    if chosen.of_life and (unseen := unwatched(chosen.scene, chosen)):
-        yield f"end-of-life criteria not evaluated: {', '.join(unseen)}"
+def _criteria_sentences(chosen: Choice) -> Iterator[str]:
+    """Names the end-of-life criteria that a life does not evaluate, before a solve."""
+    if chosen.of_life and (unevaluated := unevaluated_criteria(chosen.scene, chosen)):
+        yield f"end-of-life criteria not evaluated: {', '.join(unevaluated)}"
 
 
-def _assumed(e: Evidence) -> Finding | None:
+def _speed_assumed(e: Evidence) -> Finding | None:
+    """Finds a speed that `bearingwear new` assumed."""
     speed = e.scene.operation.shaft_speed_rpm
     return {"value": speed} if SPEED_ASSUMED.format(speed) in e.scene.description else None
 
 
-def _when_new(e: Evidence) -> Finding | None:
-    """The criterion that ends a life at its start."""
+def _over_limit_when_new(e: Evidence) -> Finding | None:
+    """Finds the criterion that ends a life at its start."""
     if e.life is None or len(e.life.get("history_ball_diameter_loss", ())) != 1:
         return None
-    met = criterion_met(e.scene, e.life, 0)
-    if met is None:
+    criterion = criterion_met(e.scene, e.life, 0)
+    if criterion is None:
         return None
-    new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
-    excess = max(met.excess, JUST_MET)
-    return {"said": met.words, "new": new, "advice": met.measure.advice, "excess": excess}
+    time_words = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
+    excess = max(criterion.excess, JUST_MET)
+    return {
+        "phrase": criterion.phrase,
+        "new": time_words,
+        "advice": criterion.measure.advice,
+        "excess": excess,
+    }
 
 
 def _nothing_wears(e: Evidence) -> Finding | None:
-    """Why a life at rest does not end."""
-    op = e.scene.operation
-    at_rest = e.chosen.of_life and op.shaft_speed_rpm == op.outer_speed_rpm
+    """Finds a life at rest, which does not end."""
+    operation = e.scene.operation
+    at_rest = e.chosen.of_life and operation.shaft_speed_rpm == operation.outer_speed_rpm
     return {} if at_rest and e.state.status == code.CRITERION_NOT_REACHED else None
 
 
 def _limit_passed(e: Evidence) -> Finding | None:
-    """Criteria that a case violates, the one exceeded most first."""
-    found = [] if e.case is None else criteria_passed(e.scene, e.case)
-    if not found:
+    """Finds the criteria that a case violates, the one exceeded most first."""
+    criteria = [] if e.case is None else criteria_passed(e.scene, e.case)
+    if not criteria:
         return None
-    said = ", ".join(one.words for one in found)
-    return {"said": said, "advice": found[0].measure.advice, "excess": found[0].excess}
+    phrase = ", ".join(criterion.phrase for criterion in criteria)
+    return {"phrase": phrase, "advice": criteria[0].measure.advice, "excess": criteria[0].excess}
 
 
 EFFECTS = (
-    Effect("over_limit_when_new", _when_new, "end-of-life criterion met {new}: {said}", "{advice}"),
+    Effect(
+        "over_limit_when_new",
+        _over_limit_when_new,
+        "end-of-life criterion met {new}: {phrase}",
+        "{advice}",
+    ),
     Effect(
         "nothing_wears",
         _nothing_wears,
@@ -128,18 +149,18 @@ EFFECTS = (
     Effect(
         "limit_passed",
         _limit_passed,
-        "a life calculation would end immediately: {said}",
+        "a life calculation would end immediately: {phrase}",
         "{advice}",
     ),
     Effect(
         "criterion_not_watched",
-        _unwatched,
+        _criterion_not_watched,
         "the {fidelity} model cannot evaluate the following end-of-life criteria: {names}",
         "use fidelity dynamic, which evaluates all criteria",
     ),
     Effect(
         "tilt_beyond_practice",
-        practice.tilt_beyond,
+        practice.tilt_beyond_practice,
         "the rings are tilted by {value:.3g} mrad ({minutes:.2g} arc minutes); catalogues permit "
         "at most {limit:g} mrad (rule of thumb)",
         "align the seats, or check the unit (mrad)",
@@ -147,21 +168,21 @@ EFFECTS = (
     ),
     Effect(
         "pressure_above_yield",
-        practice.dents,
+        practice.pressure_above_yield,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
         "to prevent dents in the balls and races, {take}",
         impractical=True,
     ),
     Effect(
         "pressure_above_practice",
-        practice.pressed_hard,
+        practice.pressure_above_practice,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, the usual maximum for a "
         "long life (assumed)",
         "to prevent fatigue, which is not modelled, {take}",
     ),
     Effect(
         "ellipse_over_shoulder",
-        practice.over_shoulder,
+        practice.ellipse_over_shoulder,
         "the {race} contact ellipse extends {value:.3g} degrees up the groove, beyond "
         "{source} at {limit:.3g} degrees",
         "to prevent edge pressure, which is not modelled, reduce the thrust or use higher "
@@ -170,7 +191,7 @@ EFFECTS = (
     ),
     Effect(
         "speed_beyond_practice",
-        practice.too_fast,
+        practice.speed_beyond_practice,
         "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the "
         "highest value reached by steel bearings on test rigs",
         "check the speed and its unit (r/min)",
@@ -178,7 +199,7 @@ EFFECTS = (
     ),
     Effect(
         "speed_beyond_makers",
-        practice.faster_than_made_for,
+        practice.speed_beyond_makers,
         "{value:.6g} r/min is above the speed limit for the {bearing} {kind}: {limit:.0f} r/min "
         "with grease, {oil:.0f} r/min with oil ({source})",
         "reduce the speed or the preload, or consult the maker",
@@ -193,15 +214,15 @@ EFFECTS = (
     ),
     Effect(
         "inner_load_lost",
-        practice.inner_load,
-        "{said}",
+        practice.inner_load_lost,
+        "{phrase}",
         "to prevent skidding, increase the preload, reduce the speed or the radial load, or use "
         "ceramic balls",
         impractical=True,
     ),
     Effect(
         "preload_too_small",
-        practice.tiny_preload,
+        practice.preload_too_small,
         "a preload of {value:.3g} N is negligible for {n} balls with a diameter of {D:g} mm "
         "(assumed minimum: {limit:.2g} N)",
         "check the unit of the preload (N)",
@@ -209,21 +230,21 @@ EFFECTS = (
     ),
     Effect(
         "radial_load_large",
-        practice.radial_load,
+        practice.radial_load_large,
         "a radial load of {load:.4g} N is large compared with a preload of {preload:.4g} N: at "
         "rest, {lost:.3g} N is enough to unload the first ball",
         "increase the preload or the contact angle",
     ),
     Effect(
         "preload_grown",
-        practice.grown_preload,
+        practice.preload_grown,
         "the fixed-position preload at speed, {value:.3g} N, is {ratio:.2g} times the "
         "initial {preload:.4g} N (rule of thumb: at most three times)",
         "the results account for this increase; a spring would keep the preload constant",
     ),
     Effect(
         "temperature_beyond_practice",
-        practice.temperature_beyond,
+        practice.temperature_beyond_practice,
         "the temperature of the {part} ({name}) is {value:.4g} degC, {side} the limit of {limit:g} "
         "degC (rule of thumb)",
         "use a suitable material; the hardness, wear and friction values apply at room temperature",
@@ -231,13 +252,13 @@ EFFECTS = (
     ),
     Effect(
         "friction_beyond_practice",
-        practice.friction_beyond,
-        "a friction coefficient of {value:.3g} is {said}",
+        practice.friction_beyond_practice,
+        "a friction coefficient of {value:.3g} is {phrase}",
         "check friction.ball_race",
     ),
     Effect(
         "groove_worn",
-        _groove,
+        _groove_worn,
         "a wear depth of {loss:.3g} um is {value:.2g} times the gap between ball and groove at "
         "the edge of the contact ellipse (at most {limit:g} in a Hertzian contact)",
         "treat the computed pressure, slip and wear as estimates",
@@ -245,26 +266,26 @@ EFFECTS = (
     Effect("model", modelled=lambda chosen: [f"{chosen.fidelity}: {chosen.why}"]),
     Effect(
         "contact_angle_too_small",
-        practice.angle_in_radians,
+        practice.contact_angle_too_small,
         "a contact angle of {value:.3g} degrees is too small for any real clearance",
         "check the unit: {value:.3g} rad would be {degrees:.3g} degrees",
         impractical=True,
-        modelled=practice.angle_before_solve,
+        modelled=practice.angle_sentences,
     ),
     Effect(
         "contact_angle_zero",
-        practice.no_angle,
+        practice.contact_angle_zero,
         "a free contact angle of 0 degrees needs a clearance of exactly 0",
         "give the angle that the clearance leaves (`bearingwear new --clearance` computes it)",
     ),
     Effect(
         "unit_in_doubt",
         practice.unit_in_doubt,
-        "{said}",
+        "{phrase}",
         "check the unit",
-        modelled=practice.units_before_solve,
+        modelled=practice.unit_sentences,
     ),
-    Effect("pair", modelled=motion.pair),
+    Effect("pair", modelled=motion.pair_sentences),
     Effect(
         "film_worn",
         films.film_worn,
@@ -280,14 +301,14 @@ EFFECTS = (
         "nearest test is used",
         "{advice}; give friction.film.wear_table rows for it",
     ),
-    Effect("balls", modelled=motion.balls),
+    Effect("balls", modelled=motion.ball_sentences),
     Effect(
         "growth_left_out",
         growth.growth_left_out,
         "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed), "
         "it would change the preload ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "set bearing.bore_mm",
-        modelled=growth.growth_at_speed,
+        modelled=growth.speed_growth_sentences,
     ),
     Effect(
         "temperature_left_out",
@@ -295,7 +316,7 @@ EFFECTS = (
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest of the bearing "
         "would change the preload set at rest ({held}) by {newtons:+.3g} N ({value:+.0f} %)",
         "set temperature.inner_ring_C, balls_C and outer_ring_C in the scene file",
-        modelled=growth.temperature,
+        modelled=growth.temperature_sentences,
     ),
     Effect(
         "fit_left_out",
@@ -309,7 +330,7 @@ EFFECTS = (
         "the ring is loose on its seat ({seats}): heat and speed have eliminated the interference",
         "increase the interference, or reduce the speed",
         impractical=True,
-        modelled=growth.seats,
+        modelled=growth.fit_sentences,
     ),
     Effect(
         "cage_weightless",
@@ -317,29 +338,29 @@ EFFECTS = (
         "gravity is not specified; it may alter the motion of the cage and change pocket and land "
         "wear by a factor of ten or more",
         "set operation.gravity_m_s2 (for a horizontal shaft: [0, 0, -9.81])",
-        modelled=motion.no_cage,
+        modelled=motion.cage_sentences,
     ),
     Effect(
         "motion_unstable",
         lambda e: instability(e.scene, e.state.values),
-        "the periodic motion is unstable: {said}",
+        "the periodic motion is unstable: {phrase}",
         "{advice}",
-        modelled=motion.solution,
+        modelled=motion.solution_sentences,
     ),
     Effect(
         "slip_rounded",
-        _rounded,
+        _slip_rounded,
         "friction is regularised at slip speeds below {v_r:g} m/s, but the mean slip speed is only "
         "{slip:.2g} m/s: the computed friction torque and power are too low{by}",
         "set friction.slip_regularisation_m_s to {better:.0e} or less",
-        modelled=motion.slip,
+        modelled=motion.slip_sentences,
     ),
-    Effect("traction", modelled=motion.traction_borne),
-    Effect("criteria", modelled=_not_watched),
+    Effect("traction", modelled=motion.traction_sentences),
+    Effect("criteria", modelled=_criteria_sentences),
     Effect("grooves", modelled=lambda chosen: [chosen.grooves] if chosen.grooves else []),
     Effect(
         "speed_assumed",
-        _assumed,
+        _speed_assumed,
         "the speed of {value:.6g} r/min was assumed by `bearingwear new`",
         "set operation.shaft_speed_rpm",
     ),

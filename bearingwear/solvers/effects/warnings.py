@@ -27,62 +27,65 @@ class _Sentences(string.Formatter):
 _SENTENCES = _Sentences()
 
 LARGEST_EXCESS = 1e6
-"""Stands for a ratio whose denominator is zero."""
+"""Excess that represents a ratio whose denominator is zero."""
 
 
 def warnings_of(
     scene: Scene, chosen: Choice, values: Mapping[str, Any] | None = None
 ) -> list[dict[str, Any]]:
-    """Warnings of a solved case or life, by its values, or of a scene before any solve.
+    """Returns the warnings of a solved case or life, or of a scene before any solve.
 
-    Each has id, sentence, advice, whether it is `impractical` (`table.Effect`), and `excess`: how
-    many times the value is the limit, None for a fact.
+    Each has id, sentence, advice, whether it is `impractical` (`table.Effect`), and `excess`: the
+    ratio of value to limit, None for a fact.
+
+    values: those of the case or life.
     """
     if len(scene.sides) > 1:
-        return _of_both(scene, chosen, values or {})
-    every = list(evidence_of(scene, chosen, values or {}))
+        return _pair_warnings(scene, chosen, values or {})
+    states = list(evidence_of(scene, chosen, values or {}))
     with np.errstate(divide="ignore", invalid="ignore"):
         return [
-            _said(effect, *max(found, key=lambda one: one[0] or 0.0))
+            _warning(effect, *max(findings, key=lambda pair: pair[0] or 0.0))
             for effect in WARNINGS
-            if (found := list(_beyond(effect, every)))
+            if (findings := list(_findings(effect, states)))
         ]
 
 
-def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Warnings of both bearings of a pair, each once, and which of them it is of."""
-    said: dict[str, list[dict[str, Any]]] = {}
+def _pair_warnings(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Returns the warnings of both bearings of a pair, each once, with the worse bearing."""
+    by_id: dict[str, list[dict[str, Any]]] = {}
     for k, side in enumerate(scene.sides):
-        for found in warnings_of(side, chosen, of_bearing(values, k) if values else None):
-            said.setdefault(found["id"], []).append(found | {"bearing": k + 1})
-    worst = []
-    for findings in said.values():
-        found = max(findings, key=lambda one: one["excess"] or 0.0)
-        number, sentence = found.pop("bearing"), found["sentence"]
-        if [one["sentence"] for one in findings] != [sentence] * len(scene.sides):
+        for warning in warnings_of(side, chosen, of_bearing(values, k) if values else None):
+            by_id.setdefault(warning["id"], []).append(warning | {"bearing": k + 1})
+    worst_warnings = []
+    for warnings in by_id.values():
+        worst = max(warnings, key=lambda warning: warning["excess"] or 0.0)
+        number, sentence = worst.pop("bearing"), worst["sentence"]
+        if [warning["sentence"] for warning in warnings] != [sentence] * len(scene.sides):
             sentence = f"bearing {number}: {sentence}"
-        worst.append(found | {"sentence": sentence})
-    return worst
+        worst_warnings.append(worst | {"sentence": sentence})
+    return worst_warnings
 
 
-def _beyond(effect: Effect, every: Iterable[Evidence]) -> Iterator[tuple[float | None, Finding]]:
-    """What is to be warned of, and the value over its limit, None of a fact."""
-    for e in every:
-        found = effect.size(e)
-        if found is None:
+def _findings(effect: Effect, states: Iterable[Evidence]) -> Iterator[tuple[float | None, Finding]]:
+    """Yields findings beyond their limit, with value over limit, None for a fact."""
+    for evidence in states:
+        finding = effect.size(evidence)
+        if finding is None:
             continue
-        excess = found.get("excess")
-        if excess is None and "limit" in found:
-            excess = found["value"] / found["limit"]
+        excess = finding.get("excess")
+        if excess is None and "limit" in finding:
+            excess = finding["value"] / finding["limit"]
         if excess is None or excess > 1.0:
-            yield excess, found
+            yield excess, finding
 
 
-def _said(effect: Effect, excess: float | None, found: Finding) -> dict[str, Any]:
+def _warning(effect: Effect, excess: float | None, finding: Finding) -> dict[str, Any]:
+    """Returns a warning of an effect, its sentences completed by a finding."""
     return {
         "id": effect.id,
-        "sentence": _SENTENCES.format(effect.sentence, **found),
-        "advice": _SENTENCES.format(effect.advice, **found),
+        "sentence": _SENTENCES.format(effect.sentence, **finding),
+        "advice": _SENTENCES.format(effect.advice, **finding),
         "impractical": effect.impractical,
         "excess": None if excess is None else float(f"{min(excess, LARGEST_EXCESS):.3g}"),
     }

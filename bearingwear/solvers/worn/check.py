@@ -1,4 +1,4 @@
-"""Check of a state with worn grooves by sums that its solver did not take (sections 17, 21)."""
+"""Checks a state with worn grooves by sums that its solver did not use (sections 17, 21)."""
 
 from collections.abc import Sequence
 
@@ -13,12 +13,12 @@ from bearingwear.kernels.worn.state import WornSeat
 from bearingwear.kernels.worn.verification import check_influence, contact_check, friction_of_cells
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
-LARGEST_GAP = 1e-7  # left by a contact, over the approach
+LARGEST_GAP = 1e-7  # between bodies that press, over the approach
 LARGEST_POWER_ERROR = 1e-8  # of the shaft power
 
 
 class WornCheck:
-    """What a check knows of the cells is kept as long as they are the same."""
+    """Checks states; what it computes of the cells is kept as long as they are the same."""
 
     def __init__(self) -> None:
         self._influence: list[tuple[np.ndarray, np.ndarray]] = 2 * [(np.zeros(0), np.zeros(0))]
@@ -33,43 +33,43 @@ class WornCheck:
         D: float,
         bare: Sequence[np.ndarray],
     ) -> bool:
-        """Whether contacts, friction of films and power balance.
+        """Returns whether contacts, friction of films and the power balance are right.
 
-        slip (2, 5) is that of `FrictionWork`, bare the shares of the cells of both contacts
-        without film, none where there are no films.
+        slip: (2, 5), that of `FrictionWork`.
+        bare: shares of the cells of both contacts without film, empty if there are no films.
         """
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
-            if not self._closed(k, race, force):
+            if not self._is_closed(k, race, force):
                 return False
             if bare:
-                found = self._friction(p, k, race, force, bare[k])
-                if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
+                friction = self._film_friction(p, k, race, force, bare[k])
+                if not abs(friction / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
                     return False
         g, op = p.g, p.op
         r = g.R_o + seat.X2
         drag = drag_force(g, D, op.drag, u[3])[0] * r * u[3]
         power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
-        given = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
+        shaft_power = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
         floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
-        error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
+        error = abs(power - slip[:, 1].sum() - drag) / max(shaft_power, floor)
         return bool(error <= LARGEST_POWER_ERROR)
 
-    def _closed(self, k: int, race: WornRace, force: WornForce) -> bool:
-        """Whether bodies touch where they press and nowhere overlap, and the load is that."""
+    def _is_closed(self, k: int, race: WornRace, force: WornForce) -> bool:
+        """Returns whether bodies touch where they press and never overlap, under the right load."""
         places = race.cells.X
         if self._influence[k][0] is not places:
             self._influence[k] = places, check_influence(race.cells)
         check = contact_check(race.cells, self._influence[k][1], race.wear, race.pressure)
         unworn = race.cells.fresh.sum() * race.cells.area
         load = contact_load(force.hertz.K, force.approach) * check.load / unworn
-        closed = max(check.gap, check.overlap) <= LARGEST_GAP and check.tension == 0.0
-        return bool(closed and abs(load / force.Q - 1.0) <= LARGEST_RESIDUAL)
+        is_tight = max(check.gap, check.overlap) <= LARGEST_GAP and check.tension == 0.0
+        return bool(is_tight and abs(load / force.Q - 1.0) <= LARGEST_RESIDUAL)
 
     @staticmethod
-    def _friction(
+    def _film_friction(
         p: ThrustProblem, k: int, race: WornRace, force: WornForce, bare: np.ndarray
     ) -> float:
-        """Coefficient of friction of a contact with films, by plain sums over its cells."""
+        """Returns the friction coefficient of a contact with films, by plain sums over cells."""
         op, Q = p.op, contact_load(force.hertz.K, force.approach)
         law = plain_law((op.law_i, op.law_o)[k], Q, force.a, force.b)
         return float(friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without))

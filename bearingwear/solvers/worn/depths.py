@@ -1,4 +1,4 @@
-"""What has worn off a bearing along its grooves and balls, and a state with it (section 21)."""
+"""Wear of a bearing along its grooves and balls, and a state with it (section 21)."""
 
 import functools
 from dataclasses import dataclass, field
@@ -19,8 +19,8 @@ UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
 _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
 NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
 NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
-"""Of a point that was not solved."""
-_TAILS = 6.0  # times its rms, how far a Gaussian reaches
+"""The seat of a point that was not solved."""
+_TAILS = 6.0  # reach of a Gaussian, over its rms
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +32,11 @@ class WornDepths:
 
     @property
     def deepest(self) -> np.ndarray:
-        """Depth in inner and outer groove where it is largest, and even depth of the balls (3,)."""
+        """Returns the largest depth in inner and outer groove, and the depth of the balls (3,)."""
         return np.array([*self.grooves.max(axis=1), 0.5 * self.ball])
 
     def plus(self, dt: float, rate: "WornDepths") -> "WornDepths":
-        """Wear after the time dt at a rate, itself a wear per second."""
+        """Returns the wear after a time dt at a rate, itself a wear per second."""
         return WornDepths(
             self.ball + dt * rate.ball,
             self.grooves + dt * rate.grooves,
@@ -45,11 +45,11 @@ class WornDepths:
 
 @dataclass(frozen=True, eq=False)
 class WornPoint:
-    """A steady state with some wear, or what it failed with."""
+    """A steady state with some wear, or the status of its failure."""
 
     status: int
     wear: WornDepths
-    problem: ThrustProblem  # that is solved
+    problem: ThrustProblem
     seat: WornSeat = NOWHERE
     u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
     slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
@@ -61,61 +61,61 @@ class WornPoint:
 
     @property
     def forces(self) -> tuple[WornForce, WornForce]:
-        """Of the contacts with inner and outer race."""
+        """Returns the forces in the contacts with inner and outer race."""
         return self.seat.inner, self.seat.outer
 
 
 def seat_force(g: Geometry, seat: WornSeat) -> float:
-    """Axial force of the inner race on all balls [N]."""
+    """Returns the axial force of the inner race on all balls [N]."""
     inner, across = seat.inner, seat.inner.T + seat.F_i
     return float(g.n_balls * (inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)))
 
 
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
-    """A depth over equally spaced places."""
+    """Returns a depth over equally spaced places as a spline."""
     c = np.empty((4, depth.size - 1))
     spline_pieces(float(step), depth, c)
     return Arc(float(places[0]), float(step), c)
 
 
 def arc_values(arc: Arc, places: np.ndarray) -> np.ndarray:
-    """Values of a spline; beyond its ends those at the ends."""
+    """Returns values of a spline; beyond its ends they are those at the ends."""
     steps = (places - arc.first) / arc.step
-    i = np.clip(np.floor(steps).astype(int), 0, arc.c.shape[1] - 1)
-    x, c = np.clip(steps - i, 0.0, 1.0) * arc.step, arc.c[:, i]
+    piece = np.clip(np.floor(steps).astype(int), 0, arc.c.shape[1] - 1)
+    x, c = np.clip(steps - piece, 0.0, 1.0) * arc.step, arc.c[:, piece]
     return np.asarray(((c[0] * x + c[1]) * x + c[2]) * x + c[3])
 
 
 def wandering(
     grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
 ) -> np.ndarray:
-    """Values at equally spaced places on a grid, wandering about; their integral is kept.
+    """Spreads values at equally spaced places over a grid; their integral is kept.
 
-    `wander` is the rms of the places, in the unit of the grid.
+    wander: rms of the places, in the unit of the grid.
     """
-    found = np.interp(grid, places, values, left=0.0, right=0.0)
+    on_grid = np.interp(grid, places, values, left=0.0, right=0.0)
     step = grid[1] - grid[0]
-    total = found.sum() * step
+    total = on_grid.sum() * step
     if total > 0.0:
-        found *= values.sum() * (places[1] - places[0]) / total
+        on_grid *= values.sum() * (places[1] - places[0]) / total
     if wander > 0.0:
         weights = _gaussian(float(wander / step))
-        found = np.convolve(found, weights)[weights.size // 2 :][: grid.size]
-    return found
+        on_grid = np.convolve(on_grid, weights)[weights.size // 2 :][: grid.size]
+    return on_grid
 
 
 @functools.lru_cache(maxsize=16)
 def _gaussian(rms: float) -> np.ndarray:
-    """Weights of a Gaussian at whole places about its middle, out to six times its rms."""
+    """Returns weights of a Gaussian at whole places about its middle, out to six times its rms."""
     reach = int(_TAILS * rms + 0.5)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / rms) ** 2)
     return weights / weights.sum()
 
 
 def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:
-    """Position of a ball whose contacts bear the loads of a Hertzian state.
+    """Returns the position of a ball whose contacts bear the loads of a Hertzian state.
 
-    `worn` is the depth of the outer groove beyond its pressed surface [m].
+    worn: depth of the outer groove beyond its pressed surface [m].
     """
     alpha = case.contacts[1, ANGLE]
     hertz = race_contact(g, OUTER, D, np.cos(alpha), np.nan)

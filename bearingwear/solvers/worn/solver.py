@@ -1,4 +1,4 @@
-"""One bearing whose grooves are followed as they wear (section 21)."""
+"""A bearing whose grooves wear, as a solver (section 21)."""
 
 import copy
 import functools
@@ -26,19 +26,19 @@ from bearingwear.solvers.worn.bearing import ROUGH, WornBearing
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint, seat_force
 from bearingwear.solvers.worn.films import WornFilms
 
-_NEAR = 0.02  # of the approaches: where an even loss is looked for first, beside the guess
+_NEAR = 0.02  # of the approaches: first range about the guess in which an even loss is sought
 _HEAT_OF_ROUGH = 10.0  # error of the heat of a rough state over that of its balance
 
-_FURTHER = 12  # times farther away, each time twice as far
+_FURTHER = 12  # extensions of this range, each twice as long
 
 
 @dataclass
 class _Memory:
-    """What later solves and states take from earlier ones, at whatever temperatures."""
+    """Results that later solves and states start from, at whatever temperatures."""
 
     slope: float  # stiffness last found [N/m]
-    offset: float | None = None  # of the even loss, at the start [m]
-    ahead: float = 0.0  # of the last even loss to that of the approaches, over the approaches
+    offset: float | None = None  # even loss at the start less that of the scene [m]
+    ahead: float = 0.0  # last even loss less that of the approaches, over the approaches
 
 
 class Worn(Steady):
@@ -60,27 +60,27 @@ class Worn(Steady):
         self.memory = _Memory(unworn.steepness)
 
     def elsewhere(self, scene: Scene) -> "Worn":
-        """The same bearing with its grooves at another speed or temperature, where none wears."""
-        other = copy.copy(self)
-        other.scene, other.problem = scene, self.problem.of(scene).without_finer
-        other.mounted = other.problem.preload.delta_a
-        other.bearing.leave_wear()
-        return other
+        """Returns the bearing with its grooves at another speed or temperature, without wear."""
+        moved = copy.copy(self)
+        moved.scene, moved.problem = scene, self.problem.of(scene).without_finer
+        moved.mounted = moved.problem.preload.delta_a
+        moved.bearing.leave_wear()
+        return moved
 
     @property
     def heat_error(self) -> float:  # type: ignore[override]
-        """Of the heat of a state on the way, which is balanced roughly."""
+        """Returns the error of the heat of a state on the way, which is balanced roughly."""
         return _HEAT_OF_ROUGH * ROUGH if self.bearing.on_the_way else 0.0
 
     @staticmethod
     def condition(wear: WornDepths) -> Condition:
-        """Condition with some wear, whose loss is its progress."""
+        """Returns the condition with some wear, whose loss is its progress."""
         deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
         return Condition(wear.ball + deepest, depths=wear)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         assert condition.depths is not None
-        point = self.bearing.solve(condition.depths, self.held(condition))
+        point = self.bearing.solve(condition.depths, self.problem_in(condition))
         if point.status != code.OK:
             return SolvedBearing(point.status, condition, self.scene)
         return SolvedBearing(
@@ -95,11 +95,11 @@ class Worn(Steady):
         )
 
     def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
-        """The solution found last, with both stiffnesses."""
+        """Returns the last solution with both stiffnesses."""
         dynamic, quasistatic = self.bearing.axial_stiffnesses(solution.answer).tolist()
-        found = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
-        self.memory.slope = found.steepness
-        return found
+        with_both = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
+        self.memory.slope = with_both.steepness
+        return with_both
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
         point: WornPoint = solution.answer
@@ -113,7 +113,7 @@ class Worn(Steady):
         return self.bearing.rate(solution.answer, *self.factors, solution.scene)
 
     def approach_loss(self, point: WornPoint) -> float:
-        """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
+        """Returns L: ball diameter lost, and the approach of the contacts beyond Hertz [m]."""
         loss = self.start.loss + point.wear.ball
         for k, force in enumerate(point.forces):
             depth = self.bearing.lengths(point)[k]
@@ -121,26 +121,26 @@ class Worn(Steady):
         return loss
 
     def even_loss(self, point: WornPoint) -> float:
-        """L_eq: even loss of diameter with the same rotor position, or the same preload [m].
+        """Returns L_eq: even loss of diameter with the same rotor position or preload [m].
 
-        Counted from that of the start, where it is that of the scene.
+        At the start it is that of the scene.
         """
         if self.memory.offset is None:
             self.memory.offset = 0.0
             self.memory.offset = self.even_loss(point) - self.start.loss
             return self.start.loss
-        g, held, seat = point.problem.g, point.problem.preload, point.seat
+        g, hold, seat = point.problem.g, point.problem.preload, point.seat
         preload = seat_force(g, seat)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
         state = cold_start()
 
         @functools.cache
-        def away(loss: float) -> float:
+        def difference(loss: float) -> float:
             nonlocal state
             delta_a, state = thrust_equilibrium(
-                g, g.D0 - loss, load, held.F_x, seat.delta_a, held.constant_force, state
+                g, g.D0 - loss, load, hold.F_x, seat.delta_a, hold.constant_force, state
             )
-            if held.constant_force:
+            if hold.constant_force:
                 return (delta_a - seat.delta_a) / scale
             return 1.0 - g.n_balls * state.F_ix / preload
 
@@ -149,32 +149,32 @@ class Worn(Steady):
         width, low, high = _NEAR * scale, guess, guess
         for _ in range(_FURTHER):
             low, high, width = low - width, high + width, 2.0 * width
-            if away(low) <= 0.0 <= away(high):
+            if difference(low) <= 0.0 <= difference(high):
                 break
         try:
-            root = brent_root(away, low, high, xtol=1e-9 * scale, rtol=1e-14)
+            root = brent_root(difference, low, high, xtol=1e-9 * scale, rtol=1e-14)
         except ValueError:
             return float("nan")
         self.memory.ahead += (root - guess) / scale
         return root - self.memory.offset
 
     def state(self, solution: SolvedBearing) -> State:
-        """State of a point; its rate of loss, and stiffnesses, are not known from it alone."""
+        """Returns the state of a point; its rate of loss and stiffnesses need more than it."""
         point = solution.answer
-        values = self._values(point) | self._of_films(solution)
+        values = self._values(point) | self._film_values(solution)
         values["friction_power"] = self.heat(solution).total
         return State(point.status, values, solution)
 
-    def _of_films(self, solution: SolvedBearing) -> dict[str, Any]:
-        """What of a state films and running in decide; nothing without any."""
+    def _film_values(self, solution: SolvedBearing) -> dict[str, Any]:
+        """Returns the values of a state that films and running in decide; nothing without any."""
         films, point = self.bearing.films, solution.answer
         if films is None:
             return {}
         D, shares = point.D, []
         for k, force in enumerate(point.forces):
-            bare = self.bearing.bare(point.wear, k)
+            on_arc = self.bearing.bare(point.wear, k)
             g = point.problem.g
-            bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha, g)
+            bare = self.bearing.at_cells(on_arc, k, point.x[k], force.alpha, g)
             shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
         rate = self.rate(solution)
         area = rate.grooves.sum(axis=1) * self.bearing.arc_step

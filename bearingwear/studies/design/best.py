@@ -82,10 +82,10 @@ class PreloadPoint:
         What is not known is not met, but by new bearings what depends on the life.
         """
         if self.values["status"] != OK:
-            return np.full(len(limits.held) + 1, -1.0)
+            return np.full(len(limits.effective) + 1, -1.0)
         unknown = math.inf if self.solved == NEW_BEARING else -1.0
         found = []
-        for name, limit in limits.held.items():
+        for name, limit in limits.effective.items():
             one = LIMITED[name]
             known = [self.values[extreme] for extreme in one.extremes if extreme in self.values]
             each = [one.margin(value, limit) for value in known if value == value]
@@ -384,7 +384,7 @@ class PreloadSearch:
         order = line.in_order(self.limits)
         k = next(k for k, one in enumerate(order) if one.preload == best.preload)
         beside = [order[n] for n in (k - 1, k + 1) if 0 <= n < len(order)]
-        names = [*self.limits.held, ACTIVE[NOT_PRACTICAL]]
+        names = [*self.limits.effective, ACTIVE[NOT_PRACTICAL]]
         margins = best.margins(self.limits)
         refused = [
             one

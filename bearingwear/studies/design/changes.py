@@ -23,12 +23,12 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.best import QUICK_LIFE, PreloadLine, PreloadPoint, PreloadSearch
 from bearingwear.studies.design.plan import DesignLimits
 
 LIMIT_KEY = "limits."
-"""Before the name of a requirement."""
+"""Prefix of the name of a requirement."""
 
 FRICTION_KEY, SHEAR_KEY = "friction.ball_race", "friction.film.shear_strength_MPa"
 WARMTH_KEY, GROOVE_KEY = "temperature.inner_ring_C", "groove"
@@ -39,13 +39,13 @@ _FRICTION_FACTORS = (0.5, 0.5**0.5, 2.0**0.5, 2.0)
 _WARMINGS = (10.0, 20.0, 40.0)
 """Warming of the inner ring alone that is tried [K]."""
 
-_FOUND_TO = 0.02
-"""To which the ends of friction and warmth are found, over all that is tried."""
+_END_WIDTH = 0.02
+"""Width to which the ends of friction and warmth are found, over the range that is tried."""
 
 _FARTHEST = 2.0
 """Factor by which a requirement is moved either way, at most."""
 
-_MOVES = 24  # of a requirement from now to the farthest
+_MOVES = 24  # values of a requirement from now to the farthest
 
 CHANGES = table(
     Variable("value_now", ("change",), "", "value now, in the unit of its key"),
@@ -71,258 +71,314 @@ class Change:
 
 
 def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
-    """What would change the choice, as variables of a file over `change`."""
+    """Returns what would change the choice, as variables of a file over `change`."""
     columns = {
-        "value_now": [one.now for one in changes],
-        "other_better_below": [one.below for one in changes],
-        "other_better_above": [one.above for one in changes],
-        "tried_from": [one.tried[0] for one in changes],
-        "tried_to": [one.tried[1] for one in changes],
+        "value_now": [change.now for change in changes],
+        "other_better_below": [change.below for change in changes],
+        "other_better_above": [change.above for change in changes],
+        "tried_from": [change.tried[0] for change in changes],
+        "tried_to": [change.tried[1] for change in changes],
     }
     names = Variable(
         "change", ("change",), "", "what may be otherwise than assumed", dtype="i1",
-        flags=tuple(one.name for one in changes),
+        flags=tuple(change.name for change in changes),
     )  # fmt: skip
-    return filled(CHANGES, {names: None}, [columns])
+    return dataset_of_rows(CHANGES, {names: None}, [columns])
 
 
 def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:
-    """What would change the choice between two methods.
+    """Returns what would change the choice between two methods.
 
     best: the recommended point of each line of the search.
     """
-    lives = [0.0 if one is None else one.life for one in best]
+    lives = [0.0 if point is None else point.life for point in best]
     if not max(lives) > 0.0:
         return []
-    first = int(np.argmax(lives))
-    movable = [name for name, value in search.limits.given.items() if value > 0.0]  # by factors
-    found = [_limit_change(search, name, first) for name in movable]
-    known = [one for one in best if one is not None]
-    if len(known) == len(search.lines):
-        found += _assumption_changes(search, known, first)
-    return found
+    better = int(np.argmax(lives))
+    # zero cannot be multiplied by a factor
+    movable = [name for name, value in search.limits.given.items() if value > 0.0]
+    changes = [_limit_change(search, name, better) for name in movable]
+    points = [point for point in best if point is not None]
+    if len(points) == len(search.lines):
+        changes += _assumption_changes(search, points, better)
+    return changes
 
 
-def _limit_change(search: PreloadSearch, name: str, first: int) -> Change:
-    """How far a requirement may move; the best preloads are found anew for each value of it."""
-    now, (low, high) = search.limits.given[name], _range(search.limits.given[name], name)
-    ends: dict[bool, float] = {}
-    for is_up, end in ((False, low), (True, high)):
-        wider = _moved(search.limits, name, end)
-        if is_up != LIMITED[name].falls:  # looser: preloads that are not allowed now come in
-            search.solve(partial(_more, limits=search.limits, wider=wider), QUICK_LIFE, wider)
-        ends[is_up] = math.nan
-        before = 1.0
-        for value in np.geomspace(now, end, _MOVES + 1)[1:].tolist():
-            ahead = _ahead(search.lines, _moved(search.limits, name, value), first)
-            if math.isnan(ahead):
-                break
-            if ahead <= 0.0:
-                share = before / (before - ahead) if math.isfinite(before - ahead) else 0.5
-                ends[is_up] = value * ((end / now) ** (1.0 / _MOVES)) ** (share - 1.0)
-                break
-            before = ahead
-    return Change(
-        name=f"{LIMIT_KEY}{name}", now=now, below=ends[False], above=ends[True], tried=(low, high)
-    )
+def _limit_change(search: PreloadSearch, name: str, better: int) -> Change:
+    """Returns how far a requirement may move until the other method is better.
+
+    better: number of the line with the longer life.
+    """
+    now = search.limits.given[name]
+    low, high = _limit_range(now, name)
+    below, above = (_limit_end(search, name, farthest, better) for farthest in (low, high))
+    return Change(name=f"{LIMIT_KEY}{name}", now=now, below=below, above=above, tried=(low, high))
 
 
-def _range(now: float, name: str) -> tuple[float, float]:
-    """Values of a requirement that are tried."""
-    most = 1.0 if LIMITED[name].limit[1].startswith("(0, 1") else math.inf
-    return now / _FARTHEST, max(now, min(_FARTHEST * now, most))
+def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -> float:
+    """Returns the value of a requirement at which the other method becomes better.
+
+    Values go from the present one to the farthest, each with its own best preloads. Returns NaN
+    where none changes the choice.
+    """
+    now, limits = search.limits.given[name], search.limits
+    is_looser = (farthest > now) != LIMITED[name].falls
+    if is_looser:  # preloads that are not allowed now come in
+        loosest = _with_limit(limits, name, farthest)
+        search.solve(partial(_newly_allowed, limits=limits, looser=loosest), QUICK_LIFE, loosest)
+    previous = 1.0  # an advantage: positive now
+    for value in np.geomspace(now, farthest, _MOVES + 1)[1:].tolist():
+        advantage = _advantage(search.lines, _with_limit(limits, name, value), better)
+        if math.isnan(advantage):
+            return math.nan
+        if advantage <= 0.0:
+            step = (farthest / now) ** (1.0 / _MOVES)
+            return value * step ** (_share_to_zero(previous, advantage) - 1.0)
+        previous = advantage
+    return math.nan
 
 
-def _moved(limits: DesignLimits, name: str, value: float) -> DesignLimits:
+def _limit_range(now: float, name: str) -> tuple[float, float]:
+    """Returns the lowest and highest value of a requirement that are tried."""
+    highest = 1.0 if LIMITED[name].limit[1].startswith("(0, 1") else math.inf
+    return now / _FARTHEST, max(now, min(_FARTHEST * now, highest))
+
+
+def _with_limit(limits: DesignLimits, name: str, value: float) -> DesignLimits:
+    """Returns requirements of which one has another value."""
     changed: Any = {name: value}
     return replace(limits, **changed)
 
 
-def _more(line: PreloadLine, limits: DesignLimits, wider: DesignLimits) -> list[float]:
-    """Every second preload without a life that new bearings allow by wider requirements alone."""
+def _newly_allowed(line: PreloadLine, limits: DesignLimits, looser: DesignLimits) -> list[float]:
+    """Returns every second preload that new bearings allow by looser requirements alone."""
     refused = [p for p in line.grid[::2] if p not in line.lives and not line.may_live(p, limits)]
-    return [p for p in refused if line.may_live(p, wider)]
+    return [p for p in refused if line.may_live(p, looser)]
 
 
-def _ahead(lines: Sequence[PreloadLine], limits: DesignLimits, first: int) -> float:
-    """Logarithm of the better method's best life over the other's; NaN where there is neither."""
-    own, other = (interpolated_best_life(lines[k], limits) for k in (first, 1 - first))
-    return _log_ratio(own, other)
+def _advantage(lines: Sequence[PreloadLine], limits: DesignLimits, better: int) -> float:
+    """Returns the logarithm of the better method's best life over the other's.
+
+    NaN where neither has a life.
+    """
+    life, other_life = (interpolated_best_life(lines[k], limits) for k in (better, 1 - better))
+    return _log_ratio(life, other_life)
 
 
-def _log_ratio(own: float, other: float) -> float:
-    """Logarithm of a life over another; NaN where one was not solved, or both are nothing."""
-    if not max(own, other) > 0.0 or math.isnan(own + other):
+def _log_ratio(life: float, other_life: float) -> float:
+    """Returns the logarithm of a life over another; NaN if one was not solved or both are zero."""
+    if not max(life, other_life) > 0.0 or math.isnan(life + other_life):
         return math.nan
-    if not min(own, other) > 0.0:
-        return math.copysign(math.inf, own - other)
-    return math.log(own / other)
+    if not min(life, other_life) > 0.0:
+        return math.copysign(math.inf, life - other_life)
+    return math.log(life / other_life)
+
+
+def _share_to_zero(start: float, end: float) -> float:
+    """Returns the share of the way from one advantage to another at which it is zero.
+
+    The advantage goes evenly; the share is a half where one end is infinite.
+    """
+    return start / (start - end) if math.isfinite(start - end) else 0.5
 
 
 def interpolated_best_life(line: PreloadLine, limits: DesignLimits) -> float:
-    """The longest life [s] of a line within requirements, between the preloads that were solved.
+    """Returns the longest life [s] of a line within requirements, between the solved preloads.
 
-    Margins and the logarithm of the life go evenly from one that is allowed to the next.
+    Margins and the logarithm of the life go evenly from a preload with a life to the next.
     """
-    order = [one for _, one in sorted((line.new | line.lives).items())]
-    margins = np.array([one.margins(limits) for one in order])
-    longest = 0.0
-    alive = [k for k, one in enumerate(order) if one.life > 0.0]
-    for k in alive:
-        if margins[k].min() >= 0.0:
-            longest = max(longest, order[k].life)
-    for a, b in itertools.pairwise(alive):
-        if max(margins[a].min(), margins[b].min()) < 0.0:
-            continue
-        start, step = margins[a], margins[b] - margins[a]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            root = -start / step
-        low = max([0.0, *root[step > 0.0].tolist()])
-        high = min([1.0, *root[step < 0.0].tolist()])
-        log_a, log_b = math.log(order[a].life), math.log(order[b].life)
-        longest = max(longest, *(math.exp(log_a + s * (log_b - log_a)) for s in (low, high)))
+    points = [point for _, point in sorted((line.new | line.lives).items())]
+    alive = [point for point in points if point.life > 0.0]
+    margins = [point.margins(limits) for point in alive]
+    allowed = [k for k in range(len(alive)) if margins[k].min() >= 0.0]
+    longest = max((alive[k].life for k in allowed), default=0.0)
+    for k, (point, following) in enumerate(itertools.pairwise(alive)):
+        if max(margins[k].min(), margins[k + 1].min()) >= 0.0:
+            start, end = math.log(point.life), math.log(following.life)
+            shares = _allowed_shares(margins[k], margins[k + 1])
+            longest = max(longest, *(math.exp(start + s * (end - start)) for s in shares))
     return longest
 
 
+def _allowed_shares(start: np.ndarray, end: np.ndarray) -> tuple[float, float]:
+    """Returns between which shares of the way from margins to others none is negative.
+
+    None is negative at one end at least.
+    """
+    step = end - start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        zeros = -start / step
+    low = max([0.0, *zeros[step > 0.0].tolist()])
+    high = min([1.0, *zeros[step < 0.0].tolist()])
+    return low, high
+
+
 def _assumption_changes(
-    search: PreloadSearch, best: Sequence[PreloadPoint], first: int
+    search: PreloadSearch, best: Sequence[PreloadPoint], better: int
 ) -> list[Change]:
-    """Friction and warmth at the recommended preloads, by quick lives."""
+    """Returns the changes of friction, warmth and grooves, by quick lives at the best preloads."""
     scenes = [
-        held_by(search.scene, line.method, one.preload)
-        for line, one in zip(search.lines, best, strict=True)
+        held_by(search.scene, line.method, point.preload)
+        for line, point in zip(search.lines, best, strict=True)
     ]
-    now = _log_ratio(best[first].life, best[1 - first].life)
-    key, mu = friction_of(search.scene)
-    each = []
-    if mu > 0.0:
-        values = [mu * factor for factor in _FRICTION_FACTORS if mu * factor <= _most(key)]
-        each.append(_Tried(key, with_friction, mu, {mu: now}, values))
-    if search.scene.thermal is None:
-        each.append(_Tried(WARMTH_KEY, with_warm_inner_ring, 0.0, {0.0: now}, _WARMINGS))
-    scales: list[float] = []
-    while asked := [(one, value) for one in each for value in one.wanted]:
-        changed = [one.change(value, scene) for one, value in asked for scene in scenes]
-        own = [] if scales else scenes
-        answers = search.answers_at(quick_life, [*own, *changed])
+    now = _log_ratio(best[better].life, best[1 - better].life)
+    assumptions = _assumptions(search.scene, now)
+    exact_over_quick: list[float] = []
+    while trials := [(tried, value) for tried in assumptions for value in tried.wanted]:
+        changed = [tried.change(value, scene) for tried, value in trials for scene in scenes]
+        unchanged = [] if exact_over_quick else scenes
+        answers = search.answers_at(quick_life, [*unchanged, *changed])
         lives = [answer.get("life", math.nan) for answer in answers]
-        if not scales:
-            quick = zip(best, lives, strict=False)
-            scales = [one.life / life if life > 0.0 else 1.0 for one, life in quick]
-        pairs = np.reshape(lives[len(own) :], (len(asked), len(scenes))) * scales
-        for (one, value), pair in zip(asked, pairs.tolist(), strict=True):
-            one.ahead[value] = _log_ratio(pair[first], pair[1 - first])
-        for one in each:
-            one.wanted = [mid for end in one.brackets for mid in end.middle(one.width)]
-    return [*(one.found for one in each), *_groove_change(best, first)]
+        if not exact_over_quick:
+            exact_over_quick = [
+                point.life / life if life > 0.0 else 1.0
+                for point, life in zip(best, lives, strict=False)
+            ]
+        trial_lives = np.reshape(lives[len(unchanged) :], (len(trials), len(scenes)))
+        for (assumption, value), pair in zip(
+            trials, (trial_lives * exact_over_quick).tolist(), strict=True
+        ):
+            assumption.advantages[value] = _log_ratio(pair[better], pair[1 - better])
+        for assumption in assumptions:
+            assumption.wanted = assumption.values_between
+    return [*(assumption.outcome for assumption in assumptions), *_groove_change(best, better)]
+
+
+def _assumptions(scene: Scene, now: float) -> list[_Assumption]:
+    """Returns the friction and the warmth that are tried, with the advantage now."""
+    key, mu = friction_of(scene)
+    assumptions = []
+    if mu > 0.0:
+        values = [mu * factor for factor in _FRICTION_FACTORS if mu * factor <= _highest(key)]
+        assumptions.append(_Assumption(key, with_friction, mu, {mu: now}, values))
+    if scene.thermal is None:
+        assumptions.append(
+            _Assumption(WARMTH_KEY, with_warm_inner_ring, 0.0, {0.0: now}, _WARMINGS)
+        )
+    return assumptions
 
 
 @dataclass(frozen=True)
 class _Bracket:
-    """Two values of an assumption, between which an advantage is lost or is not known any more."""
+    """Two values of an assumption; from one to the other, an advantage is lost or unknown."""
 
-    held: float
-    lost: float
-    ahead: tuple[float, float]  # at both
-
-    def middle(self, width: float) -> list[float]:
-        """The value between them, if they are farther apart than a width."""
-        is_wide = abs(self.lost - self.held) > width
-        return [0.5 * (self.held + self.lost)] if is_wide else []
+    start: float
+    end: float
+    start_advantage: float
+    end_advantage: float
 
     @property
-    def root(self) -> float:
-        """Where the advantage is lost; NaN where it is not known beyond."""
-        held, lost = self.ahead
-        if math.isnan(lost):
+    def is_open(self) -> bool:
+        """Whether the advantage is not known at the end."""
+        return math.isnan(self.end_advantage)
+
+    @property
+    def width(self) -> float:
+        return abs(self.end - self.start)
+
+    @property
+    def middle(self) -> float:
+        return 0.5 * (self.start + self.end)
+
+    @property
+    def zero(self) -> float:
+        """Where the advantage is lost; NaN where it is not known at the end."""
+        if self.is_open:
             return math.nan
-        share = held / (held - lost) if math.isfinite(held - lost) else 0.5
-        return self.held + share * (self.lost - self.held)
+        share = _share_to_zero(self.start_advantage, self.end_advantage)
+        return self.start + share * (self.end - self.start)
 
 
 @dataclass
-class _Tried:
-    """Values of an assumption, and the logarithm of the better method's life over the other's."""
+class _Assumption:
+    """An assumption, and the values of it that are tried.
+
+    advantages: logarithm of the better method's life over the other's, by values of the assumption.
+    wanted: values to try next.
+    """
 
     name: str
     change: Callable[[float, Scene], Scene]
     now: float
-    ahead: dict[float, float]
+    advantages: dict[float, float]
     wanted: Sequence[float]
 
     @property
-    def width(self) -> float:
-        """To which the value is found at which an advantage is lost."""
-        return _FOUND_TO * (max(self.ahead) - min(self.ahead))
+    def values_between(self) -> list[float]:
+        """Values that narrow down where the advantage is lost, below and above the present one."""
+        width = _END_WIDTH * (max(self.advantages) - min(self.advantages))
+        brackets = [bracket for sign in (-1, 1) if (bracket := self._bracket(sign))]
+        return [bracket.middle for bracket in brackets if bracket.width > width]
 
-    @property
-    def brackets(self) -> list[_Bracket]:
-        """Below and above the present value, where there is one."""
-        return [one for one in (self._bracket(-1.0), self._bracket(1.0)) if one]
-
-    def _bracket(self, sign: float) -> _Bracket | None:
-        order = sorted(value for value in self.ahead if sign * (value - self.now) >= 0.0)
-        for a, b in itertools.pairwise(order[:: int(sign)]):
-            if not self.ahead[b] > 0.0:
-                return _Bracket(a, b, (self.ahead[a], self.ahead[b]))
+    def _bracket(self, sign: int) -> _Bracket | None:
+        """Returns where an advantage is lost, below (-1) or above (1) the present value."""
+        values = sorted(value for value in self.advantages if sign * (value - self.now) >= 0.0)
+        for start, end in itertools.pairwise(values[::sign]):
+            if not self.advantages[end] > 0.0:
+                return _Bracket(start, end, self.advantages[start], self.advantages[end])
         return None
 
     @property
-    def found(self) -> Change:
-        ends, tried = [], []
-        for sign, farthest in ((-1.0, min(self.ahead)), (1.0, max(self.ahead))):
-            one = self._bracket(sign)
-            ends.append(one.root if one else math.nan)
-            tried.append(one.held if one and math.isnan(one.root) else farthest)
+    def outcome(self) -> Change:
+        """Values at which the other method is better, and the range that was tried."""
+        low, high = self._bracket(-1), self._bracket(1)
         return Change(
-            name=self.name, now=self.now, below=ends[0], above=ends[1], tried=(tried[0], tried[1])
+            name=self.name,
+            now=self.now,
+            below=low.zero if low else math.nan,
+            above=high.zero if high else math.nan,
+            tried=(
+                low.start if low and low.is_open else min(self.advantages),
+                high.start if high and high.is_open else max(self.advantages),
+            ),
         )
 
 
-def _groove_change(best: Sequence[PreloadPoint], first: int) -> list[Change]:
-    """Whether the other method is better with Hertzian grooves: 1 where it is, as a share."""
-    lives = [one.values["hertzian_life"] for one in best]
-    if not all(one.values.get("groove") for one in best) or not np.isfinite(lives).all():
+def _groove_change(best: Sequence[PreloadPoint], better: int) -> list[Change]:
+    """Returns whether the other method is better with Hertzian grooves, as a value of 1 if it is.
+
+    Empty where the lives are not those with worn grooves.
+    """
+    lives = [point.values["hertzian_life"] for point in best]
+    if not all(point.values.get("groove") for point in best) or not np.isfinite(lives).all():
         return []
-    is_other = lives[first] < lives[1 - first]
+    is_other = lives[better] < lives[1 - better]
     return [Change(name=GROOVE_KEY, now=1.0, below=1.0 if is_other else math.nan, tried=(0.0, 1.0))]
 
 
 def friction_of(scene: Scene) -> tuple[str, float]:
-    """The key of the friction of balls on races, and its value."""
+    """Returns the key of the friction of balls on races, and its value."""
     film = scene.friction.film
     if film is not None:
         return SHEAR_KEY, film.shear_strength_MPa
     return FRICTION_KEY, scene.friction.coefficient
 
 
-def _most(key: str) -> float:
-    part = key_of_scene(key)
-    assert part is not None
-    return float(part.key.ends[1])
+def _highest(key: str) -> float:
+    """Returns the highest value that a key of a scene may have."""
+    place = key_of_scene(key)
+    assert place is not None
+    return float(place.key.ends[1])
 
 
 def with_friction(value: float, scene: Scene) -> Scene:
-    """A scene with another friction of balls on races."""
+    """Returns a scene with another friction of balls on races."""
     return scene.with_({friction_of(scene)[0]: value})
 
 
 def with_warm_inner_ring(kelvin: float, scene: Scene) -> Scene:
-    """A scene whose inner ring alone is warmer."""
+    """Returns a scene whose inner ring alone is warmer."""
     now = temperatures(scene)
     warm = replace(now, inner_ring_C=(now.inner_ring_C or 0.0) + kelvin)
     return replace(scene, temperature=warm)
 
 
 def quick_life(scene: Scene) -> dict[str, Any]:
-    """The shortest quick life of a scene's cases [s]; NaN where one was not solved."""
-    return {"life": min((_quick_life(one) for one in cases_that_wear(scene).values()), key=_rank)}
-
-
-def _rank(life: float) -> float:
-    return life if life == life else -math.inf
+    """Returns the shortest quick life of a scene's cases [s]; NaN where one was not solved."""
+    return {"life": float(np.min([_quick_life(case) for case in cases_that_wear(scene).values()]))}
 
 
 def _quick_life(scene: Scene) -> float:
+    """Returns the quick life of one case [s]; NaN where it was not solved."""
     life = worn_life(scene, quick=True) or HertzianLives(scene)(scene)
     return float(life.last.time) if life.status == OK else math.nan

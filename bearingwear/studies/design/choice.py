@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -47,17 +47,17 @@ ACTIVE_LIMIT = Variable(
 
 
 def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset:
-    """Step: all parts of a map as one dataset, with the best preload of every line of it."""
-    found = {path: load_kind(path, "design map") for path in parts}
-    first, attributes = next((path, one.attrs) for path, one in found.items())
-    for path, one in found.items():
-        if one.attrs != attributes:
+    """Step: returns all parts of a map as one dataset, with the best preload of every line."""
+    maps = {path: load_kind(path, "design map") for path in parts}
+    first, attributes = next((path, part.attrs) for path, part in maps.items())
+    for path, part in maps.items():
+        if part.attrs != attributes:
             raise CaseFileError(f"{path}: differs from {first} in its scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
         raise CaseFileError(f"{first}: has a different requirement for the gyroscopic slip share")
     try:
-        whole = xr.combine_by_coords(
-            list(found.values()),
+        design = xr.combine_by_coords(
+            list(maps.values()),
             combine_attrs="drop_conflicts",
             join="exact",
             compat="equals",
@@ -65,19 +65,19 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
         )
     except ValueError as error:
         raise CaseFileError(f"parts of a design map: {' '.join(str(error).split())}") from None
-    assert isinstance(whole, xr.Dataset)
-    if whole["status"].dtype.kind == "f":  # combining fills holes with NaN
+    assert isinstance(design, xr.Dataset)
+    if design["status"].dtype.kind == "f":  # combining fills holes with NaN
         raise CaseFileError("some parts of the design map are missing")
-    asked = dict(limits) | {"at_speed_only": True}  # as its parts are
-    return with_choices(whole.assign_attrs(limits=json.dumps(asked)))
+    stored_limits = dict(limits) | {"at_speed_only": True}  # as its parts are
+    return with_choices(design.assign_attrs(limits=json.dumps(stored_limits)))
 
 
 def with_choices(design: xr.Dataset) -> xr.Dataset:
-    """A map with the best preload of every line of it."""
+    """Returns a map with the best preload of every line of it."""
     index, active = best_within(design, limits_of(design))
-    none = index < 0
-    best = design.isel(preload=xr.where(none, 0, index))
-    preload, life = best["preload"].where(~none), best["life"].where(~none)
+    has_best = index >= 0
+    best = design.isel(preload=xr.where(has_best, index, 0))
+    preload, life = best["preload"].where(has_best), best["life"].where(has_best)
     return design.assign(
         recommended_preload=preload.assign_attrs(
             long_name="preload that gives the longest life", units="N"
@@ -88,20 +88,49 @@ def with_choices(design: xr.Dataset) -> xr.Dataset:
 
 
 def limits_of(design: xr.Dataset) -> DesignLimits:
-    """The limits a map was made with."""
+    """Returns the limits a map was made with."""
     return DesignLimits(**json.loads(design.attrs["limits"]))
 
 
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
-    """Relative margin of each limit; negative where it is violated.
+    """Returns the relative margin of each limit; negative where it is violated.
 
-    In the order of `limits.held`; `values` is a Dataset or a dict of what `life_point` finds.
+    In the order of `limits.effective`; `values` is a Dataset or a dict of what `life_point` finds.
     """
-    return [LIMITED[name].margins(values, limit) for name, limit in limits.held.items()]
+    return [LIMITED[name].margins(values, limit) for name, limit in limits.effective.items()]
+
+
+class _LineOfMap(NamedTuple):
+    """Points of a map along the preload."""
+
+    is_solved: np.ndarray
+    lives: np.ndarray
+    margins: np.ndarray  # (limits and practice, preloads)
+
+    @property
+    def best(self) -> int | None:
+        """Index of the longest life within the limits; None where no preload is."""
+        is_allowed = self.is_solved & (self.lives > 0.0) & np.all(self.margins >= 0.0, axis=0)
+        lives = np.where(is_allowed, self.lives, -np.inf)
+        return int(np.argmax(lives)) if is_allowed.any() else None
+
+    def active_limit(self, best: int, names: Sequence[str]) -> int:
+        """Returns what keeps the best preload from its neighbour with the longer life.
+
+        names: of the margins.
+        """
+        neighbours = [k for k in (best - 1, best + 1) if 0 <= k < len(self.lives)]
+        longer = [k for k in neighbours if self.is_solved[k] and self.lives[k] > self.lives[best]]
+        if longer:  # violates a limit, or it would have been chosen
+            longest = max(longer, key=lambda k: self.lives[k])
+            return ACTIVE.index(names[int(np.argmin(self.margins[:, longest]))])
+        if any(not self.is_solved[k] for k in neighbours):
+            return NEXT_NOT_SOLVED
+        return END_OF_RANGE if len(neighbours) < 2 else UNLIMITED
 
 
 def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray, xr.DataArray]:
-    """Index of the preload with the longest life within the limits, and the limit that holds it.
+    """Finds the preload with the longest life within the limits, and the limit that holds it.
 
     Lives that were not solved are never chosen. The active limit is what keeps the choice from the
     neighbouring preload whose life is longer: the limit passed there by most, the end of the range,
@@ -110,57 +139,43 @@ def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray,
     Returns `index, active`: over the dimensions of the map but `preload`; index -1 where no preload
         is within the limits.
     """
-    others = [str(dim) for dim in design["status"].dims if dim != "preload"]
-    order = (*others, "preload")
-    solved = (design["status"] == OK).transpose(*order).values
+    dims = [str(dim) for dim in design["status"].dims if dim != "preload"]
+    order = (*dims, "preload")
+    is_solved = (design["status"] == OK).transpose(*order).values
     lives = design["life"].transpose(*order).values
-    each = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
-    each.append(np.where(design["impractical"].transpose(*order).values, -1.0, 1.0))
-    names = [*limits.held, ACTIVE[NOT_PRACTICAL]]
-    index = np.full(solved.shape[:-1], -1)
-    active = np.full(solved.shape[:-1], NO_PRELOAD, dtype=np.int8)
-    for line in np.ndindex(index.shape):
-        margin = np.array([values[line] for values in each])
-        allowed = solved[line] & (lives[line] > 0.0) & np.all(margin >= 0.0, axis=0)
-        if allowed.any():
-            best = int(np.argmax(np.where(allowed, lives[line], -np.inf)))
-            index[line] = best
-            active[line] = _held_by(best, solved[line], lives[line], margin, names)
-    coords = {dim: design[dim] for dim in others}
+    margins = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
+    margins.append(np.where(design["impractical"].transpose(*order).values, -1.0, 1.0))
+    names = [*limits.effective, ACTIVE[NOT_PRACTICAL]]
+    index = np.full(is_solved.shape[:-1], -1)
+    active = np.full(is_solved.shape[:-1], NO_PRELOAD, dtype=np.int8)
+    for place in np.ndindex(index.shape):
+        line_margins = np.array([margin[place] for margin in margins])
+        line = _LineOfMap(is_solved[place], lives[place], line_margins)
+        best = line.best
+        if best is not None:
+            index[place] = best
+            active[place] = line.active_limit(best, names)
+    coords = {dim: design[dim] for dim in dims}
     return (
-        xr.DataArray(index, coords, others),
-        xr.DataArray(active, coords, others, attrs=ACTIVE_LIMIT.attributes),
+        xr.DataArray(index, coords, dims),
+        xr.DataArray(active, coords, dims, attrs=ACTIVE_LIMIT.attributes),
     )
 
 
-def _held_by(
-    best: int, solved: np.ndarray, lives: np.ndarray, margin: np.ndarray, names: list[str]
-) -> int:
-    """What keeps a line's best preload from its neighbour with the longer life."""
-    neighbours = [k for k in (best - 1, best + 1) if 0 <= k < len(lives)]
-    longer = [k for k in neighbours if solved[k] and lives[k] > lives[best]]
-    if longer:  # passes a limit, or it would have been chosen
-        beyond = max(longer, key=lambda k: lives[k])
-        return ACTIVE.index(names[int(np.argmin(margin[:, beyond]))])
-    if any(not solved[k] for k in neighbours):
-        return NEXT_NOT_SOLVED
-    return END_OF_RANGE if len(neighbours) < 2 else UNLIMITED
-
-
-def preload_text(one: xr.Dataset) -> str:
-    """The recommended preload of a method [N], in as many digits as it is to be set with."""
-    return f"{float(one['preload']):.7g}".replace("nan", "–")
+def preload_text(recommended: xr.Dataset) -> str:
+    """Returns the recommended preload of a method [N], in the digits that it is to be set with."""
+    return f"{float(recommended['preload']):.7g}".replace("nan", "–")
 
 
 def stiffness_of(design: xr.Dataset) -> Measure:
-    """The stiffness that counts: what the rotor feels, unless that of one bearing is limited."""
-    given = json.loads(design.attrs.get("limits", "{}"))
+    """Returns the stiffness that counts: that of the arrangement, or of one bearing if limited."""
+    limits = json.loads(design.attrs.get("limits", "{}"))
     rotor, bearing = LIMITED["system_axial_stiffness_N_um"], LIMITED["axial_stiffness_N_um"]
-    return bearing if bearing.key in given and rotor.key not in given else rotor
+    return bearing if bearing.key in limits and rotor.key not in limits else rotor
 
 
-def front(design: xr.Dataset) -> xr.DataArray:
-    """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
+def pareto_front(design: xr.Dataset) -> xr.DataArray:
+    """Returns which points no other beats in both life and stiffness (dimensions of the map)."""
     solved = design["status"] == OK
     lives = design["life"].where(solved)
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
@@ -171,24 +186,24 @@ def front(design: xr.Dataset) -> xr.DataArray:
 def design_files(
     design: Path, recommendation: Path, uncertainty: Path | None = None
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
-    """Read the files of one scene; CaseFileError for one of another scene, kind or methods."""
+    """Reads the files of one scene; CaseFileError for one of another scene, kind or methods."""
     kinds = {design: "design map", recommendation: "recommendation"}
     if uncertainty is not None:
         kinds[uncertainty] = "uncertainty"
-    found = {path: load_kind(path, kind) for path, kind in kinds.items()}
-    for path in kinds:
-        if found[path].attrs["scene"] != found[design].attrs["scene"]:
+    datasets = {path: load_kind(path, kind) for path, kind in kinds.items()}
+    lives = datasets[design]
+    for path, dataset in datasets.items():
+        if dataset.attrs["scene"] != lives.attrs["scene"]:
             raise CaseFileError(f"{path}: got another scene, expected that of {design}")
-        if not found[path]["preload_method"].equals(found[design]["preload_method"]):
+        if not dataset["preload_method"].equals(lives["preload_method"]):
             raise CaseFileError(
                 f"{path}: got different preload methods, expected those of {design}"
             )
-    sampled = None if uncertainty is None else found[uncertainty]
-    return found[design], found[recommendation], sampled
+    return lives, datasets[recommendation], datasets[uncertainty] if uncertainty else None
 
 
-def at_scene(design: xr.Dataset) -> xr.Dataset:
-    """The line of a map at the scene's own friction and speed."""
+def line_of_scene(design: xr.Dataset) -> xr.Dataset:
+    """Returns the line of a map at the scene's own friction and speed."""
     scene = scene_of(design)
     mu = scene["friction"].get("ball_race")
     return design.sel(

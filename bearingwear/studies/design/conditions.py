@@ -5,7 +5,7 @@ Nothing heavy is imported: sheets name conditions by this file.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,40 +15,43 @@ from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
-"""Speeds that are looked at beside the full one: of the way from the lowest speed to that."""
+"""Speeds at which limits apply beside the full one, as shares of the way to it from the lowest."""
+
+FINE_SHARES = tuple(k / 16.0 for k in range(16))
+"""The same for exact lives worn: slip has a peak where the balls change over from one motion to
+another, which may hide between two eighths."""
 
 SLOW_SHARE = 0.125
-"""Speeds up to this share of the full one are looked at with all parts as cold as mounted, too."""
+"""Share of the full speed up to which limits apply at mounting temperature, too."""
 
-_MOST_COLD = 2  # speeds
+_MOST_COLD_SPEEDS = 2
 AS_RUNNING, MOUNTING, WARMING = "running", "mounting", "warming"
 NEW, BETWEEN, AT_END_OF_LIFE = "new", "between", "worn"
 
 DECIDING = "deciding"
-"""Attribute of a recommendation: of each method and quantity where it is the worst; of a point,
-the same of its quantities."""
+"""Attribute of a recommendation: for each method, the condition in which each quantity is worst.
+Key of a point: the condition in which each of its quantities is worst."""
 
 CONDITIONS = "conditions"
-"""Attribute of a recommendation: the conditions that were looked at, as plain data."""
+"""Attribute of a recommendation: the conditions in which limits apply, as plain data."""
 
 AT_SPEED_ONLY = "at_speed_only"
-"""Attribute of a recommendation: 1 where each case was looked at at its own speed alone."""
+"""Attribute of a recommendation: 1 where limits apply at the speed of each case alone."""
 
 _WARMTH = ("temperature", "thermal")
 
 
 class OperatingCondition(NamedTuple):
-    """A scene at a speed and at temperatures at which it may have to work."""
+    """A scene at a speed and at temperatures at which limits apply."""
 
     scene: Scene
     temperature: str = AS_RUNNING
 
     def where(self, **more: Any) -> dict[str, Any]:
-        """The place as plain data."""
-        speed = speed_of(self.scene)
+        """Returns the condition as plain data, with further keys."""
         return {
             "case": NOMINAL,
-            "speed_rpm": speed,
+            "speed_rpm": speed_of(self.scene),
             "temperature": self.temperature,
             "bearing": 0,
             **more,
@@ -56,94 +59,104 @@ class OperatingCondition(NamedTuple):
 
 
 def speed_of(scene: Scene) -> float:
-    """Speed by which a condition is named: of the shaft, or of the outer race that alone turns."""
+    """Returns the speed that names a condition: of the shaft, or of the outer race that turns."""
     operation = scene.operation
     return operation.shaft_speed_rpm or abs(operation.outer_speed_rpm)
 
 
 def lowest_share(scene: Scene) -> float:
-    """The lowest speed of a scene over its full one."""
+    """Returns the lowest speed of a scene over its full one."""
     operation = scene.operation
     full = operation.shaft_speed_rpm
     return operation.lowest_speed_rpm / full if full else 0.0
 
 
 def as_mounted(scene: Scene) -> Scene:
-    """A scene with all parts at mounting temperature."""
-    a = scene.arrangement
-    if a is not None and a.second:
-        kept = {key: v for key, v in a.second.items() if key.partition(".")[0] not in _WARMTH}
+    """Returns a scene with all parts at mounting temperature."""
+    arrangement = scene.arrangement
+    if arrangement is not None and arrangement.second:
+        second = {key: value for key, value in arrangement.second.items() if not _is_of_warmth(key)}
         # two bearings that differ by their wear alone stay two
-        nothing = {"operation.tilt_mrad": scene.operation.tilt_mrad}
-        a = replace(a, second=kept or nothing)
-    return replace(scene, arrangement=a, temperature=None, thermal=None)
+        no_difference = {"operation.tilt_mrad": scene.operation.tilt_mrad}
+        arrangement = replace(arrangement, second=second or no_difference)
+    return replace(scene, arrangement=arrangement, temperature=None, thermal=None)
+
+
+def _is_of_warmth(key: str) -> bool:
+    """Whether a key is of a block on temperatures."""
+    return key.partition(".")[0] in _WARMTH
 
 
 def is_warm(scene: Scene) -> bool:
     """Whether some part is not at mounting temperature."""
     second = scene.arrangement.second if scene.arrangement is not None else {}
-    return bool(scene.temperature or scene.thermal) or any(
-        key.partition(".")[0] in _WARMTH for key in second
-    )
+    return bool(scene.temperature or scene.thermal) or any(map(_is_of_warmth, second))
 
 
-def shares_beside(scene: Scene) -> list[float]:
-    """Shares of its speed at which a scene is looked at beside the full one, the lowest first."""
+def lower_speed_shares(scene: Scene, shares: Sequence[float] = SPEED_SHARES) -> list[float]:
+    """Returns shares of the full speed at which limits apply as well, from the lowest speed up.
+
+    shares: of the way from the lowest speed to the full one.
+    """
     lowest = lowest_share(scene)
     if not scene.operation.fastest_rpm or lowest >= 1.0:
         return []
-    return [lowest + share * (1.0 - lowest) for share in SPEED_SHARES]
+    return [lowest + share * (1.0 - lowest) for share in shares]
 
 
-def cold_places(scene: Scene) -> list[OperatingCondition]:
-    """Rest and slow speeds with all parts at mounting temperature, of a scene that is warmer."""
+def cold_conditions(scene: Scene) -> list[OperatingCondition]:
+    """Returns rest and slow speeds at mounting temperature; none if nothing is warmer than that."""
     if not is_warm(scene):
         return []
-    shares = [share for share in shares_beside(scene) if share <= SLOW_SHARE][:_MOST_COLD]
-    if not scene.operation.fastest_rpm:
-        shares = [1.0]  # at rest
-    return [OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING) for share in shares]
+    shares = [1.0]  # at rest
+    if scene.operation.fastest_rpm:
+        shares = [share for share in lower_speed_shares(scene) if share <= SLOW_SHARE]
+    return [
+        OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING)
+        for share in shares[:_MOST_COLD_SPEEDS]
+    ]
 
 
 def conditions_of(
     scene: Scene, at_speed_only: bool = False, warms_up: bool = False
 ) -> list[dict[str, Any]]:
-    """All conditions of a scene and its cases, as plain data."""
-    found = []
-    for name, one in cases_of_use(scene).items():
-        places = [OperatingCondition(one)]
+    """Returns all conditions of a scene and its cases, as plain data."""
+    plain = []
+    for name, case in cases_of_use(scene).items():
+        conditions = [OperatingCondition(case)]
         if not at_speed_only:
-            places += [OperatingCondition(at_share(one, share)) for share in shares_beside(one)]
-            places += cold_places(one)
-        places += [OperatingCondition(one, WARMING)] if warms_up else []
-        found += [
-            {"case": name, "speed_rpm": speed_of(p.scene), "temperature": p.temperature}
-            for p in places
+            shares = lower_speed_shares(case)
+            conditions += [OperatingCondition(at_share(case, share)) for share in shares]
+            conditions += cold_conditions(case)
+        conditions += [OperatingCondition(case, WARMING)] if warms_up else []
+        plain += [
+            {"case": name, "speed_rpm": speed_of(c.scene), "temperature": c.temperature}
+            for c in conditions
         ]
-    return found
+    return plain
 
 
 def speed_words(speed: float) -> str:
-    """A speed [r/min] in as many digits as name it, without a power of ten."""
+    """Returns a speed [r/min] as text without a power of ten."""
     return f"{speed:.0f} r/min" if speed >= 100.0 else f"{speed:.3g} r/min"
 
 
 def warm_up_time(where: Mapping[str, Any]) -> str:
-    """The time of an instant of a warm-up."""
+    """Returns the time of an instant of a warm-up as text."""
     return f"{where['time_s']:.3g} s"
 
 
-def condition_words(where: Mapping[str, Any], cases: bool = False) -> str:
-    """A condition in words, `at 3000 r/min, new`; its case too, if that is asked for."""
+def condition_words(where: Mapping[str, Any], has_cases: bool = False) -> str:
+    """Returns a condition in words, `at 3000 r/min, new`; with its case if there are several."""
     speed = where["speed_rpm"]
     words = f"at {speed_words(speed)}" if speed else "at rest"
     if where["temperature"] == MOUNTING:
         words += " and mounting temperature"
     if where["temperature"] == WARMING:
         words += f", {warm_up_time(where)} into the warm-up"
-    wear = {NEW: "new", AT_END_OF_LIFE: "at the end of life", BETWEEN: "during the life"}
+    wear_words = {NEW: "new", AT_END_OF_LIFE: "at the end of life", BETWEEN: "during the life"}
     if where.get("wear"):
-        words += f", {wear[where['wear']]}"
+        words += f", {wear_words[where['wear']]}"
     if where.get("bearing"):
         words += f", bearing {where['bearing']}"
-    return f"{words} (case {where['case']})" if cases else words
+    return f"{words} (case {where['case']})" if has_cases else words

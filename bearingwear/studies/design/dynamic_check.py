@@ -23,24 +23,24 @@ A run that is settled ends before."""
 
 
 def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene:
-    """The scene with the recommended method, and its preload times a factor.
+    """Returns the scene with the recommended method, and its preload times a factor.
 
-    Where no preload is recommended, with the scene's own method and preload times the factor.
+    Where no preload is recommended, it keeps its own method, and its preload is multiplied.
     """
     recommended_for(scene, recommendation)
     method, preload = scene.operation.preload_method, scene.operation.preload_N
-    k = best_method(recommendation)
-    if k is not None:
-        method = PRELOAD_METHODS[int(recommendation["preload_method"][k])]
-        preload = float(recommendation["preload"][k])
+    best = best_method(recommendation)
+    if best is not None:
+        method = PRELOAD_METHODS[int(recommendation["preload_method"][best])]
+        preload = float(recommendation["preload"][best])
     model = replace(scene.model, simulated_turns=max(TURNS, scene.model.simulated_turns))
     # its spread is that of another preload
     return replace(held_by(scene, method, times * preload), uncertainty=None, model=model)
 
 
 def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
-    """Step: `check_scene` as a scene file."""
+    """Step: returns the scene of `check_scene` as the text of a file."""
     base = life_scene(scene)
     plain = check_scene(base, load(recommendation), times).to_dict()
-    head = f"# {base.name} at {times:g} times its recommended preload.\n"
-    return head + yaml_of(plain)
+    comment = f"# {base.name} at {times:g} times its recommended preload.\n"
+    return comment + yaml_of(plain)

@@ -15,7 +15,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life, Node
 from bearingwear.lives.grooves import Grooves
-from bearingwear.lives.many import whole_sides, worse_state
+from bearingwear.lives.many import with_tandem_preload, worse_state
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
@@ -26,11 +26,13 @@ from bearingwear.solvers.state import State
 from bearingwear.studies.design.conditions import (
     AT_END_OF_LIFE,
     BETWEEN,
+    FINE_SHARES,
     NEW,
+    SPEED_SHARES,
     OperatingCondition,
-    cold_places,
+    cold_conditions,
+    lower_speed_shares,
     lowest_share,
-    shares_beside,
 )
 
 UNLOADED = (code.CONTACT_LOST, code.PRELOAD_GONE, code.LIFTED_OFF, code.RACE_UNSEATED)
@@ -52,7 +54,8 @@ _WIDE, _CLOSE = 0.2, 0.02
 """Of the full speed: a span of three speeds round the worst that is halved, and what is no half;
 a quarter of both where a limit is just met or broken."""
 
-_AT_LIMIT = 0.02  # margin of a limit, up to which it is just met
+_AT_LIMIT = 0.1  # margin of a limit, up to which its place is found more closely
+_PEAK_HIDDEN = 0.2  # of the worst value: by how much a peak may exceed the speeds beside it
 
 MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
 """Limited measures by the names of their extremes."""
@@ -90,7 +93,7 @@ def state_extremes(
     """
     worse = worse_state(states, scene)
     worse = worse.with_values({"lowest_frequency": frequency(scene, worse)})
-    sides = whole_sides(states, scene) if len(states) == 2 else states
+    sides = with_tandem_preload(states, scene) if len(states) == 2 else states
     found = {}
     for one in LIMITED.values():
         if not one.of_speed:
@@ -164,7 +167,7 @@ def worn_states(life: Life) -> Solve:
     """
     wearing, last = life.wearing, life.last
     if isinstance(wearing, Grooves):
-        return lambda scene: wearing.elsewhere(scene.one_of_alike, last.worn)
+        return lambda scene: wearing.states_elsewhere(scene.one_of_alike, last.worn)
     conditions = tuple(state.answer.condition._replace(hold=None) for state in last.states)
     return lambda scene: solver_of(scene, tolerance=WELL_BALANCED)(conditions)
 
@@ -180,7 +183,8 @@ class Everywhere(NamedTuple):
         """Extremes of the bearings in one state of wear, from those at the scene's own speed."""
         found = _Speeds(self, solve, wear, {1.0: own})
         try:
-            for share in shares_beside(self.scene):
+            shares = FINE_SHARES if self.exactly and wear != NEW else SPEED_SHARES
+            for share in lower_speed_shares(self.scene, shares):
                 if found.is_lost:
                     break
                 found.add(share)
@@ -194,7 +198,7 @@ class Everywhere(NamedTuple):
                     break
                 for share in between:
                     found.add(share)
-            for place in cold_places(self.scene):
+            for place in cold_conditions(self.scene):
                 if not found.is_lost:
                     found.add_place(place)
         except _Unsolved as lost:
@@ -302,10 +306,12 @@ def _turn(
     place, value = min(new, key=lambda turn: turn[1], default=(math.nan, math.inf))
     if value < least - SPEED_FOUND_TO * abs(least):
         return place
-    k = int(np.argmin(y))
-    if k == len(x) - 1 and x[k] - x[k - 1] > wide:
-        return float(0.5 * (x[k - 1] + x[k]))  # it may turn just below the full speed
-    if 0 < k < len(x) - 1 and x[k + 1] - x[k - 1] > wide:
+    worst = int(np.argmin(y))
+    if worst == len(x) - 1 and x[worst] - x[worst - 1] > wide:
+        return float(0.5 * (x[worst - 1] + x[worst]))  # it may turn just below the full speed
+    for k in _peaks(y):
+        if x[k + 1] - x[k - 1] <= (wide if k == worst else _WIDE):
+            continue
         # neighbours so far away say little of what is between them
         turn = turns[k - 1]
         if turn and abs(turn[0] - x[k]) > close:
@@ -313,6 +319,17 @@ def _turn(
         left, right = x[k] - x[k - 1], x[k + 1] - x[k]
         return float(x[k] - 0.5 * left if left > right else x[k] + 0.5 * right)
     return None
+
+
+def _peaks(y: np.ndarray) -> list[int]:
+    """Returns the inner places that are worse than both neighbours and nearly the worst of all, the
+    worst first.
+
+    A peak between speeds far from each other may be a fifth higher than the one that is known.
+    """
+    near_worst = y.min() + _PEAK_HIDDEN * abs(y.min())
+    peaks = [k for k in range(1, len(y) - 1) if y[k] <= min(y[k - 1], y[k + 1], near_worst)]
+    return sorted(peaks, key=lambda k: y[k])
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:

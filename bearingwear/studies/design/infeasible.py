@@ -20,97 +20,111 @@ from bearingwear.studies.design.plan import DesignLimits
 NO_LIFE_SOLVED = "no life could be computed"
 
 
-def why_none(order: Sequence[PreloadPoint], limits: DesignLimits, cases: bool) -> str:
-    """Which requirements no preload meets, how near one comes, and where.
+def why_none(points: Sequence[PreloadPoint], limits: DesignLimits, has_cases: bool) -> str:
+    """Returns which requirements no preload meets, how near one comes, and where.
 
-    cases: whether the scene has several, which are then named.
+    has_cases: whether the scene has several, which are then named.
     """
-    solved = [one for one in order if one.values["status"] == OK]
+    solved = [point for point in points if point.values["status"] == OK]
     if not solved:
-        return f"{NO_LIFE_SOLVED}{_unsolved_words(order, cases)}"
-    usable = [one for one in solved if _may_live(one)]
+        return f"{NO_LIFE_SOLVED}{_unsolved_words(points, has_cases)}"
+    usable = [point for point in solved if _may_live(point)]
     if not usable:
         where = solved[0].values.get(DECIDING, {}).get("life")
-        at_once = "an end-of-life criterion is met when the bearing is new"
-        return f"{at_once} (case {where['case']})" if where and cases else at_once
-    if all(one.values.get("impractical") for one in usable):
+        text = "an end-of-life criterion is met when the bearing is new"
+        return f"{text} (case {where['case']})" if where and has_cases else text
+    if all(point.values.get("impractical") for point in usable):
         return "the design is impractical at every preload"
-    failed, is_together = least_violations(order, limits)
-    if not failed:
-        return f"{NO_LIFE_SOLVED} at a preload that satisfies them{_unsolved_words(order, cases)}"
-    before, but = "", "at best "
+    violations, is_together = least_violations(points, limits)
+    if not violations:
+        unsolved = _unsolved_words(points, has_cases)
+        return f"{NO_LIFE_SOLVED} at a preload that satisfies them{unsolved}"
+    introduction, before_value = "", "at best"
     if is_together:
-        before = "each requirement can be satisfied individually, but not all of them together: "
-        but = "but "
-    return before + "; ".join(
-        f"{_required_text(name, limits)}, {but}"
-        f"{digits(float(LIMITED[name].shown(LIMITED[name].worst(order[k].values))))} "
-        f"at {digits(order[k].preload)} N{_where_words(order[k].values, name, cases)}"
-        for name, k in failed.items()
+        introduction = (
+            "each requirement can be satisfied individually, but not all of them together: "
+        )
+        before_value = "but"
+    return introduction + "; ".join(
+        f"{_required_text(name, limits)}, {before_value} "
+        f"{_value_text(name, points[k].values, points[k].preload, has_cases)}"
+        for name, k in violations.items()
     )
 
 
 def least_violations(
-    order: Sequence[PreloadPoint], limits: DesignLimits
+    points: Sequence[PreloadPoint], limits: DesignLimits
 ) -> tuple[dict[str, int], bool]:
-    """Requirements that no preload meets, each with the number of the point that comes nearest.
+    """Returns requirements that no preload meets, each with the number of the nearest point.
 
-    Where each is met somewhere, those that are violated where all together are violated the least:
-    by worn bearings if any preload is allowed new, because wear is then what rules it out.
-    Returns the requirements, each with the number of its point, and whether they are such.
+    Where each is met somewhere, these are those violated by the point that violates all of them
+    together the least: a worn one if any preload is allowed new, because wear then rules it out.
+
+    Returns: the requirements with the numbers of points, and whether each is met somewhere.
     """
     usable = [
         k
-        for k, one in enumerate(order)
-        if one.values["status"] == OK and _may_live(one) and not one.values.get("impractical")
+        for k, point in enumerate(points)
+        if point.values["status"] == OK and _may_live(point) and not point.values.get("impractical")
     ]
     if not usable:
         return {}, False
-    margin = np.array([order[k].margins(limits)[:-1] for k in usable])
+    margins = np.array([points[k].margins(limits)[:-1] for k in usable])
     # new bearings alone say nothing of a life
-    margin = np.where(np.isinf(margin), -np.inf, margin)
-    nearest = margin.argmax(axis=0)
-    failed = {
+    margins = np.where(np.isinf(margins), -np.inf, margins)
+    nearest = margins.argmax(axis=0)
+    never_met = {
         name: usable[nearest[k]]
-        for k, name in enumerate(limits.held)
-        if -np.inf < margin[nearest[k], k] < 0.0
+        for k, name in enumerate(limits.effective)
+        if -np.inf < margins[nearest[k], k] < 0.0
     }
-    if failed:
-        return failed, False
-    worn = [k for k in range(len(usable)) if order[usable[k]].solved != NEW_BEARING]
-    together = worn or [*range(len(usable))]
-    best = together[int(margin[together].min(axis=1).argmax())]
+    if never_met:
+        return never_met, False
+    worn = [k for k in range(len(usable)) if points[usable[k]].solved != NEW_BEARING]
+    candidates = worn or [*range(len(usable))]
+    best = candidates[int(margins[candidates].min(axis=1).argmax())]
     violated = {
-        name: usable[best] for k, name in enumerate(limits.held) if -np.inf < margin[best, k] < 0.0
+        name: usable[best]
+        for k, name in enumerate(limits.effective)
+        if -np.inf < margins[best, k] < 0.0
     }
     return violated, True
 
 
-def _may_live(one: PreloadPoint) -> bool:
-    return one.solved == NEW_BEARING or one.life > 0.0
+def _may_live(point: PreloadPoint) -> bool:
+    """Whether a point has a life, or new bearings do not rule one out."""
+    return point.solved == NEW_BEARING or point.life > 0.0
 
 
 def _required_text(name: str, limits: DesignLimits) -> str:
-    """A requirement in words, and what for if nobody asked for it."""
-    text = limit_text(name, limits.held[name])
+    """Returns a requirement in words, and what for if nobody asked for it."""
+    text = limit_text(name, limits.effective[name])
     return text if name in limits.given else f"no bearing lifts off ({text})"
 
 
-def _where_words(point: Mapping[str, Any], name: str, cases: bool) -> str:
-    """Where a measure is the worst, after its value."""
-    measure, deciding = LIMITED[name], point.get(DECIDING, {})
-    known = [deciding[one] for one in measure.extremes if one in deciding]
-    if not known or not measure.of_speed:
+def _value_text(name: str, values: Mapping[str, Any], preload: float, has_cases: bool) -> str:
+    """Returns the worst value of a measure at a preload, and where it is."""
+    measure = LIMITED[name]
+    worst = digits(float(measure.shown(measure.worst(values))))
+    return f"{worst} at {digits(preload)} N{_where_words(values, name, has_cases)}"
+
+
+def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
+    """Returns where a measure is the worst; empty where that is not known."""
+    measure, deciding = LIMITED[name], values.get(DECIDING, {})
+    conditions = [deciding[extreme] for extreme in measure.extremes if extreme in deciding]
+    if not conditions or not measure.of_speed:
         return ""
-    worst = (min if measure.falls else max)(known, key=lambda one: abs(one["value"]))
-    return f" ({condition_words(worst, cases)})"
+    worst = (min if measure.falls else max)(conditions, key=lambda where: abs(where["value"]))
+    return f" ({condition_words(worst, has_cases)})"
 
 
-def _unsolved_words(order: Sequence[PreloadPoint], cases: bool) -> str:
-    """Where most of some points were not solved, and why; nothing where no point says so."""
+def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:
+    """Returns where most of some points were not solved, and why; empty where none says so."""
+    conditions = [where for point in points if (where := point.values.get(NOT_SOLVED_AT))]
     words = [
-        f"{condition_words(one, cases)}: {name_in_words(one.get('status', STATUS_NAMES[OK]))}"
-        for point in order
-        if (one := point.values.get(NOT_SOLVED_AT))
+        f"{condition_words(where, has_cases)}: "
+        f"{name_in_words(where.get('status', STATUS_NAMES[OK]))}"
+        for where in conditions
     ]
     return f" ({max(words, key=words.count)})" if words else ""

@@ -22,34 +22,41 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """Results of a scene with a drive or a launch; otherwise empty."""
-    said: list[str] = []
+    """Returns sentences and torque corners of a scene with a drive or a launch; otherwise {}."""
+    sentences: list[str] = []
     corners: list[Corner] = []
     if scene.drive is not None:
         corners = torque_corners(scene)
-        said += margin_sentences(scene, corners)
+        sentences += margin_sentences(scene, corners)
     a = scene.arrangement
     if scene.launch is not None and a is not None and a.rotor_mass_kg and a.span_mm:
         states = launched_by_wear(scene)
-        one = next(iter(states.values()))
-        g = f"{one.axial_g:.3g} g axial, {one.radial_g:.3g} g radial"
-        said += [f"launch, {g}: {text}" for text in launch_verdict(states)]
-    return {"said": said, "corners": [asdict(one) for one in corners]} if said else {}
+        first = next(iter(states.values()))
+        loads = f"{first.axial_g:.3g} g axial, {first.radial_g:.3g} g radial"
+        sentences += [f"launch, {loads}: {text}" for text in launch_verdict(scene, states)]
+    if not sentences:
+        return {}
+    return {"said": sentences, "corners": [asdict(corner) for corner in corners]}
 
 
-def machine_blocks(found: xr.Dataset) -> list[Block]:
-    """Blocks of each recommended preload, as in a recommendation."""
-    answers = json.loads(found.attrs.get(MACHINE, "[]"))
-    known = [(k, one) for k, one in enumerate(answers) if one]
-    data, blocks, said = scene_of(found), [], []
-    for k, one in known:
-        words = method_words(data, PRELOAD_METHODS[int(found["preload_method"][k])])
-        lines = [f"{words}: {line}" if len(known) > 1 else line for line in one["said"]]
-        said += [f"{line[:1].upper()}{line[1:]}." for line in lines]
-        if one["corners"]:
-            corners = [Corner(**corner) for corner in one["corners"]]
-            block = margin_block(scene_from_dict(data), corners)
-            title = f"torque margin, {words}, {float(found['preload'][k]):.7g} N"
-            blocks.append(Block(title, block.columns, block.rows, block.lines, place="open"))
-    asked = Block("Requirements of the machine", lines=tuple(said), place="lead")
-    return ([asked] if said else []) + blocks
+def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
+    """Returns blocks with the answers of `machine_answers` at each recommended preload."""
+    answers = json.loads(recommendation.attrs.get(MACHINE, "[]"))
+    has_several = sum(map(bool, answers)) > 1
+    scene_data = scene_of(recommendation)
+    sentences, torque_blocks = [], []
+    for k, answer in enumerate(answers):
+        if not answer:
+            continue
+        words = method_words(scene_data, PRELOAD_METHODS[int(recommendation["preload_method"][k])])
+        lines = [f"{words}: {line}" if has_several else line for line in answer["said"]]
+        sentences += [f"{line[:1].upper()}{line[1:]}." for line in lines]
+        if answer["corners"]:
+            corners = [Corner(**corner) for corner in answer["corners"]]
+            block = margin_block(scene_from_dict(scene_data), corners)
+            title = f"torque margin, {words}, {float(recommendation['preload'][k]):.7g} N"
+            torque_blocks.append(Block(title, block.columns, block.rows, block.lines, place="open"))
+    if not sentences:
+        return torque_blocks
+    title = "Requirements of the machine"
+    return [Block(title, lines=tuple(sentences), place="lead"), *torque_blocks]

@@ -21,7 +21,7 @@ from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.lives.duty.lives import duty_life
 from bearingwear.lives.ends import NO_CRITERION, Criteria, with_end
 from bearingwear.lives.follow import Life, Node
-from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.groove_life import groove_choice
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.many import (
     HertzianLives,
@@ -43,7 +43,7 @@ from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
     Everywhere,
@@ -182,7 +182,7 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> tuple[dict[str, An
                 # the same way, ended by the share
                 limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
                 found["time_to_slip_limit"] = lives(limited).last.time
-    found["solves"], found["failed_solves"] = lives.states.solves, lives.states.failed
+    found["solves"], found["failed_solves"] = lives.solver.solves, lives.solver.failed
     return found, one
 
 
@@ -252,7 +252,7 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, An
         if limits.gyroscopic_slip_share is not None:
             end = EndOfLife(gyroscopic_slip_share=limits.gyroscopic_slip_share)
             is_passed = found[SLIP_SHARE] >= limits.gyroscopic_slip_share
-            first = life.first(Criteria(with_end(one, end))) if is_passed else math.inf
+            first = life.time_to(Criteria(with_end(one, end))) if is_passed else math.inf
             found["time_to_slip_limit"] = first
         each[name] = _everywhere(one, found, life, limits, exactly=not quick)
     worst = worst_point(each)
@@ -279,7 +279,7 @@ def _followed_life(
     scene: Scene, slip_limit: float | None, quick: bool
 ) -> tuple[dict[str, Any], Life]:
     """Values of a life at the scene's own speed, and that life."""
-    only_worn = quick and grooves_followed(scene, "steady")[0] is not None
+    only_worn = quick and groove_choice(scene, "steady").follows
     found, even = (dict(NO_LIFE), None) if only_worn else _hertzian_life(scene, slip_limit)
     hertzian = found.get("life", math.nan)
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
@@ -302,7 +302,7 @@ def _followed_life(
         kept["time_to_slip_limit"] = math.inf
         if kept[SLIP_SHARE] >= slip_limit:
             share = EndOfLife(gyroscopic_slip_share=slip_limit)
-            kept["time_to_slip_limit"] = worn.first(Criteria(with_end(scene, share)))
+            kept["time_to_slip_limit"] = worn.time_to(Criteria(with_end(scene, share)))
     return kept, worn
 
 
@@ -339,7 +339,7 @@ def _everywhere(
     worn = len(life.nodes) > 1
     each = [own]
     if not limits.at_speed_only and (worn or "life" not in values or values["life"] > 0.0):
-        looked = Everywhere(scene, limits.held, exactly)
+        looked = Everywhere(scene, limits.effective, exactly)
         sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
         sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
         for solve, wear, node in sides:
@@ -366,7 +366,7 @@ def _is_broken(extremes: Extremes, limits: DesignLimits) -> bool:
     """Whether a requirement on states is broken."""
     return any(
         LIMITED[key].margin(extremes[name]["value"], limit) < 0.0
-        for key, limit in limits.held.items()
+        for key, limit in limits.effective.items()
         for name in LIMITED[key].extremes
         if name in extremes
     )
@@ -548,8 +548,10 @@ def filled_points(
     more: Mapping[str, Variable] = MappingProxyType({}),
     **attributes: Any,
 ) -> xr.Dataset:
-    """`filled` with what `followed_point` gives, and further variables."""
+    """`dataset_of_rows` with what `followed_point` gives, and further variables."""
     points = [{name: p[name] for name in p if name not in NO_VARIABLES} for p in points]
     timed = any("time_to_slip_limit" in point for point in points)
     known = {name: one for name, one in POINT.items() if timed or name != "time_to_slip_limit"}
-    return filled({**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes)
+    return dataset_of_rows(
+        {**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes
+    )

@@ -18,31 +18,33 @@ from bearingwear.scene.warmth import check_heat_capacities
 from bearingwear.studies.axis import RisingAxis
 
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
-"""Preloads of a map around a scene's own, over that one: an eighth to 32 times."""
+"""Preloads of a map, over the scene's own preload: an eighth to 32 times."""
 
 COARSE = FACTORS[::2]
-"""The same where the map is but a guide to the best preload."""
+"""Preloads of a map that is but a guide to the best preload, over the scene's own."""
 
 CHECKED = ("0.80", "1.00", "1.25")
-"""Preloads that the dynamic model solves, over the recommended one; as in file names."""
+"""Preloads that both models solve, over the recommended one; as in file names."""
 
 CHECKED_FIDELITIES = ("steady", "dynamic")
-"""By which they are solved."""
+"""Models that solve these preloads."""
 
 
-def _limit(one: Measure) -> Key:
-    meaning, bounds = one.limit
-    return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, bounds)
+def _limit_key(measure: Measure) -> Key:
+    """Returns the key of the limit of a measure."""
+    meaning, bounds = measure.limit
+    text = f"{meaning} ({measure.note})" if measure.note else meaning
+    return Key(text, measure.key_unit, bounds)
 
 
 NO_FRICTION = 0.0
-"""Place of a scene with friction.film along the friction of a map: it has no one coefficient."""
+"""Coordinate `friction` of a scene with friction.film, which has no single coefficient."""
 
 LEAST_KEPT = 0.01
 """Share of its initial preload that each bearing must keep, so that its balls roll: below it, it
 counts as lifted off."""
 
-_LIMITS: Any = optional_numbers({name: _limit(one) for name, one in LIMITED.items()})
+_LIMITS: Any = optional_numbers({name: _limit_key(measure) for name, measure in LIMITED.items()})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,43 +63,50 @@ class DesignLimits(_LIMITS):
     # fmt: on
 
     def check(self, scene: Scene, source: str) -> None:
-        """Refuse a limit of what a scene does not have. Raises SceneError."""
+        """Refuses a limit of what a scene does not have. Raises SceneError."""
         for key in self.given:
-            one = LIMITED[key]
-            for name in one.needs:
+            measure = LIMITED[key]
+            for name in measure.needs:
                 if scene.arrangement is None or getattr(scene.arrangement, name) is None:
-                    problem = f"got nothing, expected a value for the required {one.words}"
+                    problem = f"got nothing, expected a value for the required {measure.words}"
                     raise SceneError(f"arrangement.{name}", problem, source=source)
-            if one.block and getattr(scene, one.block) is None:
-                problem = f"got nothing, expected a block for the required {one.words}"
-                raise SceneError(one.block, problem, source=source)
+            if measure.block and getattr(scene, measure.block) is None:
+                problem = f"got nothing, expected a block for the required {measure.words}"
+                raise SceneError(measure.block, problem, source=source)
         if self.warmup_s is not None:
             for case in scene.in_cases.values():
                 check_heat_capacities(case.sides, source)
 
     @property
     def given(self) -> dict[str, float]:
-        """The limits that are asked for."""
+        """Returns the limits that are given, by their keys."""
         return {name: limit for name in LIMITED if (limit := getattr(self, name)) is not None}
 
     @property
-    def held(self) -> dict[str, float]:
-        """The limits that there are: no bearing may lift off between the lowest speed and the full
-        one.
+    def effective(self) -> dict[str, float]:
+        """Returns the limits that apply, by their keys: those given, and that no bearing lifts off.
+
+        Lift-off is not looked for at the speed of each case alone.
         """
-        standing = {} if self.at_speed_only else {"preload_kept": LEAST_KEPT}
-        all_of_them = standing | self.given
-        return {name: all_of_them[name] for name in LIMITED if name in all_of_them}
+        default = {} if self.at_speed_only else {"preload_kept": LEAST_KEPT}
+        limits = default | self.given
+        return {name: limits[name] for name in LIMITED if name in limits}
 
     @property
     def stored(self) -> dict[str, Any]:
-        """What is asked for, as plain data."""
-        stored = self.given | ({"at_speed_only": True} if self.at_speed_only else {})
-        return stored | ({} if self.warmup_s is None else {"warmup_s": self.warmup_s})
+        """Returns what is given, as plain data."""
+        stored: dict[str, Any] = dict(self.given)
+        if self.at_speed_only:
+            stored["at_speed_only"] = True
+        if self.warmup_s is not None:
+            stored["warmup_s"] = self.warmup_s
+        return stored
 
 
 @keyed
 class MapAxes:
+    """Values along the axes of a map."""
+
     preload_method: tuple[str, ...] = setting("Preload method", choices=PRELOAD_METHODS, least=1)
     friction: RisingAxis = setting("Ball-race friction coefficients", "1")
     shaft_speed_rpm: RisingAxis = setting("Shaft speeds", "rpm")
@@ -109,13 +118,13 @@ class MapAxes:
 
     @property
     def values(self) -> tuple[Sequence[Any], ...]:
-        """Values along each axis; the methods in the order of their flags."""
+        """Returns the values along each axis; the methods in the order of their flags."""
         methods = sorted(self.preload_method, key=PRELOAD_METHODS.index)
         return methods, self.friction, self.shaft_speed_rpm, self.preload_N
 
 
 def most_preload() -> float:
-    """The largest preload that a scene may have [N]."""
+    """Returns the largest preload that a scene may have [N]."""
     preload = key_of_scene("operation.preload_N")
     assert preload is not None
     return preload.key.ends[1]
@@ -124,23 +133,23 @@ def most_preload() -> float:
 DIGITS = 3
 """Significant digits of a recommended preload, at least."""
 
-_SAME = 1e-9
+_ROUNDING = 1e-9  # relative
 
 
 def round_number(target: float, low: float, high: float) -> float:
-    """The number nearest to a target with the fewest digits, between two others."""
+    """Returns the number nearest to a target with the fewest digits, between two others."""
     for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), 12):
         unit = 10.0**-decimals
         near = [round(target + k * unit, decimals) for k in (0, -1, 1)]
-        inside = [p for p in near if low * (1.0 + _SAME) < p < high * (1.0 - _SAME)]
+        inside = [p for p in near if low * (1.0 + _ROUNDING) < p < high * (1.0 - _ROUNDING)]
         if inside:
             return min(inside, key=lambda p: abs(p - target))
     return target
 
 
-def round_factor(factor: float, own: float) -> float:
-    """A preload of a map around a scene's own, by the factor over that [N]."""
-    return own if factor == 1.0 else float(f"{factor * own:.3g}")
+def round_factor(factor: float, preload: float) -> float:
+    """Returns a preload times a factor, with three digits [N]; unchanged by a factor of 1."""
+    return preload if factor == 1.0 else float(f"{factor * preload:.3g}")
 
 
 def axes_around(
@@ -149,20 +158,20 @@ def axes_around(
     source: str = "scene",
     factors: Sequence[float] = FACTORS,
 ) -> MapAxes:
-    """A map by both methods around a scene's own preload, at its own speed.
+    """Returns the axes of a map by both methods around a scene's own preload, at its own speed.
 
-    SceneError: a preload of nothing, which has nothing around it.
+    Raises SceneError for a preload of zero.
     """
-    own = scene.operation.preload_N
-    if own <= 0.0:
-        problem = f"got {own:g}, expected a number > 0 as the centre of a map"
+    centre = scene.operation.preload_N
+    if centre <= 0.0:
+        problem = f"got {centre:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
-    around = {round_factor(factor, own) for factor in factors}
+    preloads = {round_factor(factor, centre) for factor in factors}
     return MapAxes(
         preload_method=PRELOAD_METHODS,
         friction=RisingAxis(frictions),
         shaft_speed_rpm=RisingAxis([scene.operation.shaft_speed_rpm]),
         preload_N=RisingAxis(
-            sorted({own, *(value for value in around if value <= most_preload())})
+            sorted({centre, *(preload for preload in preloads if preload <= most_preload())})
         ),
     )

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.lives.errors import groove_errors
-from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.groove_life import groove_choice
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
@@ -246,7 +246,7 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
             "warnings": _with_cases(merged_warnings(parts.values()), parts),
             WORST_CASES: worst_cases(point),
         }
-    grooves, _ = grooves_followed(scene, "steady")
+    grooves = groove_choice(scene, "steady").scene
     if grooves is not None and WARNED in point:
         found = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
         error = found.get("life_error_estimate", math.nan)

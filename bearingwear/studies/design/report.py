@@ -1,4 +1,4 @@
-"""What is drawn and said of a recommended preload, for the workflow."""
+"""Figure, tables and page of a recommended preload, for the workflow."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def preload_report(
     uncertainty: Path | None = None,
     spread: Path | None = None,
 ) -> tuple[Figure, str, str, str, str]:
-    """The figure, the map as CSV, the table as Markdown, the page's answer and charts as JSON.
+    """Step: returns the figure, map as CSV, table as Markdown, and answer and charts as JSON.
 
     uncertainty, spread: as of `design_answer`.
     """

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import xarray as xr
 
 from bearingwear.document.document import Block, Row
@@ -12,6 +15,7 @@ from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BEARINGS_BETWEEN,
+    Spread,
     available_preload_choice,
     causes_sentence,
     interval_of,
@@ -30,94 +34,118 @@ INDEX_WORDS = (
 )
 
 
+class _SampledPreload(NamedTuple):
+    """Lives of one method that were sampled at one preload."""
+
+    method_words: str
+    preload_words: str
+    lives: xr.Dataset
+    spread: Spread | None
+
+
 def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
-    """Spread of the lives, and its main cause."""
+    """Returns the spread of the lives, and its main cause if computed."""
     if not uncertainty.sizes["preload_method"]:  # no preload is recommended
         return []
-    indices = [_indices(uncertainty)] if "total_index" in uncertainty else []
-    return [_quantiles(uncertainty), *indices]
+    indices = [_index_block(uncertainty)] if "total_index" in uncertainty else []
+    return [_quantile_block(uncertainty), *indices]
 
 
-def _quantiles(uncertainty: xr.Dataset) -> Block:
+def _quantile_block(uncertainty: xr.Dataset) -> Block:
+    """Returns a table with a column for each method and preload."""
     scene = scene_of(uncertainty)
-    points = [
-        (
-            method_words(scene, name),
-            where,
-            of_method.isel(preload_choice=c),
-        )
-        for name, of_method in methods(uncertainty)
-        for c, where in enumerate(flag_names(uncertainty["preload_choice"]))
-    ]
-    ones = [one for *_, one in points]
-    found = [spread_at(one) for one in ones]
-    stated = [interval_of(one, ALL_BUT_WEAR) if spread_at(one) else None for one in ones]
-    labels = dict.fromkeys(label for one in found if one for label in one.errors)
-    longest = tuple(one and one.longest for one in found)
+    points = []
+    for method, method_lives in methods(uncertainty):
+        for k, preload_words in enumerate(flag_names(uncertainty["preload_choice"])):
+            lives = method_lives.isel(preload_choice=k)
+            words = method_words(scene, method)
+            points.append(_SampledPreload(words, preload_words, lives, spread_at(lives)))
+    wear_as_stated = tuple(
+        rough_value(interval_of(point.lives, ALL_BUT_WEAR) if point.spread else None)
+        for point in points
+    )
+    longest = tuple(point.spread and point.spread.longest for point in points)
+    error_labels = dict.fromkeys(
+        label for point in points if point.spread for label in point.spread.errors
+    )
     rows = [
-        Row("method", "", tuple(name for name, *_ in points), "preload_method"),
-        Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
-        Row("preload", "N", tuple(float(one["preload"]) for one in ones), "preload"),
-        Row("nominal life", "h", tuple(Rough(one["nominal_life"]) for one in ones), "nominal_life"),
-        *spread_rows(found),
+        Row("method", "", tuple(point.method_words for point in points), "preload_method"),
+        Row("preload", "", tuple(point.preload_words for point in points), "preload_choice"),
+        Row("preload", "N", _floats(points, "preload"), "preload"),
+        Row("nominal life", "h", tuple(map(Rough, _floats(points, "nominal_life"))),
+            "nominal_life"),
+        *spread_rows([point.spread for point in points]),
         *(
             Row(f"{label.strip()}, interval due to sampling", "h",
-                tuple(one.errors.get(label, "") if one else "" for one in found))
-            for label in labels
+                tuple(p.spread.errors.get(label, "") if p.spread else "" for p in points))
+            for label in error_labels
         ),
         Row(
             f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
-            tuple(rough_value(one) for one in stated), "life_wear_as_stated",
+            wear_as_stated, "life_wear_as_stated",
         ),
         *([Row("this method gives the longest life", "%", longest)] if any(longest) else []),
-        Row("lives computed", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
-        Row("lives solved", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
+        Row("lives computed", "%", tuple(100.0 * x for x in _floats(points, "solved_share"))),
+        Row("lives solved", "", tuple(map(int, _floats(points, "evaluations"))), "evaluations"),
     ]  # fmt: skip
-    said = (
+    sentences = (
         f"{int(uncertainty.attrs['samples'])} sampled bearings, random seed "
         f"{int(uncertainty.attrs['seed'])}. {causes_sentence(scene)}",
         *(
-            f"{name}, {where} preload: {one.failures_sentence}"
-            for (name, where, _), one in zip(points, found, strict=True)
-            if one and one.failures
+            f"{point.method_words}, {point.preload_words} preload: {point.spread.failures_sentence}"
+            for point in points
+            if point.spread and point.spread.failures
         ),
     )
-    return Block("Uncertainty in life", rows=tuple(rows), axes=2, lines=said)
+    return Block("Uncertainty in life", rows=tuple(rows), axes=2, lines=sentences)
 
 
-def _indices(uncertainty: xr.Dataset) -> Block:
-    """A line for each uncertain value, and columns for each method."""
-    names = quantities_of(uncertainty)
-    given = scene_of(uncertainty)["uncertainty"]
-    same = [is_same_for_batch(name, Distribution(**given[name])) for name in names]
-    units = ["batch" if one else "bearing" for one in same]
+def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
+    """Returns a variable of the lives at each preload."""
+    return tuple(float(point.lives[name]) for point in points)
+
+
+def _index_block(uncertainty: xr.Dataset) -> Block:
+    """Returns a table with a line for each uncertain value, and columns for each method."""
+    scene, names = scene_of(uncertainty), quantities_of(uncertainty)
+    distributions = [scene["uncertainty"][name] for name in names]
+    units = [
+        "batch" if is_same_for_batch(name, Distribution(**distribution)) else "bearing"
+        for name, distribution in zip(names, distributions, strict=True)
+    ]
     rows = [
         Row("value", "", tuple(key_in_words(name)[0] for name in names)),
-        Row("distribution", "", tuple(distribution_text(given[name]) for name in names)),
-        Row("varies", "", tuple(f"from {s} to {s}" for s in units)),
+        Row("distribution", "", tuple(map(distribution_text, distributions))),
+        Row("varies", "", tuple(f"from {unit} to {unit}" for unit in units)),
     ]
-    used = []
-    for method, of_method in methods(uncertainty):
-        one = of_method.sel(preload_choice=available_preload_choice(of_method))
-        words = method_words(scene_of(uncertainty), method)
-        for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
-            indices = one.sel(uncertain_inputs=inputs)
-            known = zip(
-                indices["total_index"].values, indices["total_index_error"].values, strict=True
+    shares_used = []
+    for method, method_lives in methods(uncertainty):
+        lives = method_lives.sel(preload_choice=available_preload_choice(method_lives))
+        words = method_words(scene, method)
+        for inputs, suffix in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
+            indices = lives.sel(uncertain_inputs=inputs)
+            values, errors = indices["total_index"].values, indices["total_index_error"].values
+            texts = tuple(
+                f"{text_to_error(value, error)} ± {text_to_error(error, error)}"
+                for value, error in zip(values, errors, strict=True)
             )
-            texts = tuple(f"{text_to_error(a, b)} ± {text_to_error(b, b)}" for a, b in known)
-            rows.append(Row(f"{words}{more}", "", texts, f"total_index.{method}{more}"))
-        used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
-    said = (
+            rows.append(Row(f"{words}{suffix}", "", texts, f"total_index.{method}{suffix}"))
+        shares_used.append(f"{100 * float(lives['index_share']):.4g} % ({words})")
+    sentences = (
         INDEX_WORDS,
         "The indices are based only on base samples for which every life was computed and is above "
-        f"zero: {', '.join(used)}.",
+        f"zero: {', '.join(shares_used)}.",
     )
-    return Block("What determines the life", rows=tuple(rows), axes=1, lines=said)
+    return Block("What determines the life", rows=tuple(rows), axes=1, lines=sentences)
 
 
-def distribution_text(given: dict[str, float | str]) -> str:
-    """A distribution in words: `normal, standard deviation 0.35`."""
-    needs, takes = PARAMETERS[str(given["distribution"])]
-    parts = [f"{name_in_words(part)} {given[part]:g}" for part in (*takes, *needs) if part in given]
-    return ", ".join([str(given["distribution"]), *parts])
+def distribution_text(distribution: dict[str, float | str]) -> str:
+    """Returns a distribution in words: `normal, standard deviation 0.35`."""
+    kind = str(distribution["distribution"])
+    required, optional = PARAMETERS[kind]
+    parts = [
+        f"{name_in_words(name)} {distribution[name]:g}"
+        for name in (*optional, *required)
+        if name in distribution
+    ]
+    return ", ".join([kind, *parts])

@@ -35,7 +35,7 @@ from bearingwear.results.words import (
     scene_of,
 )
 from bearingwear.scene.arrangement import PAIRS
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 NO_END = "no end-of-life criterion is met"
 RANK = 1
@@ -48,7 +48,7 @@ def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str
     lives: wear-life files, one a scene. uncertainty: files of the study of uncertainty.
     """
     uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
-    datasets = [loaded(path, interpolated_step=()) for path in lives]
+    datasets = [load_with_axes(path, interpolated_step=()) for path in lives]
     method_lives = [life for dataset in datasets for life in lives_of(dataset, uncertainties)]
     return answer(method_lives, scene_of(datasets[0])).stored
 

@@ -11,7 +11,7 @@ from bearingwear.document.table import dataset_table
 from bearingwear.measures import plain
 from bearingwear.results.variables import RACES
 from bearingwear.results.words import scene_of
-from bearingwear.studies.dataset import both_ways
+from bearingwear.studies.dataset import load_with_dynamic
 from bearingwear.studies.grid.tables import (
     AXES,
     cases_csv,
@@ -54,7 +54,7 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
 
 def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
     """Step: returns all numbers of both models as CSV, and the main ones as Markdown."""
-    solved = steady_and_dynamic(*both_ways(study, dynamic))
+    solved = steady_and_dynamic(*load_with_dynamic(study, dynamic))
     return cases_csv(solved), _comparison_markdown(solved)
 
 

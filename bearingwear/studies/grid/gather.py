@@ -20,7 +20,7 @@ from bearingwear.results.warnings import merged_warnings
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.dataset import reshaped, stacked
+from bearingwear.studies.dataset import reshaped_dataset, stacked_dataset
 from bearingwear.studies.grid.grid import Case, Grid
 
 _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
@@ -100,7 +100,7 @@ def _reshaped_to_grid(along_cases: xr.Dataset, cases: Sequence[Case], grid: Grid
     order = np.array([index_of[case] for case in grid.cases().values()])
     coords = axis_coordinates(grid)
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    return reshaped(along_cases.isel(case=order), "case", lengths).assign_coords(coords)
+    return reshaped_dataset(along_cases.isel(case=order), "case", lengths).assign_coords(coords)
 
 
 _BATCH = 500
@@ -128,12 +128,12 @@ def _stacked_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 def _stacked_batch(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stacks cases, or datasets along `case`, without the variables that only case files have."""
     count = sum(dataset.sizes.get("case", 1) for dataset in datasets)
-    return stacked(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
+    return stacked_dataset(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
 
 
 def _complete_grid(files: Mapping[Case, Path]) -> Grid:
     """Returns the grid of some cases; refuses cases that do not fill one."""
-    some = next(iter(files.values()))
+    first_file = next(iter(files.values()))
     try:
         grid = Grid.from_lists(
             {case.preload_method for case in files},
@@ -141,10 +141,10 @@ def _complete_grid(files: Mapping[Case, Path]) -> Grid:
             {case.ball_diameter_loss_um for case in files},
         )
     except ValueError as error:
-        raise CaseFileError(f"{some.parent}: {error}") from None
+        raise CaseFileError(f"{first_file.parent}: {error}") from None
     for case_id, case in grid.cases().items():
         if case not in files:
-            raise CaseFileError(f"{some.with_stem(case_id)}: missing")
+            raise CaseFileError(f"{first_file.with_stem(case_id)}: missing")
     return grid
 
 

@@ -136,9 +136,9 @@ class Grid:
 
     def cases_of_each_value(self) -> list[Case]:
         """Returns the first case of the grid, and those that differ from it in one value."""
-        first = Case(**{axis: values[0] for axis, values in vars(self).items()})
+        first_case = Case(**{axis: values[0] for axis, values in vars(self).items()})
         cases = [
-            replace(first, **{axis: value})
+            replace(first_case, **{axis: value})
             for axis, values in vars(self).items()
             for value in values
         ]

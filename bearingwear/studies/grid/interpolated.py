@@ -10,7 +10,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 POINTS_PER_INTERVAL = 50
 """Points of the interpolated history in each interval of the grid."""
@@ -90,7 +90,7 @@ def interpolated_life(
         "interpolated_history_time": time,
         "interpolated_history_residual_preload": preload,
     }
-    return filled(INTERPOLATED, {}, [values])
+    return dataset_of_rows(INTERPOLATED, {}, [values])
 
 
 def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:
@@ -129,15 +129,15 @@ def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np
 
 def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float, str]:
     """Returns the loss at which the first criterion is met, and its name; (nan, "none") if none."""
-    end, first = np.nan, "none"
+    end, criterion = np.nan, "none"
     for name, margin in margins.items():
-        met = np.flatnonzero(margin <= 1e-12)  # the last grid point may be the limit itself
-        if met.size:
-            k = int(met[0])
+        met_at = np.flatnonzero(margin <= 1e-12)  # the last grid point may be the limit itself
+        if met_at.size:
+            k = int(met_at[0])
             end_loss = loss[0]
             if k > 0:
                 share = margin[k - 1] / (margin[k - 1] - margin[k])
                 end_loss = loss[k - 1] + min(share, 1.0) * (loss[k] - loss[k - 1])
             if not end_loss >= end:
-                end, first = float(end_loss), name
-    return end, first
+                end, criterion = float(end_loss), name
+    return end, criterion

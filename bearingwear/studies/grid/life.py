@@ -21,7 +21,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import load_scene, variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.sides import OF_ARRANGEMENT
-from bearingwear.studies.dataset import stacked
+from bearingwear.studies.dataset import stacked_dataset
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.grid.interpolated import (
@@ -64,8 +64,8 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    lives = stacked(solved, lengths).assign_coords(coords)
-    lives = lives.merge(stacked(interpolated, lengths).assign_coords(coords))
+    lives = stacked_dataset(solved, lengths).assign_coords(coords)
+    lives = lives.merge(stacked_dataset(interpolated, lengths).assign_coords(coords))
     difference = lives["interpolated_life"] / lives["life"] - 1.0
     difference = difference.where(_is_comparable(lives, not_interpolated))
     lives["life_route_difference"] = difference.assign_attrs(

@@ -19,7 +19,7 @@ from bearingwear.results.quantiles import (
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
 from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, scene_of
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
 
@@ -40,9 +40,9 @@ _WEAR = {
 
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
     """Step: returns the numbers of a scene as CSV, and the main ones as Markdown."""
-    cases = loaded(study, ball_diameter_loss=())
+    cases = load_with_axes(study, ball_diameter_loss=())
     uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
-    life_dataset = loaded(lives, interpolated_step=())
+    life_dataset = load_with_axes(lives, interpolated_step=())
     return cases_csv(cases), study_summary(cases, life_dataset, uncertainties)
 
 

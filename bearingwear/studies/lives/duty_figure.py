@@ -1,4 +1,4 @@
-"""Figure of a life over a duty: what each phase wears off, and the preload that it has left."""
+"""Figure of a life over a duty: worn volume and residual preload of each phase."""
 
 from typing import Any
 
@@ -14,37 +14,37 @@ from bearingwear.results.words import scene_of
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
-    """Residual preload in each phase over time, and the worn volume, stacked by phase."""
+    """Returns residual preloads over time, and worn volumes over time, stacked by phase."""
     time = life["history_time"].values
-    names = str(life.attrs["phases"]).split()
+    phases = str(life.attrs["phases"]).split()
     figure, panels = new_figure(1, 2, 7.6, 3.6)
-    preload, worn = panels.flat
-    colours = [SERIES[k % len(SERIES)] for k in range(len(names))]
+    preload_panel, wear_panel = panels.flat
+    colours = [SERIES[k % len(SERIES)] for k in range(len(phases))]
     for k, colour in enumerate(colours):
-        one = life["history_phase_residual_preload"].isel(phase=k).values
-        preload.plot(time, one, color=colour, marker=".", markersize=3)
+        preload = life["history_phase_residual_preload"].isel(phase=k).values
+        preload_panel.plot(time, preload, color=colour, marker=".", markersize=3)
     scene = scene_of(life)
     end: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "color": "0.3"}
-    share = scene["wear"]["end_of_life"].get("preload_fraction")
-    if share is not None:
-        preload.axhline(share * scene["operation"]["preload_N"], **end)
-    shares = 100.0 * life["history_phase_worn_share"].values
-    worn.stackplot(time, *shares.T, colors=colours, alpha=0.8)
-    preload.set_ylabel("residual preload (N)")
-    worn.set_ylabel("worn volume (% of that at the end of life)")
-    for panel in (preload, worn):
+    fraction = scene["wear"]["end_of_life"].get("preload_fraction")
+    if fraction is not None:
+        preload_panel.axhline(fraction * scene["operation"]["preload_N"], **end)
+    worn_percent = 100.0 * life["history_phase_worn_share"].values
+    wear_panel.stackplot(time, *worn_percent.T, colors=colours, alpha=0.8)
+    preload_panel.set_ylabel("residual preload (N)")
+    wear_panel.set_ylabel("worn volume (% of that at the end of life)")
+    for panel in (preload_panel, wear_panel):
         panel.set_xlabel("time of use (h)")
         panel.set_xlim(0.0, max(float(time[-1]), np.finfo(float).tiny))
         start_at_zero(panel)
     keys: list[Patch | Line2D] = [
-        Patch(color=colour, label=f"{name}: {100.0 * share:.3g} % of time, {total:.3g} % of wear")
-        for colour, name, share, total in zip(
-            colours, names, life["phase_time_share"].values, shares[-1], strict=True
+        Patch(color=colour, label=f"{phase}: {100.0 * share:.3g} % of time, {worn:.3g} % of wear")
+        for colour, phase, share, worn in zip(
+            colours, phases, life["phase_time_share"].values, worn_percent[-1], strict=True
         )
     ]
-    if share is not None:
+    if fraction is not None:
         words = ENDS["preload_fraction"].words
-        keys.append(Line2D([], [], label=f"end of life by {words}, {100.0 * share:g} %", **end))
+        keys.append(Line2D([], [], label=f"end of life by {words}, {100.0 * fraction:g} %", **end))
     frame(figure, duty_message(life), keys, columns=2)
     return figure
 

@@ -35,22 +35,22 @@ _AGES = "viridis_r"
 
 
 def wear_history(life: Path) -> Figure:
-    """Step: the history of a life."""
-    solved = dynamic_life(life)
-    if "history_ball_worn_volume" not in solved:
+    """Step: returns the figure of the history of a life."""
+    dataset = dynamic_life(life)
+    if "history_ball_worn_volume" not in dataset:
         raise CaseFileError(f"{life}: no step of this life calculation could be solved")
-    return with_data_files(history_figure(solved), life)
+    return with_data_files(history_figure(dataset), life)
 
 
 def history_figure(life: xr.Dataset) -> Figure:
-    """What has worn of each ball, races, pockets and land, and the preload left, over the time."""
+    """Returns the worn volumes of balls, races and cage over time, and the residual preload."""
     time = life["history_time"]
     figure, panels = new_figure(2, 2, 7.6, 5.6, sharex=True)
-    for panel, (part, lines) in zip(panels.flat, _worn(life).items(), strict=False):
-        unit = power_of_ten([volume for volume, _ in lines])
-        for volume, look in lines:
-            panel.plot(time, 10.0**-unit * volume, linewidth=1.0, **look)
-        panel.set_ylabel(f"wear volume of {part} ({_cubed(unit)})")
+    for panel, (part, lines) in zip(panels.flat, _volume_lines(life).items(), strict=False):
+        exponent = power_of_ten([volume for volume, _ in lines])
+        for volume, style in lines:
+            panel.plot(time, 10.0**-exponent * volume, linewidth=1.0, **style)
+        panel.set_ylabel(f"wear volume of {part} ({_volume_unit(exponent)})")
     if not _with_cage(life):
         panels[1, 0].axis("off")
     panels[1, 1].plot(time, life["history_residual_preload"], color="black", marker=".")
@@ -65,7 +65,7 @@ def history_figure(life: xr.Dataset) -> Figure:
             panel.set_xlim(left=0.0)
             panel.tick_params(labelbottom=True)
             panel.set_xlabel("running time (h)")
-    frame(figure, _message(life), [*_keys(life), *failed_keys(failed)], columns=4)
+    frame(figure, _history_title(life), [*_keys(life), *failed_keys(failed)], columns=4)
     return figure
 
 
@@ -73,10 +73,10 @@ def _with_cage(life: xr.Dataset) -> bool:
     return "history_pocket_worn_volume" in life
 
 
-def _worn(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[str, Any]]]]:
-    """Worn volumes and how they are drawn, by the part they are worn off."""
+def _volume_lines(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[str, Any]]]]:
+    """Returns the worn volumes and the styles of their lines, by the part that wears."""
     races = life["history_race_worn_volume"]
-    worn = {
+    lines = {
         "one ball": [(life["history_ball_worn_volume"], {"color": _BALLS})],
         "the whole race": [
             (races.isel(race=k), {"color": _RACES, "linestyle": dash})
@@ -84,14 +84,15 @@ def _worn(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[str, Any]
         ],
     }
     if _with_cage(life):
-        worn["the cage"] = [
+        lines["the cage"] = [
             (life["history_pocket_worn_volume"], {"color": _POCKETS}),
             (life["history_land_worn_volume"], {"color": _LAND}),
         ]
-    return worn
+    return lines
 
 
 def _keys(life: xr.Dataset) -> list[Any]:
+    """Returns the entries of the legend."""
     keys = [
         key("each ball", color=_BALLS),
         key("inner race", color=_RACES),
@@ -104,8 +105,8 @@ def _keys(life: xr.Dataset) -> list[Any]:
     return keys
 
 
-def _cubed(exponent: int) -> str:
-    """A unit of volume: cubes of 10^(exponent/3) m, exponent a multiple of three."""
+def _volume_unit(exponent: int) -> str:
+    """Returns the name of a unit of 10^exponent m3."""
     names = {-9: "mm³", -18: "µm³", 0: "m³"}
     if exponent in names:
         return names[exponent]
@@ -113,7 +114,8 @@ def _cubed(exponent: int) -> str:
     return f"{ten_to_the(exponent - base)}\N{NO-BREAK SPACE}{names[base]}"
 
 
-def _message(life: xr.Dataset) -> str:
+def _history_title(life: xr.Dataset) -> str:
+    """Returns the length of a life in words, what ended it, and how the steady life compares."""
     hours, name = float(life["life"]), scene_of(life)["name"]
     if int(life["status"]) != OK:
         return f"{name}: no end of life within {Rough(hours).text} h ({ended_by(life)})"
@@ -124,7 +126,7 @@ def _message(life: xr.Dataset) -> str:
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Pressure and profile of both grooves at five states of a life."""
+    """Returns the pressures and profiles of both grooves at five states of a life."""
     figure, panels = new_figure(2, 2, 7.6, 5.4)
     steps = life["groove_step"].values
     colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
@@ -133,12 +135,12 @@ def groove_figure(life: xr.Dataset) -> Figure:
         arc = 1e3 * life["groove_arc"].isel(race=race).values
         pressure = 1e-9 * life["groove_pressure"].isel(race=race).values
         depth = 1e6 * life["groove_depth"].isel(race=race).values
-        seen = arc[(depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)]
+        shown = arc[(depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)]
         for k, colour in enumerate(colours):
             panels[0, race].plot(arc, pressure[k], color=colour)
             panels[1, race].plot(arc, -depth[k], color=colour)
         for panel in panels[:, race]:
-            panel.set_xlim(seen.min(), seen.max())
+            panel.set_xlim(shown.min(), shown.max())
             panel.set_xlabel("position across the groove, towards +X (mm)")
             panel.xaxis.set_major_locator(MaxNLocator(6))
         panels[0, race].set_title(title)
@@ -149,7 +151,8 @@ def groove_figure(life: xr.Dataset) -> Figure:
         key(f"after {digits(hours[step])} h" if step else "new", color=colour)
         for step, colour in zip(steps, colours, strict=True)
     ]
-    lost = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
-    title = f"{scene_of(life)['name']}: groove profiles up to a total wear depth of {lost:.2g} µm"
+    loss_um = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
+    name = scene_of(life)["name"]
+    title = f"{name}: groove profiles up to a total wear depth of {loss_um:.2g} µm"
     frame(figure, title, keys, columns=5)
     return figure

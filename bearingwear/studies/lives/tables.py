@@ -1,7 +1,7 @@
 """Table of lives that were solved with the dynamic model."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import key_in_words
 from bearingwear.results.words import name_in_words
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 
 COLUMN_WORDS = (
     "The error bound allows for the finite wear steps and the scatter between the runs. Ball wear "
@@ -24,30 +24,23 @@ COLUMN_WORDS = (
 
 
 def lives_table(lives: Sequence[Path]) -> str:
-    """Step: lives by the names of their files, beside the steady ones, as Markdown."""
-    found = [dynamic_life(path) for path in lives]
-    steady = [
-        criterion(one, "steady_end_criterion") if "steady_life" in one else "–" for one in found
-    ]
+    """Step: returns a table of lives by the names of their files, beside the steady ones."""
+    datasets = [dynamic_life(path) for path in lives]
     rows = (
         Row("name", "", tuple(path.stem for path in lives)),
-        quantity_row("life", "h", [_number(one, "life") for one in found]),
-        quantity_row("error bound", "h", [_number(one, "life_error_bound") for one in found]),
-        Row("ended by", "", tuple(map(ended_by, found))),
-        quantity_row("steady life", "h", [_number(one, "steady_life") for one in found]),
-        Row("steady life ended by", "", tuple(steady)),
-        quantity_row(
-            "time to reach the same loss, steady model",
-            "h",
-            [_number(one, "steady_time_to_loss") for one in found],
+        _number_row("life", "h", datasets, "life"),
+        _number_row("error bound", "h", datasets, "life_error_bound"),
+        Row("ended by", "", tuple(map(ended_by, datasets))),
+        _number_row("steady life", "h", datasets, "steady_life"),
+        Row("steady life ended by", "", tuple(map(_steady_life_ended_by, datasets))),
+        _number_row(
+            "time to reach the same loss, steady model", "h", datasets, "steady_time_to_loss"
         ),
-        quantity_row("loss", "m", [_number(one, "loss_at_end") for one in found]),
+        _number_row("loss", "m", datasets, "loss_at_end"),
+        Row("ball wear, least", "", tuple(_relative_ball_wear(life, np.min) for life in datasets)),
+        Row("ball wear, most", "", tuple(_relative_ball_wear(life, np.max) for life in datasets)),
         *(
-            Row(f"ball wear, {word}", "", tuple(_share(one, word) for one in found))
-            for word in ("least", "most")
-        ),
-        *(
-            quantity_row(f"wear, {part}", "m3", [_worn(one, part) for one in found])
+            quantity_row(f"wear, {part}", "m3", [_worn_volume(life, part) for life in datasets])
             for part in ("pocket", "land")
         ),
     )
@@ -55,40 +48,47 @@ def lives_table(lives: Sequence[Path]) -> str:
     return as_markdown(Document(("Wear life according to the dynamic model",), blocks=(block,)))
 
 
-def _number(life: xr.Dataset, name: str) -> float:
-    return float(life[name]) if name in life else math.nan
+def _number_row(label: str, unit: str, lives: Sequence[xr.Dataset], name: str) -> Row:
+    """Returns the row of a variable of each life; NaN where a life lacks it."""
+    numbers = [float(life[name]) if name in life else math.nan for life in lives]
+    return quantity_row(label, unit, numbers)
 
 
-def _share(life: xr.Dataset, word: str) -> float:
-    """What the ball that wears least or most has lost, over the mean."""
+def _relative_ball_wear(life: xr.Dataset, extreme: Callable[[np.ndarray], float]) -> float:
+    """Returns the worn volume of the ball that wears least or most, over the mean."""
     if "history_ball_worn_volume" not in life:
         return math.nan
     balls = life["history_ball_worn_volume"].values[-1]
-    worn = balls.min() if word == "least" else balls.max()
-    return float(worn / balls.mean()) if balls.mean() > 0.0 else math.nan
+    return float(extreme(balls) / balls.mean()) if balls.mean() > 0.0 else math.nan
 
 
-def _worn(life: xr.Dataset, part: str) -> float:
-    """Volume that all pockets, or the land, have lost."""
+def _worn_volume(life: xr.Dataset, part: str) -> float:
+    """Returns the volume that all pockets, or the land, have lost [m3]."""
     name = f"history_{part}_worn_volume"
     return float(np.sum(life[name].values[-1])) if name in life else math.nan
 
 
 def dynamic_life(path: Path) -> xr.Dataset:
-    """A life file of fidelity dynamic. Raises CaseFileError."""
-    life = loaded(path)
+    """Returns the dataset of a life file of fidelity dynamic. Raises CaseFileError."""
+    life = load_with_axes(path)
     if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
         raise CaseFileError(f"{path}: not a life file from the dynamic model")
     return life
 
 
 def ended_by(life: xr.Dataset) -> str:
-    """Criterion that ended a life, in words; otherwise the status."""
+    """Returns the criterion that ended a life, in words; otherwise the status."""
     status = int(life["status"])
-    return criterion(life, "end_criterion") if status == OK else name_in_words(STATUS_NAMES[status])
+    if status != OK:
+        return name_in_words(STATUS_NAMES[status])
+    return criterion(life, "end_criterion")
+
+
+def _steady_life_ended_by(life: xr.Dataset) -> str:
+    return criterion(life, "steady_end_criterion") if "steady_life" in life else "–"
 
 
 def criterion(life: xr.Dataset, name: str) -> str:
-    """A criterion of a life in words, without its unit."""
-    met = life[name].attrs["flag_meanings"].split()[int(life[name])]
-    return key_in_words(met)[0]
+    """Returns a criterion of a life in words, without its unit."""
+    key = life[name].attrs["flag_meanings"].split()[int(life[name])]
+    return key_in_words(key)[0]

@@ -5,7 +5,7 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -24,7 +24,7 @@ class Quantile(NamedTuple):
 
 
 def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
-    """The quantile at a probability of the lives of independent bearings.
+    """Returns the quantile at a probability of the lives of independent bearings.
 
     The share of bearings below the quantile is known as well as by an effective number of bearings,
     whose binomial interval (Clopper and Pearson 1934; Korn and Graubard 1998) is carried over to
@@ -36,30 +36,31 @@ def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
     factors (n, draws): by which wear scales each life, equally probable.
     """
     solved = np.isfinite(lives)
-    lives, every = lives[solved], lives[solved, None] * factors[solved]
+    lives, scaled = lives[solved], lives[solved, None] * factors[solved]
     n = len(lives)
     if not n:
         return Quantile(np.nan, np.nan, np.nan)
-    value = float(np.quantile(every, p, method="hazen"))
+    value = float(np.quantile(scaled, p, method="hazen"))
     if n == 1:
         return Quantile(value, np.nan, np.nan)
     if np.ptp(lives) == 0.0:  # nothing varies but wear, whose factors are known
         return Quantile(value, value, value)
     effective = float(n)
     if factors.shape[1] > 1:
-        below = np.append((every <= value).mean(axis=1), [0.0, 1.0])
+        below = np.append((scaled <= value).mean(axis=1), [0.0, 1.0])
         effective *= p * (1.0 - p) / below.var(ddof=1)
-    ends = (
+    probabilities = (
         stats.beta.ppf(TAILS[0], effective * p, effective * (1.0 - p) + 1.0),
         stats.beta.ppf(TAILS[1], effective * p + 1.0, effective * (1.0 - p)),
     )
-    inside = [1.0 / every.size <= end <= 1.0 - 1.0 / every.size for end in ends]
-    low, high = np.quantile(every, ends, method="hazen")
-    return Quantile(value, low if inside[0] else np.nan, high if inside[1] else np.nan)
+    low, high = np.quantile(scaled, probabilities, method="hazen")
+    smallest = 1.0 / scaled.size
+    has_low, has_high = (smallest <= end <= 1.0 - smallest for end in probabilities)
+    return Quantile(value, low if has_low else np.nan, high if has_high else np.nan)
 
 
 def longest_shares(lives: np.ndarray) -> np.ndarray:
-    """Shares (methods, 3) of bearings that live longest by each method, and their intervals.
+    """Returns the shares of bearings that live longest by each method, and intervals (methods, 3).
 
     The intervals are those of Clopper and Pearson (1934).
 
@@ -69,12 +70,12 @@ def longest_shares(lives: np.ndarray) -> np.ndarray:
     count = lives.shape[1]
     if not count:
         return np.full((len(lives), 3), np.nan)
-    found = []
-    for m, own in enumerate(lives):
-        longest = int((own > np.delete(lives, m, axis=0)).all(axis=0).sum())
+    shares = []
+    for m, of_method in enumerate(lives):
+        longest = int((of_method > np.delete(lives, m, axis=0)).all(axis=0).sum())
         interval = stats.binomtest(longest, count).proportion_ci(CONFIDENCE)
-        found.append((longest / count, interval.low, interval.high))
-    return np.array(found)
+        shares.append((longest / count, interval.low, interval.high))
+    return np.array(shares)
 
 
 RESAMPLES = 200
@@ -82,30 +83,36 @@ RESAMPLES = 200
 
 
 def sobol_indices(lives: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-    """Sobol indices (answers, values) of log lives, and half-widths of their intervals.
+    """Returns Sobol indices (answers, values) of log lives, and half-widths of their intervals.
 
-    By `scipy.stats.sobol_indices` (Saltelli et al. 2010), which takes a power of two of base
-    samples: the first of those of which every life is above zero.
+    They are those of `scipy.stats.sobol_indices` (Saltelli et al. 2010), which takes a power of
+    two of base samples: the first of those of which every life is above zero.
 
     lives (values + 2, answers, n): at A, at B, and at A with each value of B.
     """
     values, answers = lives.shape[0] - 2, lives.shape[1]
     usable = (lives > 0.0).all(axis=(0, 1))
-    names = "first_index", "total_index"
     if usable.sum() < 2:
-        every = [f"{name}{end}" for name in names for end in ("", "_error")]
-        return dict.fromkeys(every, np.full((answers, values), np.nan))
+        unknown = np.full((answers, values), np.nan)
+        names = "first_index", "total_index", "first_index_error", "total_index_error"
+        return dict.fromkeys(names, unknown)
     n = 2 ** int(np.log2(usable.sum()))
     logs = np.log(lives[..., usable][..., :n])
 
-    def indices(which: Any) -> np.ndarray:
-        some = logs[..., which]
-        found = stats.sobol_indices(func={"f_A": some[0], "f_B": some[1], "f_AB": some[2:]}, n=n)
-        return np.stack([found.first_order, found.total_order]).reshape(2, answers, values)
+    def indices(samples: np.ndarray) -> np.ndarray:
+        chosen = logs[..., samples]
+        answers_at = {"f_A": chosen[0], "f_B": chosen[1], "f_AB": chosen[2:]}
+        result = stats.sobol_indices(func=answers_at, n=n)
+        return np.stack([result.first_order, result.total_order]).reshape(2, answers, values)
 
     random = np.random.default_rng(seed)
     resampled = np.stack([indices(random.integers(n, size=n)) for _ in range(RESAMPLES)])
     low, high = np.quantile(resampled, TAILS, axis=0)
-    found = dict(zip(names, indices(np.arange(n)), strict=True))
-    errors = zip(names, 0.5 * (high - low), strict=True)
-    return found | {f"{name}_error": error for name, error in errors}
+    first, total = indices(np.arange(n))
+    first_error, total_error = 0.5 * (high - low)
+    return {
+        "first_index": first,
+        "total_index": total,
+        "first_index_error": first_error,
+        "total_index_error": total_error,
+    }

@@ -1,4 +1,4 @@
-"""What the study of uncertainty samples: config/uncertainty.yaml, checked.
+"""Scenes whose lives the study of uncertainty samples, checked.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
@@ -18,17 +18,17 @@ OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
 
 
 def uncertain_scene(scene: Source, settings: Sequence[str] = (), tell: Tell | None = None) -> Scene:
-    """A scene whose lives can be sampled: `life_scene`, with distributions.
+    """Returns a scene whose lives can be sampled: `life_scene`, with distributions.
 
-    tell: given what distributions are taken where the scene has none.
+    tell: takes a line on the distributions that are assumed where the scene has none.
     """
     source = source_name(scene)
-    scene, said = with_usual_spread(life_scene(scene, settings, films=True))
-    if tell and said:
-        tell(said)
-    for name, given in (scene.uncertainty or {}).items():
-        # not an error of the scene: other values may be set in it, which no sample is asked of
-        if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
+    scene, assumption = with_usual_spread(life_scene(scene, settings, films=True))
+    if tell and assumption:
+        tell(assumption)
+    for name, spread in (scene.uncertainty or {}).items():
+        # not an error of the scene itself: other values may be set in it before it is sampled
+        if spread.distribution == "lognormal" and (spread.median or scene.nominal(name)) <= 0.0:
             raise SceneError(
                 f"uncertainty.{name}.median",
                 f"got {scene.nominal(name):g}, the scene's own value, expected a number > 0 for a "

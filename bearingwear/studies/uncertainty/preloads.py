@@ -15,13 +15,13 @@ from bearingwear.studies.design.recommend import recommended_for
 def recommended_preloads(
     scene: Scene, recommendation: Path, methods: Sequence[str] = ()
 ) -> dict[str, float]:
-    """The recommended preload [N] of each method in a file; NaN where none is recommended.
+    """Returns the recommended preload [N] of each method in a file; NaN where there is none.
 
     methods: those that the file must have.
     CaseFileError: a file that is no recommendation for this scene, or lacks a method.
     """
-    found = recommended_for(scene, load(recommendation))
-    flags, values = found["preload_method"].values.tolist(), found["preload"].values.tolist()
+    dataset = recommended_for(scene, load(recommendation))
+    flags, values = dataset["preload_method"].values.tolist(), dataset["preload"].values.tolist()
     preloads = {PRELOAD_METHODS[flag]: value for flag, value in zip(flags, values, strict=True)}
     for method in methods:
         if method not in preloads:
@@ -30,14 +30,14 @@ def recommended_preloads(
 
 
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
-    """The scene with a method and a preload, whose distribution is scaled with it."""
+    """Returns the scene with a method and a preload, whose distribution is scaled with it."""
     distributions = dict(scene.uncertainty or {})
     if "preload_N" in distributions:
-        share, old = preload_N / scene.operation.preload_N, distributions["preload_N"]
-        parts = {
-            part: getattr(old, part) * share
-            for part in ("mean", "standard_deviation", "median", "low", "high")
-            if getattr(old, part) is not None
+        scale, spread = preload_N / scene.operation.preload_N, distributions["preload_N"]
+        scaled = {
+            key: value * scale
+            for key in ("mean", "standard_deviation", "median", "low", "high")
+            if (value := getattr(spread, key)) is not None
         }
-        distributions["preload_N"] = replace(old, **parts)
+        distributions["preload_N"] = replace(spread, **scaled)
     return replace(held_by(scene, method, preload_N), uncertainty=distributions)

@@ -1,4 +1,4 @@
-"""Quantiles of the lives of a scene by what is uncertain in it, and which uncertain value decides.
+"""Quantiles of the lives of a scene with uncertain values, and the share of each value in them.
 
 Theory: docs/theory.md, section 15.
 """
@@ -27,7 +27,7 @@ from bearingwear.scene.distributions import value_at, values_at
 from bearingwear.scene.read import Source
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.answers import Tell, Workers
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.sampling import (
     INDEX_SAMPLES,
     SAMPLES,
@@ -63,10 +63,10 @@ MEMBERS = 512
 
 
 class MethodLives(NamedTuple):
-    """Lives of a method at one preload."""
+    """Lives of a method at one preload; without any where no preload is recommended."""
 
-    row: dict[str, Any]  # `ANALYSED`
-    life: np.ndarray  # (n,) [s] of bearings in which everything uncertain varies
+    row: dict[str, Any]  # values of `ANALYSED`
+    life: np.ndarray  # (n,) [h] of bearings in which everything uncertain varies
 
 
 def uncertain_lives(
@@ -78,7 +78,7 @@ def uncertain_lives(
     workers: int = 1,
     tell: Tell | None = None,
 ) -> xr.Dataset:
-    """Quantiles of the life at a scene's own preload.
+    """Returns quantiles of the life at a scene's own preload.
 
     frictions: coefficients of ball and race [1]; without any, that of the scene. With some, the
         dataset has the dimension `friction`.
@@ -88,21 +88,23 @@ def uncertain_lives(
     tell: what takes lines of progress.
     """
     plan = sampling_of(samples, seed)
-    taken: list[str] = []
+    assumptions: list[str] = []
     settings = [[f"friction.ball_race={mu!r}"] for mu in frictions] or [[]]
-    scenes = [uncertain_scene(scene, one, taken.append) for one in settings]
-    if tell and taken:
-        tell(taken[0])
-    own = scenes[0].operation
-    preloads = {(m, OWN): own.preload_N for m in dict.fromkeys(methods or [own.preload_method])}
-    found = life_quantiles(scenes, preloads, plan, workers, tell, frictions)
-    return found.assign_attrs({ASSUMED_SPREAD: taken[0]} if taken else {})
+    scenes = [uncertain_scene(scene, setting, assumptions.append) for setting in settings]
+    if tell and assumptions:
+        tell(assumptions[0])
+    operation = scenes[0].operation
+    preloads = {
+        (method, OWN): operation.preload_N for method in methods or [operation.preload_method]
+    }
+    quantiles = life_quantiles(scenes, preloads, plan, workers, tell, frictions)
+    return quantiles.assign_attrs({ASSUMED_SPREAD: assumptions[0]} if assumptions else {})
 
 
 def recommended_life_quantiles(
     scene: Path, recommendation: Path, samples: int = SAMPLES, seed: int = 1, workers: int = 1
 ) -> xr.Dataset:
-    """Step: quantiles of the life at the recommended preload of each method that has one.
+    """Step: returns quantiles of the life at the recommended preload of each method with one.
 
     samples, seed, workers: as of `uncertain_lives`.
     """
@@ -123,7 +125,7 @@ def quantiles_and_indices(
     seed: int = 1,
     workers: int = 1,
 ) -> xr.Dataset:
-    """Step: quantiles and Sobol indices of the life, at the own and the recommended preload.
+    """Step: returns quantiles and Sobol indices of the life, at the own and recommended preload.
 
     methods: preload methods.
     samples: number of bearings in each sample and of base samples of the indices, a power of two.
@@ -148,7 +150,7 @@ def life_quantiles(
     frictions: Sequence[float] = (),
     with_indices: bool = False,
 ) -> xr.Dataset:
-    """Quantiles of the lives of a scene, and Sobol indices if asked for.
+    """Returns quantiles of the lives of a scene, and Sobol indices if asked for.
 
     scenes: one at each of `frictions`, or a single one.
     preloads: by method and choice of preload [N]; NaN where none is recommended.
@@ -156,20 +158,12 @@ def life_quantiles(
     rows = []
     with Workers(workers, "uncertainty", tell or False) as pool:
         for scene in scenes:
-            lives = {key: MethodLives({"preload": n}, np.empty(0)) for key, n in preloads.items()}
-            for (method, choice), preload in preloads.items():
-                if np.isfinite(preload):
-                    at_preload = with_preload(scene, method, preload)
-                    lives[method, choice] = _lives_at(at_preload, plan, pool, tell)
-                    if with_indices:
-                        lives[method, choice].row.update(_causes(at_preload, plan, pool))
-            for choice in {choice for _, choice in preloads}:
-                _add_longest([one for key, one in lives.items() if key[1] == choice])
-            rows += [one.row for one in lives.values()]
+            rows += _rows_at_preloads(scene, preloads, plan, pool, tell, with_indices)
+    methods = dict.fromkeys(method for method, _ in preloads)
+    choices = dict.fromkeys(choice for _, choice in preloads)
     axes: dict[Variable, Any] = {
-        METHOD: [PRELOAD_METHODS.index(one) for one in dict.fromkeys(m for m, _ in preloads)],
-        CHOICE: [PRELOAD_CHOICES.index(one) for one in dict.fromkeys(c for _, c in preloads)]
-        or [PRELOAD_CHOICES.index(AS_RECOMMENDED)],
+        METHOD: [PRELOAD_METHODS.index(method) for method in methods],
+        CHOICE: [PRELOAD_CHOICES.index(choice) for choice in choices or [AS_RECOMMENDED]],
         INPUTS: None,
         PROBABILITY: PROBABILITIES,
         STATUSES: None,
@@ -179,9 +173,9 @@ def life_quantiles(
     if with_indices:
         names = tuple(scenes[0].uncertainty or {})
         axes[Variable("quantity", ("quantity",), "", "uncertain value", "i1", flags=names)] = None
-    known = {name: one for name, one in ANALYSED.items() if any(name in row for row in rows)}
-    return filled(
-        known,
+    present = {name: ANALYSED[name] for name in ANALYSED if any(name in row for row in rows)}
+    return dataset_of_rows(
+        present,
         axes,
         rows,
         title=f"Uncertainty in life: {scenes[0].name}",
@@ -193,88 +187,121 @@ def life_quantiles(
     )
 
 
+def _rows_at_preloads(
+    scene: Scene,
+    preloads: Mapping[tuple[str, str], float],
+    plan: Sampling,
+    pool: Workers,
+    tell: Tell | None,
+    with_indices: bool,
+) -> list[dict[str, Any]]:
+    """Returns the values of `ANALYSED` at each preload, in their order."""
+    lives_by_choice: dict[str, list[MethodLives]] = {}
+    rows = []
+    for (method, choice), preload in preloads.items():
+        lives = MethodLives({"preload": preload}, np.empty(0))
+        if np.isfinite(preload):
+            at_preload = with_preload(scene, method, preload)
+            lives = _lives_at(at_preload, plan, pool, tell)
+            if with_indices:
+                lives.row.update(_causes(at_preload, plan, pool))
+        lives_by_choice.setdefault(choice, []).append(lives)
+        rows.append(lives.row)
+    for of_methods in lives_by_choice.values():
+        _add_longest(of_methods)
+    return rows
+
+
 def _lives_at(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
-    """Lives and their quantiles: of all bearings, within a batch, and of the bearing of a batch."""
+    """Returns lives and their quantiles: of all bearings, within a batch, and over batches."""
     if tell:
         tell(
             f"{scene.operation.preload_method}: sampling {plan.samples} bearings, "
             f"{plan.samples} within a batch, and {plan.samples} batches"
         )
-    varied = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
-    samples = [sample_of(scene, inputs, plan) for inputs in varied]
-    rows = [np.array([_medians(scene)]), *(one.rows for one in samples)]
-    found = sampled_lives(scene, np.vstack(rows), pool)
-    nominal, *lives = np.split(
-        found.life * HOURS_PER_SECOND, np.cumsum([len(r) for r in rows[:-1]])
-    )
-    hours = dict(zip(varied, lives, strict=True)) | {ALL_BUT_WEAR: lives[0]}
-    factors = {inputs: one.factors for inputs, one in zip(varied, samples, strict=True)}
+    classes = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
+    samples = [sample_of(scene, inputs, plan) for inputs in classes]
+    medians = np.array([_medians(scene)])
+    solved = sampled_lives(scene, np.vstack([medians, *(sample.rows for sample in samples)]), pool)
+    all_hours = solved.life * HOURS_PER_SECOND
+    hours = dict(zip(classes, np.split(all_hours[1:], len(classes)), strict=True))
+    hours[ALL_BUT_WEAR] = hours[ALL_INPUTS]
+    factors = {inputs: sample.factors for inputs, sample in zip(classes, samples, strict=True)}
     factors[ALL_BUT_WEAR] = np.ones((plan.samples, 1))
+    statuses = LIFE_STATUSES.values()
     row = {
         "preload": scene.operation.preload_N,
-        "evaluations": found.solves,
-        "solved_share": found.solved_share,
-        "status_count": [np.count_nonzero(found.status == s) for s in LIFE_STATUSES.values()],
-        "nominal_life": nominal[0],
-        "life_sample": [_evenly_spaced(hours[i], factors[i]) for i in sorted(hours)],
+        "evaluations": solved.solves,
+        "solved_share": solved.solved_share,
+        "status_count": [np.count_nonzero(solved.status == status) for status in statuses],
+        "nominal_life": all_hours[0],
+        "life_sample": [_evenly_spaced(hours[key], factors[key]) for key in sorted(hours)],
     }
     quantiles = np.array(
-        [[life_quantile(hours[i], factors[i], p) for p in PROBABILITIES] for i in sorted(hours)]
+        [
+            [life_quantile(hours[key], factors[key], p) for p in PROBABILITIES]
+            for key in sorted(hours)
+        ]
     )
     row |= dict(zip(QUANTILE, np.moveaxis(quantiles, -1, 0), strict=True))
-    return MethodLives(row, lives[0] * samples[0].factors[:, 0])
+    return MethodLives(row, hours[ALL_INPUTS] * factors[ALL_INPUTS][:, 0])
 
 
 def _evenly_spaced(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Quantiles of lives (n,) times factors (n, draws) at evenly spaced probabilities."""
+    """Returns quantiles of lives (n,) times factors (n, draws), at evenly spaced probabilities."""
     solved = np.isfinite(hours)
     if not solved.any():
         return np.full(MEMBERS, np.nan)
-    every = hours[solved, None] * factors[solved]
-    return np.quantile(every, (np.arange(MEMBERS) + 0.5) / MEMBERS, method="hazen")
+    scaled = hours[solved, None] * factors[solved]
+    return np.quantile(scaled, (np.arange(MEMBERS) + 0.5) / MEMBERS, method="hazen")
 
 
 def _add_longest(methods: Sequence[MethodLives]) -> None:
-    """Add to each method how often it gives the longest life, where there are several."""
-    some = [one for one in methods if len(one.life)]
-    if len(some) > 1:
-        for one, share in zip(some, longest_shares(np.array([o.life for o in some])), strict=True):
-            one.row.update(dict(zip(LONGEST_SHARE, share, strict=True)))
+    """Adds to each method how often it gives the longest life, where there are several."""
+    sampled = [method for method in methods if len(method.life)]
+    if len(sampled) > 1:
+        shares = longest_shares(np.array([method.life for method in sampled]))
+        for method, share in zip(sampled, shares, strict=True):
+            method.row.update(dict(zip(LONGEST_SHARE, share, strict=True)))
 
 
 def _medians(scene: Scene) -> list[float]:
-    """Every uncertain value at its median."""
+    """Returns every uncertain value at its median."""
     return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
 def _causes(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
-    """Sobol indices of the lives, and lives with one value at its 10 % and 90 % quantile [h]."""
+    """Returns Sobol indices of the lives, and lives with one value at its 10 and 90 % quantile."""
     names = list(scene.uncertainty or {})
-    rows = sobol_rows(scene, plan)
-    around = np.tile(_medians(scene), (2 * len(names), 1))
+    base_rows = sobol_rows(scene, plan)
+    changed_rows = np.tile(_medians(scene), (2 * len(names), 1))
     for k, name in enumerate(names):
-        around[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
-    found = sampled_lives(scene, np.vstack([rows.reshape(-1, len(names)), around]), pool)
-    lives = found.life[: -len(around)].reshape(rows.shape[:2])
-    worn = [k for k, name in enumerate(names) if name in WORN]
-    values = rows[..., worn].reshape(-1, len(worn))
-    factor = wear_factor(scene, [names[k] for k in worn], values).reshape(lives.shape)
-    answers = np.stack([lives, lives / factor], axis=1)  # with all inputs, and all but wear
-    nothing = np.full((2, len(names)), np.nan)  # of the samples that vary one class
-    indices: dict[str, Any] = {
-        name: np.vstack([of_each, nothing])
-        for name, of_each in sobol_indices(answers, plan.seed).items()
+        changed_rows[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
+    rows = np.vstack([base_rows.reshape(-1, len(names)), changed_rows])
+    life = sampled_lives(scene, rows, pool).life
+    base_lives = life[: -len(changed_rows)].reshape(base_rows.shape[:2])
+    changed_lives = life[-len(changed_rows) :] * HOURS_PER_SECOND
+    wear = [k for k, name in enumerate(names) if name in WORN]
+    wear_values = base_rows[..., wear].reshape(-1, len(wear))
+    factor = wear_factor(scene, [names[k] for k in wear], wear_values).reshape(base_lives.shape)
+    answers = np.stack([base_lives, base_lives / factor], axis=1)  # all inputs, all but wear
+    unknown = np.full((2, len(names)), np.nan)  # for the samples that vary one class
+    causes: dict[str, Any] = {
+        name: np.vstack([indices, unknown])
+        for name, indices in sobol_indices(answers, plan.seed).items()
     }
-    indices["index_share"] = (answers > 0.0).all(axis=(0, 1)).mean()
-    hours = found.life[-len(around) :] * HOURS_PER_SECOND
-    return indices | {"life_one_at_a_time": hours.reshape(-1, 2)}
+    causes["index_share"] = (answers > 0.0).all(axis=(0, 1)).mean()
+    return causes | {"life_one_at_a_time": changed_lives.reshape(-1, 2)}
 
 
 def sobol_rows(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Values (values + 2, samples, values): A, B, and A with each value of B (Saltelli 2010)."""
+    """Returns the rows A, B, and A with each value of B (values + 2, samples, values).
+
+    They are those of Saltelli et al. (2010).
+    """
     names = list(scene.uncertainty or {})
     columns = np.arange(len(names))
-    unit = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
-    a, b = np.hsplit(unit, 2)
-    every = [a, b, *(np.where(columns == k, b, a) for k in columns)]
-    return np.stack([values_at(scene, names, one) for one in every])
+    points = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
+    a, b = np.hsplit(points, 2)
+    matrices = [a, b, *(np.where(columns == k, b, a) for k in columns)]
+    return np.stack([values_at(scene, names, matrix) for matrix in matrices])

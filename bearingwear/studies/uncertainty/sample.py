@@ -20,7 +20,7 @@ from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.answers import PROBLEM, Workers
-from bearingwear.studies.sampling import Sampling, perturbed, wear_factor
+from bearingwear.studies.sampling import Sampling, scene_with_values, wear_factor
 
 POOLED = 2**15
 """Lives that a quantile is taken from, at least: each life solved, times many wear factors."""
@@ -47,84 +47,89 @@ class Sample(NamedTuple):
 
 
 def varied_names(scene: Scene, inputs: int) -> list[str]:
-    """Names of the uncertain values that vary in a sample, by the flag of `UNCERTAIN_INPUTS`."""
-    given = scene.uncertainty or {}
+    """Returns the uncertain values that vary in a sample, by the flag of `UNCERTAIN_INPUTS`."""
+    spreads = scene.uncertainty or {}
     varies = {
         ALL_INPUTS: lambda name: True,
         ALL_BUT_WEAR: lambda name: name not in WORN,
-        SCATTER_ONLY: lambda name: not is_same_for_batch(name, given[name]),
-        BATCH_ONLY: lambda name: is_same_for_batch(name, given[name]),
+        SCATTER_ONLY: lambda name: not is_same_for_batch(name, spreads[name]),
+        BATCH_ONLY: lambda name: is_same_for_batch(name, spreads[name]),
     }[inputs]
-    return [name for name in given if varies(name)]
+    return [name for name in spreads if varies(name)]
+
+
+def _columns(names: Sequence[str]) -> tuple[list[int], list[int]]:
+    """Returns the columns of wear coefficient and hardness, and those of other uncertain values."""
+    wear = [k for k, name in enumerate(names) if name in WORN]
+    return wear, [k for k in range(len(names)) if k not in wear]
 
 
 def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
-    """A sample in which the values of `varied_names` vary.
+    """Returns a sample in which the values of `varied_names` vary.
 
     Samples of a scene share their points, so that a life which two of them need is solved once.
     """
     names, varied = list(scene.uncertainty or {}), varied_names(scene, inputs)
-    worn = [k for k, name in enumerate(names) if name in WORN]
-    others = [k for k, name in enumerate(names) if name not in WORN]
+    wear, others = _columns(names)
     is_varied = np.isin(names, varied)
-    unit = np.full((plan.samples, len(names)), 0.5)
-    unit[:, others] = _sobol_points(len(others), plan.samples, plan.seed)
-    unit[:, ~is_varied] = 0.5
-    rows = values_at(scene, names, unit)
-    rows[:, worn] = [scene.nominal(names[k]) for k in worn]
-    if inputs == ALL_BUT_WEAR or not worn:
+    points = np.full((plan.samples, len(names)), 0.5)
+    points[:, others] = _sobol_points(len(others), plan.samples, plan.seed)
+    points[:, ~is_varied] = 0.5
+    rows = values_at(scene, names, points)
+    rows[:, wear] = [scene.nominal(names[k]) for k in wear]
+    if inputs == ALL_BUT_WEAR or not wear:
         return Sample(rows, np.ones((plan.samples, 1)))
-    draws = max(POOLED // plan.samples, 1) if is_varied[worn].any() else 1
+    draws = max(POOLED // plan.samples, 1) if is_varied[wear].any() else 1
     # consecutive Sobol points are evenly spread: each life meets the whole distribution of factors;
     # in random order, as the places in a block go with its number, and so do the other values
-    blocks = _sobol_points(len(worn), plan.samples * draws, plan.seed + 1)
+    blocks = _sobol_points(len(wear), plan.samples * draws, plan.seed + 1)
     blocks = np.random.default_rng(plan.seed).permutation(blocks.reshape(plan.samples, draws, -1))
-    every = np.repeat(unit, draws, axis=0)
-    every[:, worn] = blocks.reshape(len(every), -1)
-    every[:, ~is_varied] = 0.5
-    values = values_at(scene, names, every)[:, worn]
-    factors = wear_factor(scene, [names[k] for k in worn], values)
+    drawn_points = np.repeat(points, draws, axis=0)
+    drawn_points[:, wear] = blocks.reshape(len(drawn_points), -1)
+    drawn_points[:, ~is_varied] = 0.5
+    wear_values = values_at(scene, names, drawn_points)[:, wear]
+    factors = wear_factor(scene, [names[k] for k in wear], wear_values)
     return Sample(rows, factors.reshape(plan.samples, draws))
 
 
 def _sobol_points(dimensions: int, count: int, seed: int) -> np.ndarray:
-    """Scrambled Sobol points (count, dimensions); the same for the same seed."""
+    """Returns scrambled Sobol points (count, dimensions), which depend on the seed alone."""
     if not dimensions:
         return np.empty((count, 0))
     return qmc.Sobol(dimensions, seed=seed).random(count)
 
 
 def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -> SampledLives:
-    """Lives at values (n, names) of the uncertain keys, as quick lives with the grooves of `life`.
+    """Returns quick lives at values (n, names) of the uncertain keys, with the grooves of `life`.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
     """
     names = list(scene.uncertainty or {})
-    worn = [k for k, name in enumerate(names) if name in WORN]
-    others = [k for k, name in enumerate(names) if name not in WORN]
-    unlike, which = np.unique(rows[:, others], axis=0, return_inverse=True)
-    what = partial(quick_life_answer, scene, [names[k] for k in others])
+    wear, others = _columns(names)
+    unique_rows, row_of_member = np.unique(rows[:, others], axis=0, return_inverse=True)
+    row_of_member = row_of_member.ravel()
+    solve = partial(quick_life_answer, scene, [names[k] for k in others])
     pool = pool or Workers(1, progress=False)
-    answers = list(pool.answers_at(what, unlike.tolist()))
-    if all(PROBLEM in one for one in answers):
+    answers = list(pool.answers_at(solve, unique_rows.tolist()))
+    if all(PROBLEM in answer for answer in answers):
         raise NotAvailable(answers[0][PROBLEM])
-    life = np.array([one.get("life", np.nan) for one in answers])[which.ravel()]
-    status = np.array([one["status"] for one in answers])[which.ravel()]
-    factor = wear_factor(scene, [names[k] for k in worn], rows[:, worn])
-    return SampledLives(life * factor, status, len(unlike))
+    life = np.array([answer.get("life", np.nan) for answer in answers])[row_of_member]
+    status = np.array([answer["status"] for answer in answers])[row_of_member]
+    factor = wear_factor(scene, [names[k] for k in wear], rows[:, wear])
+    return SampledLives(life=life * factor, status=status, solves=len(unique_rows))
 
 
 def quick_life_answer(
     scene: Scene, names: Sequence[str], values: Sequence[float]
 ) -> dict[str, float]:
-    """Status of a quick life of a scene at uncertain values, and the life [s] if it was solved.
+    """Returns the status of a quick life at uncertain values, and the life [s] if it was solved.
 
     The life has the grooves that `life` follows.
     """
-    other = perturbed(scene, dict(zip(names, values, strict=True)))
-    if other is None:
+    changed = scene_with_values(scene, dict(zip(names, values, strict=True)))
+    if changed is None:
         return {"status": BEYOND_GROOVE}
-    life = worn_life(other) or HertzianLives(other, quick=True)(other)
+    life = worn_life(changed) or HertzianLives(changed, quick=True)(changed)
     if life.status != OK:
         return {"status": life.status}
     return {"status": OK, "life": float(life.last.time)}

@@ -1,4 +1,4 @@
-"""What a file of uncertain lives holds: its axes, and its statistics."""
+"""Variables of a file of uncertain lives: its axes, and its statistics."""
 
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.quantiles import PRELOAD_CHOICE, SAMPLED_INPUTS, UNCERTAIN_INPUTS
@@ -8,12 +8,12 @@ from bearingwear.studies.answers import REFUSED
 from bearingwear.studies.uncertainty.plan import PRELOAD_CHOICES
 
 PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
-"""Of quantiles of life."""
+"""Probabilities of the quantiles of life."""
 
 LIFE_STATUSES = dict(zip(STATUS_NAMES, range(len(STATUS_NAMES)), strict=True)) | {
     "refused": REFUSED
 }
-"""Status of a sampled life by name; `refused`: no model takes the sampled values."""
+"""Statuses of sampled lives by name; `refused` where no model takes the sampled values."""
 
 FRICTION_AXIS, METHOD = STUDY_COORDINATES["friction"], STUDY_COORDINATES["preload_method"]
 UNCERTAINTY_AXES = table(

@@ -1,4 +1,4 @@
-"""What the report page shows of a warm-up."""
+"""The warm-up of a scene for its page: dataset, sheet and figure."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from bearingwear.studies.warmup.sheet import warm_up_figure, warm_up_sheet
 
 
 def warm_up_report(scene: Path, seconds: float | None) -> tuple[xr.Dataset, str, Figure]:
-    """Step: the warm-up of a scene after a ramp to speed, its sheet and its figure."""
-    given = load_scene(scene)
-    warmed = warm_up_dataset(given, ramp(given.start_s if seconds is None else seconds))
-    return warmed, as_markdown(warm_up_sheet(warmed)), warm_up_figure(warmed)
+    """Step: returns the warm-up of a scene after a ramp to speed, its sheet and its figure."""
+    loaded = load_scene(scene)
+    warmup = warm_up_dataset(loaded, ramp(loaded.start_s if seconds is None else seconds))
+    return warmup, as_markdown(warm_up_sheet(warmup)), warm_up_figure(warmup)

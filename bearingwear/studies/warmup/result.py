@@ -14,11 +14,12 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.warmup.transient import (
     COARSER,
     STEP_TOLERANCE,
+    Instant,
     SpeedCourse,
     WarmUp,
     warm_up,
 )
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 
 WARM_UP = "warm-up"
 ENDINGS = ("steady", "runaway", "no_state", "duration")
@@ -38,7 +39,7 @@ PEAKS = {
     "maximum_pressure": ("Pa", "largest contact pressure"),
     "temperature_difference": ("K", "largest excess of inner over outer ring"),
 }
-_OF_ALL = table(
+_SUMMARY = table(
     STATUS,
     Variable("ending", (), "", "how the warm-up ended", "i1", flags=ENDINGS),
     Variable("end_time", (), "s", "time of the last instant"),
@@ -48,9 +49,12 @@ _OF_ALL = table(
         comment="above 1, the temperatures are stable"),
     Variable("distance_left", (), "1", "distance to the steady temperatures, over the rise"),
     *(
-        Variable(f"peak_{name}{more}", (), unit if not more else "s", f"{words}{of}")
+        variable
         for name, (units, words) in PEAKS.items()
-        for more, unit, of in (("", units, ""), ("_time", "s", ": its time"))
+        for variable in (
+            Variable(f"peak_{name}", (), units, words),
+            Variable(f"peak_{name}_time", (), "s", f"{words}: its time"),
+        )
     ),
     *(
         Variable(f"end_{name}", (), units, f"{words.replace('largest', 'last')}")
@@ -62,56 +66,58 @@ _OF_ALL = table(
 
 
 def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = None) -> xr.Dataset:
-    """The warm-up of a scene along time, with its peaks and how it ended."""
-    found = warm_up(scene, course, duration)
-    times = [one.time for one in found.instants]
-    rows = [_row(scene, found, k) for k in range(len(times))]
-    peaks = _peaks(found, rows)
+    """Returns the warm-up of a scene along time, with its peaks and how it ended."""
+    warmup = warm_up(scene, course, duration)
+    times = [instant.time for instant in warmup.instants]
+    rows = [_row(scene, instant) for instant in warmup.instants]
+    peaks = _peaks(times, rows)
     coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE))
-    errors = [abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) for name in PEAKS]
-    sizes = [abs(peaks[f"peak_{name}"]) for name in PEAKS]
-    T = np.array([one.temperatures.ravel() for one in found.instants])
+    names = [f"peak_{name}" for name in PEAKS]
+    T = np.array([instant.temperatures.ravel() for instant in warmup.instants])
     summary = peaks | {
-        "status": found.status,
-        "ending": ENDINGS.index(_ending(found, duration)),
+        "status": warmup.status,
+        "ending": ENDINGS.index(_ending(warmup, duration)),
         "end_time": times[-1],
         "time_to_95_percent": _time_to_share(np.array(times), T, 0.95),
-        "thermal_margin": found.margin,
-        "distance_left": found.left,
-        "error_estimate": max(e / size for e, size in zip(errors, sizes, strict=True) if size),
+        "thermal_margin": warmup.margin,
+        "distance_left": warmup.left,
+        "error_estimate": max(
+            abs(coarse[name] - peaks[name]) / abs(peaks[name]) for name in names if peaks[name]
+        ),
     }
-    over_time = filled(
+    over_time = dataset_of_rows(
         _OVER_TIME,
-        {_TIME: times, _PARTS: None, "side": len(found.instants[0].states)},
+        {_TIME: times, _PARTS: None, "side": len(warmup.instants[0].states)},
         rows,
         scene=scene,
         kind=WARM_UP,
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )
-    return over_time.merge(filled(_OF_ALL, {}, [summary]), combine_attrs="override")
+    return over_time.merge(dataset_of_rows(_SUMMARY, {}, [summary]), combine_attrs="override")
 
 
-def peaks_of(scene: Scene, found: WarmUp) -> dict[str, float]:
-    """Peaks of a warm-up with their times, by the names of result variables [SI]."""
-    return _peaks(found, [_row(scene, found, k) for k in range(len(found.instants))])
+def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
+    """Returns the peaks of a warm-up with their times, by the names of result variables [SI]."""
+    times = [instant.time for instant in warmup.instants]
+    return _peaks(times, [_row(scene, instant) for instant in warmup.instants])
 
 
-def _row(scene: Scene, found: WarmUp, k: int) -> dict[str, Any]:
-    """Values of an instant [SI]."""
-    one = found.instants[k]
+def _row(scene: Scene, instant: Instant) -> dict[str, Any]:
+    """Returns the values of an instant [SI]."""
+    states = instant.states
     return {
-        "shaft_speed": one.share * scene.operation.shaft_speed_rpm,
-        "part_temperature": one.temperatures,
-        "residual_preload": [float(s["residual_preload"]) for s in one.states],
-        "maximum_pressure": [float(np.max(s["maximum_pressure"])) for s in one.states],
-        "friction_power": [heat.total for heat in one.heats],
-        "system_axial_stiffness": one.stiffness,
+        "shaft_speed": instant.share * scene.operation.shaft_speed_rpm,
+        "part_temperature": instant.temperatures,
+        "residual_preload": [float(state["residual_preload"]) for state in states],
+        "maximum_pressure": [float(np.max(state["maximum_pressure"])) for state in states],
+        "friction_power": [heat.total for heat in instant.heats],
+        "system_axial_stiffness": instant.stiffness,
     }
 
 
-def _peaks(found: WarmUp, rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    times = [one.time for one in found.instants]
+def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Returns the peaks of a warm-up with their times, and its last values, by `_row`."""
     T = np.array([row["part_temperature"] for row in rows])
     courses = {
         "residual_preload": np.max([row["residual_preload"] for row in rows], axis=1),
@@ -126,23 +132,25 @@ def _peaks(found: WarmUp, rows: Sequence[Mapping[str, Any]]) -> dict[str, float]
     return peaks
 
 
-def _ending(found: WarmUp, duration: float | None) -> str:
-    if found.status != code.OK:
-        return "runaway" if found.runs_away else "no_state"
+def _ending(warmup: WarmUp, duration: float | None) -> str:
+    """Returns how a warm-up ended, one of `ENDINGS`."""
+    if warmup.status != code.OK:
+        return "runaway" if warmup.runs_away else "no_state"
     return "steady" if duration is None else "duration"
 
 
 def _time_to_share(times: np.ndarray, T: np.ndarray, share: float) -> float:
-    """Time from which on every temperature (time, part) is within a share of its rise [s]."""
-    rise = T[-1] - T[0]
-    left = np.abs(T[-1] - T) > (1.0 - share) * np.abs(rise)
-    late = np.flatnonzero(left.any(axis=1))
-    if not late.size:
+    """Returns the time [s] from which on every temperature has made a share of its rise.
+
+    T: temperatures (time, part).
+    """
+    distance, allowed = np.abs(T[-1] - T), (1.0 - share) * np.abs(T[-1] - T[0])
+    outside = np.flatnonzero((distance > allowed).any(axis=1))
+    if not outside.size:
         return 0.0
-    k = min(int(late[-1]) + 1, len(times) - 1)
+    k = min(int(outside[-1]) + 1, len(times) - 1)
     # linear between the last instant outside and the first inside
-    before, after = np.abs(T[-1] - T[k - 1]), np.abs(T[-1] - T[k])
-    allowed = (1.0 - share) * np.abs(rise)
+    before, after = distance[k - 1], distance[k]
     with np.errstate(divide="ignore", invalid="ignore"):
         part = np.where(before > allowed, (before - allowed) / (before - after), 0.0)
     return float(times[k - 1] + np.nanmax(part) * (times[k] - times[k - 1]))

@@ -22,36 +22,54 @@ LOW_MARGIN = 1.5
 
 PART_WORDS = ("inner ring", "balls", "outer ring")
 _COLOURS = ("C3", "C1", "C0")
+_LINE_STYLES = ("-", "--")  # of two bearings
 
 
 def warm_up_sheet(file: Any) -> Document:
-    """How a warm-up ends, its peaks with their times, and the thermal margin."""
+    """Returns how a warm-up ends, its peaks with their times, and the thermal margin."""
     scene = json.loads(file.scene)
     ending = ENDINGS[int(values(file, "ending"))]
-    end, margin = (float(values(file, name)) for name in ("end_time", "thermal_margin"))
-    times, shares = np.reshape(np.atleast_1d(file.course), (2, -1))
+    times, _ = np.reshape(np.atleast_1d(file.course), (2, -1))
     speed = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
-    way = f"at {speed} from the start" if len(times) == 1 else f"{speed} after {plain(times[-1])} s"
-    ended = f"{scene['name']}: {_ending_sentence(file, ending, end)}"
-    heading = [ended, way, *minimum_preload_lines(scene)]
+    if len(times) == 1:
+        course = f"at {speed} from the start"
+    else:
+        course = f"{speed} after {plain(times[-1])} s"
+    summary = f"{scene['name']}: {_ending_sentence(file, ending)}"
+    heading = (summary, course, *minimum_preload_lines(scene))
+    facts = {"kind": "warm-up", "scene": scene["name"], "ending": ending}
+    lines = Block("", lines=tuple(_lines(file, ending)))
+    return Document(heading, facts, (_peaks_block(file), _temperatures_block(file), lines))
+
+
+def _peaks_block(file: Any) -> Block:
+    """Returns a table of the peaks, their times and the last values."""
     rows = []
     for name, (units, words) in PEAKS.items():
-        peak, time, last = (
-            float(values(file, f"{kind}_{name}{more}"))
-            for kind, more in (("peak", ""), ("peak", "_time"), ("end", ""))
-        )
+        peak = float(values(file, f"peak_{name}"))
+        time = float(values(file, f"peak_{name}_time"))
+        last = float(values(file, f"end_{name}"))
         unit = display(units, peak)
-        shown = (float(unit.of(peak)), time, float(unit.of(last)))
-        rows.append(Row(words, unit.unit, shown, f"peak_{name}"))
-    blocks = [Block("peaks", ("largest", "at time, s", "at the end"), tuple(rows))]
+        cells = (float(unit.of(peak)), time, float(unit.of(last)))
+        rows.append(Row(words, unit.unit, cells, f"peak_{name}"))
+    return Block("peaks", ("largest", "at time, s", "at the end"), tuple(rows))
+
+
+def _temperatures_block(file: Any) -> Block:
+    """Returns a table of the last temperatures, of each part and bearing."""
     T = values(file, "part_temperature")[-1]
     columns = tuple(f"bearing {k + 1}" for k in range(len(T))) if len(T) > 1 else ("",)
-    temperature = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PART_WORDS)]
-    blocks.append(Block("temperatures at the end", columns, tuple(temperature)))
+    rows = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PART_WORDS)]
+    return Block("temperatures at the end", columns, tuple(rows))
+
+
+def _lines(file: Any, ending: str) -> list[str]:
+    """Returns lines on the rise of the temperatures, their stability and the numerical error."""
     lines = []
     if ending in ("steady", "duration"):
         seconds = float(values(file, "time_to_95_percent"))
         lines.append(f"95 % of the temperature rise after {plain(seconds)} s")
+    margin = float(values(file, "thermal_margin"))
     if np.isfinite(margin):
         stable = "stable" if margin > 1.0 else "UNSTABLE"
         lines.append(f"thermal margin {plain(margin)} at the end: {stable}")
@@ -61,35 +79,31 @@ def warm_up_sheet(file: Any) -> Document:
                 "makes the temperatures run away"
             )
     error = 100.0 * float(values(file, "error_estimate"))
-    lines.append(f"numerical error of the peaks: {plain(error, 2)} %")
-    facts = {"kind": "warm-up", "scene": scene["name"], "ending": ending}
-    return Document(tuple(heading), facts, (*blocks, Block("", lines=tuple(lines))))
+    return [*lines, f"numerical error of the peaks: {plain(error, 2)} %"]
 
 
-def _ending_sentence(file: Any, ending: str, end: float) -> str:
-    status = int(values(file, "status"))
+def _ending_sentence(file: Any, ending: str) -> str:
+    """Returns how a warm-up ended, and when."""
+    status, end = int(values(file, "status")), plain(float(values(file, "end_time")))
     if ending == "runaway":
-        return (
-            f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after "
-            f"{plain(end)} s"
-        )
+        return f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after {end} s"
     if status != OK:
         name = STATUS_NAMES[status]
-        return f"no state after {plain(end)} s ({name}: {STATUS_SENTENCES[name]})"
-    return f"{'steady' if ending == 'steady' else 'followed'} after {plain(end)} s"
+        return f"no state after {end} s ({name}: {STATUS_SENTENCES[name]})"
+    return f"{'steady' if ending == 'steady' else 'followed'} after {end} s"
 
 
-def warm_up_figure(found: xr.Dataset) -> Figure:
-    """Temperatures, preload and contact pressure over time."""
+def warm_up_figure(warmup: xr.Dataset) -> Figure:
+    """Returns a figure of temperatures, preload and contact pressure over time."""
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
-    time, bearings = found["time"].values, found.sizes["side"]
+    time, bearings = warmup["time"].values, warmup.sizes["side"]
     for k in range(bearings):
-        one, style = found.isel(side=k), ("-", "--")[k]
+        bearing, style = warmup.isel(side=k), _LINE_STYLES[k]
         for part, colour in enumerate(_COLOURS):
-            temperature.plot(time, one["part_temperature"][:, part], style, color=colour)
-        preload.plot(time, one["residual_preload"], style, color="C0")
-        pressure.plot(time, 1e-9 * one["maximum_pressure"], style, color="C0")
+            temperature.plot(time, bearing["part_temperature"][:, part], style, color=colour)
+        preload.plot(time, bearing["residual_preload"], style, color="C0")
+        pressure.plot(time, 1e-9 * bearing["maximum_pressure"], style, color="C0")
     for panel, words in zip(
         panels[0], ("temperature (°C)", "preload (N)", "contact pressure (GPa)"), strict=True
     ):
@@ -97,10 +111,18 @@ def warm_up_figure(found: xr.Dataset) -> Figure:
         panel.set_ylabel(words)
     handles = [key(part, color=colour) for part, colour in zip(PART_WORDS, _COLOURS, strict=True)]
     if bearings > 1:
-        handles += [key(f"bearing {k + 1}", color="k", linestyle=("-", "--")[k]) for k in (0, 1)]
-    scene = json.loads(found.attrs["scene"])
-    ending = ENDINGS[int(found["ending"])]
-    peak, at = float(found["peak_residual_preload"]), float(found["peak_residual_preload_time"])
-    title = f"{scene['name']}: warm-up, {ending} after {plain(float(found['end_time']))} s; "
-    frame(figure, f"{title}largest preload {plain(peak)} N at {plain(at)} s", handles, len(handles))
+        handles += [
+            key(f"bearing {k}", color="k", linestyle=style)
+            for k, style in enumerate(_LINE_STYLES, 1)
+        ]
+    frame(figure, _figure_title(warmup), handles, len(handles))
     return figure
+
+
+def _figure_title(warmup: xr.Dataset) -> str:
+    """Returns how a warm-up ended, and its largest preload."""
+    name, ending = json.loads(warmup.attrs["scene"])["name"], ENDINGS[int(warmup["ending"])]
+    end = plain(float(warmup["end_time"]))
+    peak = plain(float(warmup["peak_residual_preload"]))
+    peak_time = plain(float(warmup["peak_residual_preload_time"]))
+    return f"{name}: warm-up, {ending} after {end} s; largest preload {peak} N at {peak_time} s"

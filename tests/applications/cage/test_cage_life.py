@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from support import ROOT
 
-from bearingwear.applications.cage.life import cage_life, followed, with_cage_end
+from bearingwear.applications.cage.life import cage_life_dataset, ensemble_life, with_cage_end
 from bearingwear.applications.cage.motion import MOTIONS, WHIRLS, WITH_BALLS
 from bearingwear.lives.worn_parts import cage_surfaces
 from bearingwear.scene.blocks import CRITERIA
@@ -36,7 +36,7 @@ def life_of(changes, found=None):
     """By one ensemble, or those of a function of number and depths."""
     scene, one = variant(S1, changes), made_up(WORK) if found is None else found
     by = one if callable(one) else lambda number, depth: one
-    return cage_life(followed(scene, by), other=False), scene
+    return cage_life_dataset(ensemble_life(scene, by), with_other_parts=False), scene
 
 
 def revolutions(volume, wear_over_hardness, work):
@@ -131,7 +131,7 @@ def test_a_cage_that_does_not_wear_has_no_end():
 
 def test_balls_and_races_beside_it():
     scene = variant(S1, FILM | {"model.cage_results": True})
-    found = cage_life(followed(scene, lambda n, d: made_up(WORK)))
+    found = cage_life_dataset(ensemble_life(scene, lambda n, d: made_up(WORK)))
     assert float(found["other_hours"]) == pytest.approx(1.3265, rel=1e-3)
     low, high = found["other_hours_interval"].values  # a factor of 3, and 3 % of hardness
     assert low < 1.3265 < high and high / low == pytest.approx(3.0 ** (2 * 1.6449), rel=0.03)

@@ -14,14 +14,14 @@ from bearingwear.applications.cage.motion import (
     IRREGULAR,
     WHIRLS,
     WITH_BALLS,
+    cage_path,
     is_drifting,
-    path_of,
 )
 from bearingwear.applications.cage.plan import Ensemble, cage_axes, cage_points, check_cage
 from bearingwear.applications.cage.tables import (
     cage_answer,
     cage_table,
-    designs,
+    mapped_cages,
     quiet_region,
     recommended_cage,
 )
@@ -29,7 +29,7 @@ from bearingwear.console import UsageError
 from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
 from bearingwear.scene.read import variant
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.dataset import write_dataset
 
 PLAN_FILE = ROOT / "config" / "cage.yaml"
@@ -38,7 +38,7 @@ TURNS = np.arange(200) / 20.0
 
 @pytest.fixture(scope="module")
 def plan():
-    return validated(PLAN_FILE, "cage", check_cage)
+    return validated_config(PLAN_FILE, "cage", check_cage)
 
 
 def test_plan_of_the_project(plan):
@@ -68,9 +68,9 @@ def test_a_cage_that_cannot_be_is_named(plan, key, value, told):
 def test_a_map_without_a_scene_is_refused(tmp_path):
     (tmp_path / "cage.yaml").write_text("gravity_m_s2: [0.0]\n")
     with pytest.raises(UsageError, match=r"cage.yaml: the file: 'scene' is a dependency of"):
-        validated(tmp_path / "cage.yaml", "cage", check_cage)
+        validated_config(tmp_path / "cage.yaml", "cage", check_cage)
     (tmp_path / "cage.yaml").write_text("{}")
-    nothing = validated(tmp_path / "cage.yaml", "cage", check_cage)
+    nothing = validated_config(tmp_path / "cage.yaml", "cage", check_cage)
     assert cage_points(nothing) == {} and Ensemble(**nothing["ensemble"]) == Ensemble()
 
 
@@ -96,7 +96,7 @@ def circle(rate, centre=0.0, radius=1.0):
 @pytest.mark.parametrize("turned", [0.0, 2.0])
 def test_motions(place, power, motion, whirl, turned):
     """Made-up paths, and the same turned about the axis and in other units."""
-    found = path_of(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
+    found = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
     assert found.motion == motion
     assert found.whirl == pytest.approx(whirl, abs=0.02)
     assert found.offset == pytest.approx(1e-6 * np.abs(place).mean())
@@ -154,7 +154,7 @@ def small(plan, tmp_path_factory):
 def test_what_a_map_says(small):
     """The quiet region and the recommended_cage are those of the made-up runs."""
     _, motions = small
-    works = [one.work for one in designs(motions)]
+    works = [one.work for one in mapped_cages(motions)]
     assert works == pytest.approx([0.1981e-4, 1.981e-4, 3.962e-4], rel=0.01)
     assert quiet_region(motions).endswith("90 % of the runs): friction 0.02")
     said = recommended_cage(motions)

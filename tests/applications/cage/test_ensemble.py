@@ -1,4 +1,4 @@
-"""An ensemble of cages: what is cage_drawn, intervals, going on, and the command."""
+"""An ensemble of cages: what is cage_draw, intervals, going on, and the command."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,13 @@ from support import ROOT, only_line
 
 import bearingwear
 from bearingwear.applications.cage import ensemble
-from bearingwear.applications.cage.draws import CLOSE, cage_drawn, cage_spread
-from bearingwear.applications.cage.ensemble import Journal, ensemble_of, kept_in, share_interval
+from bearingwear.applications.cage.draws import CLOSE, cage_draw, cage_spread
+from bearingwear.applications.cage.ensemble import (
+    Journal,
+    ensemble_of,
+    resumed_ensemble,
+    share_interval,
+)
 from bearingwear.applications.cage.motion import JAMS, WHIRLS
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.applications.cage.run import CageStart, cage_run
@@ -31,12 +36,12 @@ def test_draws_depend_on_seed_and_number_alone(scene):
     spread, said = cage_spread(s)
     assert "friction by a factor of 1.2, clearances by 5 %" in said
     plan = Ensemble(seed=3)
-    first, again, other = (cage_drawn(s, spread, plan, k) for k in (7, 7, 8))
+    first, again, other = (cage_draw(s, spread, plan, k) for k in (7, 7, 8))
     assert first == again and first.values != other.values
     assert "wear_coefficient" not in first.values and "preload_N" in first.values
     assert first.scene.friction.cage == first.values["cage"]
     assert first.scene.cage.guide_clearance_mm == first.values["guide_clearance_mm"]
-    starts = [cage_drawn(s, {}, plan, k).start for k in range(200)]
+    starts = [cage_draw(s, {}, plan, k).start for k in range(200)]
     assert max(one.offset for one in starts) < CLOSE
     # evenly over the disc
     assert np.mean([one.offset**2 for one in starts]) == pytest.approx(0.5 * CLOSE**2, rel=0.1)
@@ -53,7 +58,7 @@ def test_what_is_drawn_follows_its_distribution(scene):
     s = scene("gyro_s1", given)
     spread, said = cage_spread(s)
     assert not said
-    draws = [cage_drawn(s, spread, Ensemble(worn_um=(1.0, 2.0)), k).scene for k in range(150)]
+    draws = [cage_draw(s, spread, Ensemble(worn_um=(1.0, 2.0)), k).scene for k in range(150)]
     mu = np.array([one.friction.cage for one in draws])
     assert mu.min() > 0.02 and mu.max() < 0.06
     assert mu.mean() == pytest.approx(0.04, abs=0.002)
@@ -70,7 +75,7 @@ def test_the_mean_lies_in_its_interval_as_often_as_it_says(scene, monkeypatch):
     monkeypatch.setattr(ensemble, "cage_run", noisy_run)
     s, held = scene("gyro_s1", NOTHING), 0
     rows = [
-        [{"work": noisy_run(s, cage_drawn(s, {}, Ensemble(seed=seed), k).start, 0, 0)["work"]}
+        [{"work": noisy_run(s, cage_draw(s, {}, Ensemble(seed=seed), k).start, 0, 0)["work"]}
          for k in range(25)]
         for seed in range(200)
     ]  # fmt: skip
@@ -165,8 +170,8 @@ def test_a_killed_ensemble_goes_on_to_the_same_bytes(scene, tmp_path, monkeypatc
     """Killed at its eighth run, whose line is torn; more runs are added to those of a file."""
     monkeypatch.setattr(ensemble, "cage_run", noisy_run)
     s, plan = scene("gyro_s1", NOTHING), Ensemble(runs=20, within=1e-3)
-    whole, torn, runs, done = tmp_path / "whole.nc", tmp_path / "torn.nc", [], ensemble._done
-    with kept_in(whole, s, plan) as found:
+    whole, torn, runs, done = tmp_path / "whole.nc", tmp_path / "torn.nc", [], ensemble._run_row
+    with resumed_ensemble(whole, s, plan) as found:
         write_dataset(found, whole)
 
     def killed(job):
@@ -175,17 +180,17 @@ def test_a_killed_ensemble_goes_on_to_the_same_bytes(scene, tmp_path, monkeypatc
             raise KeyboardInterrupt
         return done(job)
 
-    monkeypatch.setattr(ensemble, "_done", killed)
-    with pytest.raises(KeyboardInterrupt), kept_in(torn, s, plan):
+    monkeypatch.setattr(ensemble, "_run_row", killed)
+    with pytest.raises(KeyboardInterrupt), resumed_ensemble(torn, s, plan):
         pass
     journal = Journal(torn, found.attrs)
     with journal.path.open("a", encoding="utf-8") as file:
         file.write('[7, {"status": 0, "wor')
-    with kept_in(torn, s, plan) as resumed:
+    with resumed_ensemble(torn, s, plan) as resumed:
         write_dataset(resumed, torn)
     assert runs[8:] == list(range(7, 20))
     assert torn.read_bytes() == whole.read_bytes() and not journal.path.exists()
-    with kept_in(torn, s, Ensemble(runs=22, within=1e-3)) as more:
+    with resumed_ensemble(torn, s, Ensemble(runs=22, within=1e-3)) as more:
         assert more.sizes["run"] == 22 and (more["work"][:20] == found["work"]).all()
 
 

@@ -16,7 +16,7 @@ from support import scene_file
 
 import bearingwear
 from bearingwear.applications.calibrate.bearing_tests import bearing_tests
-from bearingwear.applications.calibrate.calibration import calibrated
+from bearingwear.applications.calibrate.calibration import calibration_by_tests
 from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError
@@ -25,7 +25,7 @@ from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.sampling import Sampling, perturbed
+from bearingwear.studies.sampling import Sampling, scene_with_values
 from bearingwear.studies.uncertainty.plan import OWN
 from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
@@ -125,7 +125,7 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
     ):
         spread = {n: one for n, one in unknown["uncertainty"].items() if n != name}
         with pytest.raises((SceneError, CaseFileError), match=said):
-            calibrated(scene_from_dict(unknown | {"uncertainty": spread}), path)
+            calibration_by_tests(scene_from_dict(unknown | {"uncertainty": spread}), path)
 
 
 @pytest.mark.long
@@ -137,9 +137,9 @@ def test_each_kind_of_test_finds_what_made_it(tmp_path):
         0.095,
     )
     fixed = scene.with_({"operation.preload_method": "fixed_position"})
-    batch = perturbed(scene, {"ball_race": mu})
+    batch = scene_with_values(scene, {"ball_race": mu})
     lost = batch.with_({"wear.end_of_life": {"ball_diameter_loss_um": 0.3}})
-    left = perturbed(fixed, {"ball_race": mu}).with_(
+    left = scene_with_values(fixed, {"ball_race": mu}).with_(
         {"wear.end_of_life": {"preload_fraction": 5.0 / 7.0}}
     )
     torque = 1e3 * float(solve(batch).values["shaft_torque"])
@@ -154,7 +154,7 @@ def test_each_kind_of_test_finds_what_made_it(tmp_path):
             f"{seen},0.1",
             f",,,,,{torque},0.1",
         )
-        found = calibrated(scene, path)
+        found = calibration_by_tests(scene, path)
         assert_allclose(found.scene.friction.ball_race, mu, rtol=2e-3)
         ratio = found.scene.nominal("wear_coefficient") / scene.nominal("wear_coefficient")
         assert_allclose(ratio, K, rtol=1e-2)
@@ -166,14 +166,14 @@ def test_two_lives_of_a_sampled_batch(tmp_path):
     """The interval of L10 shrinks from sixtyfold and more to what two lives leave."""
     scene = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})
     random, K = np.random.default_rng(3), 1.7
-    batch = replace(perturbed(scene, {"ball_race": 0.074}), uncertainty=None)
+    batch = replace(scene_with_values(scene, {"ball_race": 0.074}), uncertainty=None)
     of_bearings = [
         hours(batch.with_({"operation.preload_N": 7.0 + 0.35 * random.normal()}))
         / (K * 1.3 ** random.normal())
         for _ in range(2)
     ]
     path = written(tmp_path, "life_h", *map(str, of_bearings))
-    found = calibrated(scene, path)
+    found = calibration_by_tests(scene, path)
     before, after = found.data["batch_life_quantile"].values
     scatter = float(found.data["scatter"])
     assert math.log(1.3) < scatter < 0.32  # the preload adds some
@@ -231,7 +231,7 @@ def l10_of_batches(scene, correlation):
     nodes = np.linspace(-4.0, 4.0, 13)
     frictions = np.exp(middle + deviation["ball_race"] * nodes)
     logs = [
-        math.log(hours(replace(perturbed(scene, {"ball_race": mu}), uncertainty=None)))
+        math.log(hours(replace(scene_with_values(scene, {"ball_race": mu}), uncertainty=None)))
         for mu in frictions
     ]
     u = np.linspace(-4.0, 4.0, 2001)
@@ -260,7 +260,7 @@ def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
     settings = ["friction.ball_race=0.06", "model.contact=paper"]
     plain = load_scene(scene_file("bearing218"), settings).to_dict()
     path = written(tmp_path, "life_h", "0.11", "0.13", "0.10", "0.12")
-    found = calibrated(scene_from_dict(plain | {"uncertainty": SPREAD}), path)
+    found = calibration_by_tests(scene_from_dict(plain | {"uncertainty": SPREAD}), path)
     given = found.scene.uncertainty["wear_coefficient"]
     assert 0.8 < given.friction_correlation < 0.9
     alone = dict(found.scene.uncertainty) | {

@@ -28,13 +28,13 @@ from workflow.studies.accuracy.plan import (
     ACCURACY_FILE,
     FIGURE_NAMES,
     PRESET_KEYS,
-    against,
     read_accuracy,
+    reference_name,
     scene_settings,
     sweep_jobs,
     sweep_points,
 )
-from workflow.studies.accuracy.tables import SECTIONS, section
+from workflow.studies.accuracy.tables import SECTIONS, row_section
 
 PLAN_FILE = ROOT / ACCURACY_FILE
 NOT_CONVERGED = 1
@@ -54,7 +54,7 @@ def made_up(plan, scene, name, failed=()):
     points = sweep_points(plan, name)
     n = len(points)
     of = plan["sweeps"].get(name)
-    reference = against(of) if of else name
+    reference = reference_name(of) if of else name
     share = np.where(np.arange(n) == 0, 0.0, 1e-4) if of is None else 0.1 ** np.arange(1.0, n + 1)
     status = np.array([NOT_CONVERGED if p.label in failed else 0 for p in points], dtype=np.int8)
     numbers = {"wall_time": 1e-3 * 2.0 ** np.arange(n), "simulated_turns": np.full(n, 4.0)}
@@ -321,7 +321,7 @@ def test_agreement_within_the_tolerance(plan):
 
 def test_the_docs_hold_every_row_of_the_plan(plan):
     said = table_cells((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
-    rows = {(SECTIONS[section(plan, row)], row["text"]) for row in plan["table"]}
+    rows = {(SECTIONS[row_section(plan, row)], row["text"]) for row in plan["table"]}
     assert rows <= set(said)
     assert all(len(said[row]) == 8 for row in rows)
 

@@ -16,7 +16,12 @@ from bearingwear.solvers.bearing.fitted_hertz import fitted_contact, fitted_disp
 from bearingwear.solvers.solve import solve
 from workflow.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
 from workflow.studies.accuracy.run import dynamic_values, first_motion, point_values, three_balls
-from workflow.studies.accuracy.scenes import ended_scene, grown_scene, lived_through, on_a_rotor
+from workflow.studies.accuracy.scenes import (
+    life_of_point,
+    scene_on_rotor,
+    scene_with_end,
+    scene_with_growth,
+)
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 
@@ -72,7 +77,7 @@ def test_the_fit_moves_the_answer_a_little(scene):
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
 def test_what_stands_on_the_rotor(scene, method):
     held = scene("gyro_s1", {"operation.preload_method": method})
-    alone, alike, pushed, apart = (on_a_rotor(held, machine) for machine in MACHINES)
+    alone, alike, pushed, apart = (scene_on_rotor(held, machine) for machine in MACHINES)
     assert alone is held and alike.pair.is_symmetric and pushed.pair.external_axial_N == 3.5
     assert apart.sides[1].wear.ball_diameter_loss_um == pytest.approx((0.04,))
     points = [SweepPoint(label=m, value=0.0, fidelity="steady", machine=m, settings=(), text=m)
@@ -85,7 +90,7 @@ def test_what_stands_on_the_rotor(scene, method):
 
 def test_what_has_grown_is_a_step_further_each_time(scene):
     held = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
-    mounted, turning, warm, network = (grown_scene(held, warmth) for warmth in WARMTHS)
+    mounted, turning, warm, network = (scene_with_growth(held, warmth) for warmth in WARMTHS)
     assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)
     assert warm.temperature.inner_ring_C == 25.0 and network.thermal is not None
     found = [solve(s).values["residual_preload"] for s in (mounted, turning, warm, network)]
@@ -95,10 +100,10 @@ def test_what_has_grown_is_a_step_further_each_time(scene):
 def test_a_life_ends_at_so_many_gaps_with_the_cells_asked_for(scene):
     s = scene("gyro_s1", {"model.contact": "worn", "cage": None})
     point = SweepPoint(label="", value=0.0, fidelity="steady", settings=(), text="", cells="32 x 8")
-    small = ended_scene(s, "0.05")
+    small = scene_with_end(s, "0.05")
     assert_allclose(wear_over_gap(small), 0.05, rtol=1e-12)
-    lived = lived_through(small, replace(point, step="0.02"))
+    lived = life_of_point(small, replace(point, step="0.02"))
     mode = EXACT_GROOVES._replace(cells=(32, 8), step=0.02)
     right = follow_grooves(StiffGrooves(small, mode)).times
     assert_allclose(lived["history_time"], right, rtol=1e-12)
-    assert len(right) > len(lived_through(small, point)["history_time"])
+    assert len(right) > len(life_of_point(small, point)["history_time"])

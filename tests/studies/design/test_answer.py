@@ -17,7 +17,7 @@ from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.best import SIMILAR
 from bearingwear.studies.design.choice import limit_margins, limits_of
-from bearingwear.studies.design.document.sentences import by_life
+from bearingwear.studies.design.document.sentences import recommended_points
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.map import followed_point
@@ -130,7 +130,7 @@ def test_a_fixed_position_is_set_by_an_offset(files):
 def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):
     """Title, offset and tolerance have the recommended preload; both ends are solved once more."""
     found = load(files["recommendation"])
-    name, best, life = by_life(found)[0]
+    name, best, life = recommended_points(found)[0]
     low, high = float(best["least_preload"]), float(best["most_preload"])
     assert low <= float(best["preload"]) <= high and low < high
     scene, limits = scene_from_dict(json.loads(found.attrs["scene"])), limits_of(found)

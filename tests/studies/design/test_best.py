@@ -167,15 +167,16 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 def test_no_preload_within_the_limits_is_explained(scene):
     made = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
     assert made.found() is None
-    why = why_none(made.line.in_order(STIFF), STIFF, cases=False)
+    why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
     assert why.startswith("axial stiffness of one bearing at least 20 N/µm, at best 15.4 at 9060 N")
     made = MadeUp(scene, lambda p: 0.0)
     assert made.found() is None
-    why = why_none(made.line.in_order(STIFF), STIFF, cases=False)
+    why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
     assert why == "an end-of-life criterion is met when the bearing is new"
     made = MadeUp(scene, lambda p: math.nan)
     assert made.found() is None
-    assert why_none(made.line.in_order(STIFF), STIFF, cases=False) == "no life could be computed"
+    why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
+    assert why == "no life could be computed"
 
 
 def test_requirements_that_cannot_be_met_together_are_named():
@@ -186,7 +187,7 @@ def test_requirements_that_cannot_be_met_together_are_named():
         values = dict.fromkeys(stiffness, 1e6 * k) | {"friction_power": 0.1 * k, "status": OK}
         return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT_LIFE)
 
-    why = why_none([point(k) for k in (1, 2, 3, 4)], limits, cases=False)
+    why = why_none([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
     assert why == (
         "each requirement can be satisfied individually, but not all of them together: axial "
         "stiffness of one bearing at least 3.5 N/µm, but 3 at 3 N"
@@ -205,7 +206,7 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
         return PreloadPoint(float(k), values, solved)
 
     order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
-    why = why_none(order, limits, cases=False)
+    why = why_none(order, limits, has_cases=False)
     assert why.startswith("each requirement can be satisfied individually")
     assert "stiffness" not in why and why.endswith("but 30 at 4 N")
 

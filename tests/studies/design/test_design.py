@@ -22,7 +22,7 @@ from bearingwear.studies.design.choice import (
     ACTIVE,
     best_within,
     design_map,
-    front,
+    pareto_front,
 )
 from bearingwear.studies.design.dynamic_check import check_scene
 from bearingwear.studies.design.map import HERTZIAN_GROOVE, life_point, map_part
@@ -108,7 +108,7 @@ def test_choice_and_what_holds_it(line, limits, index, active):
 
 def test_front_leaves_out_what_is_beaten_or_unsolved():
     line = made_up([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
-    assert front(line).values.tolist() == [True, True, False, False, True]
+    assert pareto_front(line).values.tolist() == [True, True, False, False, True]
 
 
 # the steps, on a map of a few lives

@@ -72,14 +72,24 @@ def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
         assert min(each) >= 20.0 * (1.0 - SPEED_FOUND_TO), (method, each)
 
 
-def test_slip_that_peaks_between_rest_and_speed_is_found_worn():
+PEAKED = {
+    "7008C": (dict(designation="7008C"), 227.0),
+    "16 balls": (
+        dict(bore=40, outside=68, contact_angle=15, balls=16, ball_diameter=7.938), 244.0
+    ),
+}  # fmt: skip
+"""Bearings whose slip peaks worn; the second one's has the higher of two peaks between eighths."""
+
+
+@pytest.mark.parametrize("given, preload", PEAKED.values(), ids=PEAKED)
+def test_slip_that_peaks_between_rest_and_speed_is_found_worn(given, preload):
     """At 0.46 of the speed, just before control goes over to the other race."""
-    held = held_by(bearingwear.new(designation="7008C", speed=18000.0), "fixed_position", 227.0)
+    held = held_by(bearingwear.new(**given, speed=18000.0), "fixed_position", preload)
     point = followed_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
-    states = [worn(at_share(held, share))[0] for share in np.linspace(0.04, 1.0, 25).tolist()]
+    states = [worn(at_share(held, share))[0] for share in np.linspace(0.02, 1.0, 50).tolist()]
     most = max(state["gyroscopic_slip_share"].max() for state in states if state.status == OK)
-    assert most > 0.42
+    assert most > 0.365
     assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=0.02)
 
 
@@ -190,7 +200,7 @@ def test_the_case_that_forbids_every_preload_is_named(spindle):
 
 def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
     limits = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
-    assert limits.held == limits.given and STIFF.held["preload_kept"] == LEAST_KEPT
+    assert limits.effective == limits.given and STIFF.effective["preload_kept"] == LEAST_KEPT
     point = followed_point(held_by(spindle, "fixed_position", 20.0), limits)
     assert {one["speed_rpm"] for one in point[DECIDING].values()} == {18000.0}
     assert conditions_of(spindle, at_speed_only=True) == [
@@ -211,7 +221,7 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
-    looked = Everywhere(spindle, STIFF.held, exactly=False)
+    looked = Everywhere(spindle, STIFF.effective, exactly=False)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
     from bearingwear.solvers.state import State

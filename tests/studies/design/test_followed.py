@@ -120,4 +120,4 @@ def test_one_march_has_the_lives_of_all_ends(scene):
     history = worn_life(at)
     assert history is not None
     never = at.with_({"wear.end_of_life.preload_fraction": 0.01}).wear.end_of_life
-    assert np.isnan(history.first(Criteria(with_end(at, never)))) and end.preload_fraction == 0.4
+    assert np.isnan(history.time_to(Criteria(with_end(at, never)))) and end.preload_fraction == 0.4

@@ -488,7 +488,7 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
         scene = json.loads(dataset.attrs["scene"]) | {"name": HOSTILE}
         return dataset.assign_attrs(scene=json.dumps(scene))
 
-    monkeypatch.setattr(steps, "loaded", renamed)
+    monkeypatch.setattr(steps, "load_with_axes", renamed)
     inputs, settings = FIGURES[name]
     if where == "unsolved":
         if "cases" in inputs:

@@ -24,11 +24,11 @@ from workflow.studies.robustness.plan import (
     KeyAxis,
     base_scene,
     draw_blocks,
-    drawn,
+    drawn_values,
     draws,
     read_robustness,
 )
-from workflow.studies.robustness.run import end_of, solved_values, violations
+from workflow.studies.robustness.run import outcome_of, solved_values, violations
 
 FILE = ROOT / "config" / "robustness.yaml"
 PLAN = read_robustness(FILE)
@@ -39,9 +39,9 @@ FEW = {"model.strips": 20}  # points: what is tried here does not hang on them
 def of_class(name, seed):
     """A scene of a class."""
     chance = random.Random(seed)
-    drawn = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
+    values = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
     try:
-        return drawn_scene(BASE, drawn)
+        return drawn_scene(BASE, values)
     except SceneError:
         return None
 
@@ -85,14 +85,14 @@ def test_random_scenes_are_never_wrong(name, unexplained):
 def test_random_lives_with_worn_grooves_are_never_wrong():
     """Each ends at its criterion, with what it says balanced, or says why it does not."""
     draw = draws(draw_blocks(PLAN, "worn_life"))
-    ends = [end_of(BASE, values, "worn_life") for values in drawn(draw, 7, 10)]
+    ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, 7, 10)]
     assert [end["violations"] for end in ends] == [""] * 10
     assert sum(end["status"] == code.OK for end in ends) >= 9
 
 
 def test_what_is_wrong_with_a_life_is_said():
     draw = draws(draw_blocks(PLAN, "worn_life"))
-    (values,) = drawn(draw, 1, 1)
+    (values,) = drawn_values(draw, 1, 1)
     scene = drawn_scene(BASE, values)
     made = life(scene).values
     assert life_violations(scene, made) == []

@@ -28,7 +28,7 @@ from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
-from bearingwear.studies.sampling import Sampling, perturbed
+from bearingwear.studies.sampling import Sampling, scene_with_values
 from bearingwear.studies.uncertainty.plan import OWN
 from bearingwear.studies.uncertainty.preloads import with_preload
 from bearingwear.studies.uncertainty.quantiles import life_quantiles, sobol_rows
@@ -54,7 +54,9 @@ def own_quantiles(scene, plan, workers=1):
 def scene_life(scene, values=None):
     """Life [h] of a scene, or of one with other uncertain values."""
     if values is not None:
-        scene = perturbed(scene, dict(zip(scene.uncertainty, map(float, values), strict=True)))
+        scene = scene_with_values(
+            scene, dict(zip(scene.uncertainty, map(float, values), strict=True))
+        )
     return float(life(scene).values["life"]) * HOURS_PER_SECOND
 
 
@@ -257,7 +259,7 @@ def test_lives_with_films_are_those_of_life():
     assert (found.status == 0).all() and np.ptp(found.life) > 0.0
     names, through = list(scene.uncertainty), 0
     for row, time in zip(rows, found.life, strict=True):
-        one = life(perturbed(scene, dict(zip(names, map(float, row), strict=True)))).values
+        one = life(scene_with_values(scene, dict(zip(names, map(float, row), strict=True)))).values
         assert_allclose(time, one["life"], rtol=1e-9)
         through += np.isfinite(one["race_film_worn_through"]).any()
     assert through > 0

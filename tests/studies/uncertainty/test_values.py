@@ -13,7 +13,7 @@ from bearingwear.cli import main
 from bearingwear.scene.distributions import value_at
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
-from bearingwear.studies.sampling import Sampling, perturbed
+from bearingwear.studies.sampling import Sampling, scene_with_values
 from bearingwear.studies.uncertainty.plan import uncertain_scene
 from bearingwear.studies.uncertainty.quantiles import sobol_rows
 
@@ -94,14 +94,14 @@ def test_impossible_values_are_cut_off(scene):
 
 def test_other_balls_between_the_same_grooves(scene):
     before = parameters.geometry(scene)
-    after = parameters.geometry(perturbed(scene, {"ball_diameter_mm": 2.0005}))
+    after = parameters.geometry(scene_with_values(scene, {"ball_diameter_mm": 2.0005}))
     assert after.D0 == pytest.approx(2.0005e-3)
     for name in ("r_i", "r_o", "R_i", "R_o"):
         assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-12)
     distance = [g.BD * math.cos(g.alpha0) for g in (before, after)]
     assert distance[0] == pytest.approx(distance[1], rel=1e-12)
     assert after.alpha0 < before.alpha0
-    assert perturbed(scene, {"ball_diameter_mm": 2.1}) is None
+    assert scene_with_values(scene, {"ball_diameter_mm": 2.1}) is None
 
 
 def test_wear_values_of_both_materials_go_together(scene):
@@ -110,7 +110,7 @@ def test_wear_values_of_both_materials_go_together(scene):
     hybrid = replace(
         scene, materials=materials, bearing=replace(scene.bearing, ball_material="ceramic")
     )
-    other = perturbed(hybrid, {"wear_coefficient": 1e-5})
+    other = scene_with_values(hybrid, {"wear_coefficient": 1e-5})
     assert other.materials["bearing_steel"].wear_coefficient == 1e-5
     assert other.materials["ceramic"].wear_coefficient == pytest.approx(2e-6)
     assert other.materials["phenolic"] == scene.materials["phenolic"]

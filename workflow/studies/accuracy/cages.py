@@ -1,4 +1,4 @@
-"""What short runs and coarse steps change in an ensemble of cages: a part of docs/accuracy.md."""
+"""Effects of short runs and coarse steps on cage ensembles: a part of docs/accuracy.md."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,22 +17,23 @@ _COLUMNS = (*_MEANS, "90 %, +-", "same motion")
 
 
 def gathered_cages(paths: Sequence[Path]) -> xr.Dataset:
-    """Turns, work and motion of every run, along `point` (the ensemble) and `run`."""
+    """Gathers turns, work and motion of every run along `point` (the ensemble) and `run`."""
     parts = [load(path)[[*_MEANS.values(), "motion"]] for path in paths]
     return xr.concat(parts, "point", combine_attrs="override")
 
 
 def cages_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Each ensemble over the first, whose runs have the same samples."""
-    cages, rows, first = plan["cages"], [], trade.isel(point=0)
+    """Returns the part: each ensemble relative to the first, whose runs have the same samples."""
+    cages, rows, first_ensemble = plan["cages"], [], trade.isel(point=0)
     for k, row in enumerate(cages["ensembles"].values()):
-        solved = np.isfinite(trade["work"].values[k]) & np.isfinite(first["work"].values)
-        part, long = (each.isel(run=solved) for each in (trade.isel(point=k), first))
-        ratios = [float(part[name].mean() / long[name].mean()) for name in _MEANS.values()]
-        apart = half_interval((part["work"] - long["work"]).values) / float(long["work"].mean())
-        alike = float((part["motion"].values == long["motion"].values).mean())
-        rows.append([row["text"], *map(Rough, (*ratios, apart, alike))])
-    # which motion comes may depend on the last bits
+        solved = np.isfinite(trade["work"].values[k]) & np.isfinite(first_ensemble["work"].values)
+        ensemble, base = trade.isel(point=k, run=solved), first_ensemble.isel(run=solved)
+        ratios = [float(ensemble[name].mean() / base[name].mean()) for name in _MEANS.values()]
+        half_width = half_interval((ensemble["work"] - base["work"]).values)
+        work_interval = half_width / float(base["work"].mean())
+        same_motion = float((ensemble["motion"].values == base["motion"].values).mean())
+        rows.append([row["text"], *map(Rough, (*ratios, work_interval, same_motion))])
+    # the final motion may depend on the last bits
     loose = Agreement(plan["tolerance"]["time"])
     title = "cage ensembles relative to the first"
     return [

@@ -1,4 +1,4 @@
-"""Tables of docs/accuracy.md: their text, and where it differs from another run."""
+"""Tables of docs/accuracy.md: their text, and its differences from another run."""
 
 import html
 import math
@@ -17,18 +17,18 @@ ANSWER = 1.02
 _ROUNDING = 1e-3
 
 TableCells = dict[tuple[str, ...], list[str]]
-"""TableCells of numbers by the title and the first cells of their row."""
+"""Cells of numbers, by the title of the table and the first cells of their row."""
 
 
 class Agreement(NamedTuple):
-    """How well numbers of two runs agree: within a factor, where they exceed a floor."""
+    """Required agreement of numbers of two runs: within a factor, above a floor."""
 
     factor: float = ANSWER
     floor: float = 0.0
     unit: str = ""
 
     def holds(self, old: str, new: str) -> bool:
-        """Whether two cells agree; words do where they are the same."""
+        """Whether two cells agree; words must be the same."""
         try:
             numbers = [float(text.removeprefix("< ")) for text in (old, new)]
         except ValueError:
@@ -40,7 +40,7 @@ class Agreement(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedTable:
-    """Rows of what and on which scene, and numbers; how well the columns agree, by their heads."""
+    """Table whose first cells name a case and its scene; each column has its agreement."""
 
     title: str
     axes: Sequence[str] = ("case", "scene")
@@ -49,41 +49,45 @@ class CheckedTable:
 
     @property
     def block(self) -> Block:
-        units = dict.fromkeys(self.axes, "") | {k: one.unit for k, one in self.columns.items()}
+        """The table as a block of a document."""
+        column_units = {name: agreement.unit for name, agreement in self.columns.items()}
+        units = dict.fromkeys(self.axes, "") | column_units
         title = self.title[0].upper() + self.title[1:]
         return points_block(title, units, self.rows, axes=len(self.axes))
 
     @property
     def text(self) -> str:
-        """As Markdown, for a larger text."""
+        """The table as Markdown, for a larger text."""
         return block_markdown(self.block, "**{}**")
 
     def differences(self, text: str) -> Iterator[str]:
-        """Where a text that should contain this table differs from it; a line each."""
-        old = table_cells(text, len(self.axes))
-        for row, new in table_cells(self.text, len(self.axes)).items():
-            where = ": ".join([row[0], ", ".join(row[1:])])
-            if len(old.get(row, ())) != len(new):
-                yield f"{where}: missing"
+        """Yields a line for each difference of a text that should contain this table."""
+        old_rows = table_cells(text, len(self.axes))
+        for row, new_cells in table_cells(self.text, len(self.axes)).items():
+            place = ": ".join([row[0], ", ".join(row[1:])])
+            if len(old_rows.get(row, ())) != len(new_cells):
+                yield f"{place}: missing"
                 continue
-            for (name, agreement), one, other in zip(
-                self.columns.items(), old[row], new, strict=True
+            for (name, agreement), old_cell, new_cell in zip(
+                self.columns.items(), old_rows[row], new_cells, strict=True
             ):
-                if not agreement.holds(one, other):
-                    yield f"{where}: {name}: the table contains {one}, the run gives {other}"
+                if not agreement.holds(old_cell, new_cell):
+                    problem = f"the table contains {old_cell}, the run gives {new_cell}"
+                    yield f"{place}: {name}: {problem}"
 
 
 def table_cells(text: str, axes: int = 1) -> TableCells:
-    """TableCells of all tables of a Markdown text that stand below a line in bold."""
-    found, title = TableCells(), ""
+    """Returns the cells of all tables of a Markdown text below a line in bold."""
+    cells_of_rows, title = TableCells(), ""
     for line in text.splitlines():
         if bold := re.fullmatch(r"\*\*(.+)\*\*", line):
             title = bold[1]
         elif line.startswith("| "):
             cells = html.unescape(line.strip("| ")).split(" | ")
-            found[title, *cells[:axes]] = cells[axes:]
-    return found
+            cells_of_rows[title, *cells[:axes]] = cells[axes:]
+    return cells_of_rows
 
 
 def answers_agree_within() -> str:
+    """States the largest difference of answers that agree."""
     return f"{digits(100.0 * (ANSWER - 1.0))} %"

@@ -1,4 +1,4 @@
-"""Parts of docs/accuracy.md that are made from the study: each stands between two marks."""
+"""Parts of docs/accuracy.md that are generated from the study, each between two marks."""
 
 import textwrap
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import CheckedTable
@@ -22,70 +22,77 @@ DOCS_PARTS: dict[str, Callable[[xr.Dataset, Plan], list[str | CheckedTable]]] = 
     "grooves": grooves_part,
     "cages": cages_part,
 }
-"""Paragraphs and tables of each part."""
+"""Functions that return the paragraphs and tables of each part."""
 
 
 def docs_part(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
-    """Paragraphs and tables of a part; CaseFileError where there is no such part."""
+    """Returns the paragraphs and tables of a part. Raises CaseFileError for another name."""
     if name not in DOCS_PARTS:
         raise CaseFileError(f"part: got {name}, expected {', '.join(DOCS_PARTS)}")
-    return DOCS_PARTS[name](loaded(trade, point=()), read_accuracy(plan))
+    return DOCS_PARTS[name](load_with_axes(trade, point=()), read_accuracy(plan))
 
 
 def part_tables(trade: Path, plan: Path, part: str) -> str:
-    """The tables of a part alone, as Markdown."""
+    """Returns only the tables of a part, as Markdown."""
     return "\n\n".join(_texts(tables_in(docs_part(trade, plan, part)))) + "\n"
 
 
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
-    """Every point as CSV, and what each simplification costs and saves as Markdown."""
-    return points_csv(loaded(trade, point=())), part_tables(trade, plan, "accuracy")
+    """Returns every point as CSV, and the tables of the main part as Markdown."""
+    return points_csv(load_with_axes(trade, point=())), part_tables(trade, plan, "accuracy")
 
 
 def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
-    """The docs with a part of this run in the place of the old one, or at the end."""
+    """Returns the docs with a part of this run instead of the old one, or at the end."""
     begin, end = _marks(part)
     text = "\n\n".join(_texts(docs_part(trade, plan, part)))
-    old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
-    before, _, rest = old.partition(begin)
-    after = rest.partition(end)[2] if end in rest else "\n"
-    if not rest:
+    old_text = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
+    before, _, after_begin = old_text.partition(begin)
+    after = after_begin.partition(end)[2] if end in after_begin else "\n"
+    if not after_begin:
         before = f"{before.rstrip()}\n\n"
     return f"{before}{begin}\n{text}\n{end}{after}"
 
 
 def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
-    """Says that the docs agree with a run; else NotSolved with a line for each difference."""
-    given = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
-    lines = [line for part, path in given.items() for line in differences(path, plan, docs, part)]
+    """States that the docs agree with a run; raises NotSolved with a line for each difference."""
+    trade_of_part = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
+    lines = [
+        line for part, path in trade_of_part.items() for line in differences(path, plan, docs, part)
+    ]
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: numbers that differ: {len(lines)}"]))
     return f"{docs}: agrees with the run\n"
 
 
 def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
-    """Where a part of the docs differs beyond the tolerance; CaseFileError where they lack it."""
+    """Returns a line for each difference of a part beyond its tolerance.
+
+    CaseFileError: the docs lack the part.
+    """
     begin, end = _marks(part)
-    inside, closed, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
-    if not closed:
+    old_part, end_mark, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
+    if not end_mark:
         raise CaseFileError(f"{docs}: got no part between {begin} and {end}")
     tables = tables_in(docs_part(trade, plan, part))
-    return [f"{docs}: {line}" for table in tables for line in table.differences(inside)]
+    return [f"{docs}: {line}" for table in tables for line in table.differences(old_part)]
 
 
 def tables_in(part: list[str | CheckedTable]) -> list[CheckedTable]:
-    return [one for one in part if isinstance(one, CheckedTable)]
+    """Returns the tables of a part."""
+    return [item for item in part if isinstance(item, CheckedTable)]
 
 
 def _texts(part) -> list[str]:
-    """Markdown, the lines of paragraphs at most 100 columns long."""
+    """Returns paragraphs and tables as Markdown, with lines of at most 100 columns."""
     return [
-        textwrap.fill(one, width=100, break_long_words=False, break_on_hyphens=False)
-        if isinstance(one, str)
-        else one.text
-        for one in part
+        textwrap.fill(item, width=100, break_long_words=False, break_on_hyphens=False)
+        if isinstance(item, str)
+        else item.text
+        for item in part
     ]
 
 
 def _marks(part: str) -> tuple[str, str]:
+    """Returns the comments before and after a part."""
     return f"<!-- {part}: begin -->", f"<!-- {part}: end -->"

@@ -1,8 +1,8 @@
-"""Figures of the study of accuracy: time against error, and what leaving things out costs."""
+"""Figures of the study of accuracy: error over computing time, and effects of simplifications."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,8 +12,8 @@ from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure,
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import Rough, span
 from bearingwear.results.words import name_in_words, percent_in_text
-from bearingwear.studies.dataset import loaded, pareto
-from workflow.studies.accuracy.gather import names, of_known, points_where
+from bearingwear.studies.dataset import load_with_axes, pareto
+from workflow.studies.accuracy.gather import distinct_texts, points_where, reduce_known
 from workflow.studies.accuracy.groove_figure import grooves_figure
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
@@ -32,7 +32,7 @@ STYLES: dict[str, dict[str, Any]] = {
 PRESET_MARKERS = {"draft": "v", "standard": "*", "reference": "^"}
 PRESET_STYLE = {"color": "black", "markersize": 8, "linestyle": "none", "zorder": 5}
 FRONT = {"color": "0.3", "linewidth": 3.0, "alpha": 0.35, "zorder": 1}
-DOUBT = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
+REFERENCE_UNCERTAINTY = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 
 QUANTITY = {
     "total_qv": "error in total QV",
@@ -42,20 +42,20 @@ QUANTITY = {
 }
 
 
-def of_sweeps(trade: xr.Dataset, against: str, leave_out: Iterable[str] = ()) -> xr.Dataset:
-    """Numerical points against one reference."""
+def numerical_points(trade: xr.Dataset, against: str, leave_out: Iterable[str] = ()) -> xr.Dataset:
+    """Returns the numerical points that are compared with a reference."""
     points = points_where(trade, against=against, kind="numerical")
     return points.isel(point=~np.isin(points["sweep"].values.astype(str), list(leave_out)))
 
 
 def drawn_error(error: np.ndarray) -> np.ndarray:
-    """An error without its sign, no smaller than what is drawn."""
+    """Returns the magnitude of an error, at least the smallest that is drawn."""
     return np.maximum(np.abs(error), LEAST_ERROR)
 
 
-def panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time") -> None:
-    """Lines of sweeps, front and presets of one scene."""
-    for name in names(points, "sweep"):
+def draw_panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time") -> None:
+    """Draws lines of sweeps, the Pareto front and the presets of one scene."""
+    for name in distinct_texts(points, "sweep"):
         line = points_where(points, sweep=name)
         x, y = line[time].values, drawn_error(line[f"error_{quantity}"].values)
         if name.startswith("preset"):
@@ -68,17 +68,18 @@ def panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time")
     front = np.flatnonzero(pareto(x, y))
     front = front[np.argsort(x[front])]
     axes.plot(x[front], y[front], drawstyle="steps-post", **FRONT)
-    logarithmic(axes)
+    set_log_scales(axes)
 
 
-def logarithmic(axes: Any) -> None:
+def set_log_scales(axes: Any) -> None:
+    """Sets both scales to logarithmic."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(numticks=6))
 
 
 def label_times(axes: Any) -> None:
-    """Tick labels that can be read where the times span less than a decade."""
+    """Sets readable tick labels where the times span less than a decade."""
     low, high = axes.get_xlim()
     if high < 5.0 * low:
         axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -86,48 +87,50 @@ def label_times(axes: Any) -> None:
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
 
 
-def doubt(axes: Any, trade: xr.Dataset, scene: str, against: str, quantity: str) -> None:
-    """A line at the doubt of the reference."""
+def draw_uncertainty_of_reference(
+    axes: Any, trade: xr.Dataset, scene: str, against: str, quantity: str
+) -> None:
+    """Draws a line at the uncertainty of the reference."""
     check = points_where(trade, scene=scene, sweep=against, label="check")
     if check.sizes["point"] and np.isfinite(check[f"error_{quantity}"].values[0]):
-        axes.axhline(drawn_error(check[f"error_{quantity}"].values)[0], **DOUBT)
+        axes.axhline(drawn_error(check[f"error_{quantity}"].values)[0], **REFERENCE_UNCERTAINTY)
 
 
-def keys_of(points: xr.Dataset) -> list[Any]:
-    """Legend of the sweeps, the front and the presets."""
+def legend_keys(points: xr.Dataset) -> list[Any]:
+    """Returns the legend of the sweeps, the front and the presets."""
     handles = []
-    for name in names(points, "sweep"):
+    for name in distinct_texts(points, "sweep"):
         if not name.startswith("preset"):
-            title = names(points_where(points, sweep=name), "sweep_title")[0]
+            title = distinct_texts(points_where(points, sweep=name), "sweep_title")[0]
             handles.append(key(title, **STYLES[name]))
     handles.append(key("Pareto front", **FRONT))
-    if any(name.startswith("preset") for name in names(points, "sweep")):
+    if any(name.startswith("preset") for name in distinct_texts(points, "sweep")):
         handles += [
             key(f"preset: {label}", marker=mark, **PRESET_STYLE)
             for label, mark in PRESET_MARKERS.items()
         ]
-    return [*handles, key("uncertainty of the reference", **DOUBT)]
+    return [*handles, key("uncertainty of the reference", **REFERENCE_UNCERTAINTY)]
 
 
-def multiples(
+def small_multiples(
     trade: xr.Dataset, points: xr.Dataset, quantities: Iterable[str], title: str, time="wall_time"
 ) -> Figure:
-    """A column of panels for each scene, a row for each quantity."""
-    scenes, rows = names(points, "scene"), list(quantities)
+    """Draws a column of panels for each scene, and a row for each quantity."""
+    scenes, rows = distinct_texts(points, "scene"), list(quantities)
     size = 1.9 * len(scenes) + 0.6, 2.0 * len(rows) + 1.2
     figure, panels = new_figure(len(rows), len(scenes), *size, sharex="col", sharey="row")
-    against = names(points, "against")[0]
+    against = distinct_texts(points, "against")[0]
     for row, quantity in zip(panels, rows, strict=True):
         for axes, scene in zip(row, scenes, strict=True):
-            panel(axes, points_where(points, scene=scene), quantity, time)
-            doubt(axes, trade, scene, against, quantity)
+            draw_panel(axes, points_where(points, scene=scene), quantity, time)
+            draw_uncertainty_of_reference(axes, trade, scene, against, quantity)
         row[0].set_ylabel(QUANTITY[quantity])
     for axes, scene in zip(panels[0], scenes, strict=True):
         axes.set_title(name_in_words(scene))
     for axes in panels[-1]:
         axes.set_xlabel("wall time (s)")
         label_times(axes)
-    frame(figure, title, keys_of(points), columns=6)
+    frame(figure, title, legend_keys(points), columns=6)
     return figure
 
 
@@ -135,8 +138,8 @@ def multiples(
 
 
 def steady_figure(trade: xr.Dataset) -> Figure:
-    """Quadrature and regularisation of the steady state."""
-    points = of_sweeps(trade, "steady", leave_out=["life_tolerance"])
+    """Draws errors by quadrature and regularisation of the steady state."""
+    points = numerical_points(trade, "steady", leave_out=["life_tolerance"])
     strips = points_where(points, sweep="strips", label="strips 50")
     split = points_where(points, sweep="split", label="split 32")
     worst, best = _worst(strips, "total_qv"), _worst(split, "total_qv")
@@ -146,32 +149,32 @@ def steady_figure(trade: xr.Dataset) -> Figure:
         f"strips and up to {percent_in_text(best)} with 32 split Gauss points, which take {times} "
         "times as long"
     )
-    return multiples(trade, points, ("total_qv", "contact_qv"), title)
+    return small_multiples(trade, points, ("total_qv", "contact_qv"), title)
 
 
 def life_tolerance_figure(trade: xr.Dataset) -> Figure:
-    """The same sweeps, by the wear life."""
-    points = of_sweeps(trade, "steady")
+    """Draws the errors of the same sweeps in wear life."""
+    points = numerical_points(trade, "steady")
     worst = _worst(points_where(points, sweep="regularisation", label="0.001"), "life")
     title = f"Wear life: at v_r = 1e-3 m/s, the error is up to {percent_in_text(worst)}"
-    return multiples(trade, points, ("life",), title, "life_wall_time")
+    return small_multiples(trade, points, ("life",), title, "life_wall_time")
 
 
 def dynamic_figure(trade: xr.Dataset) -> Figure:
-    """Turns, start, tolerance and regularisation together, dynamic."""
-    points = of_sweeps(trade, "long")
+    """Draws errors of dynamic runs by turns, start, tolerance and regularisation."""
+    points = numerical_points(trade, "long")
     two = _worst(points_where(points, sweep="turns", label="2"), "total_qv")
     many = _worst(points_where(points, sweep="turns", label="50"), "total_qv")
     title = (
         f"Dynamic model: the error in total QV is up to {percent_in_text(two)} with 2 turns and up "
         f"to {percent_in_text(many)} with 50"
     )
-    return multiples(trade, points, ("total_qv", "wear_rate"), title)
+    return small_multiples(trade, points, ("total_qv", "wear_rate"), title)
 
 
 def integration_figure(trade: xr.Dataset) -> Figure:
-    """Step control, integrator, regularisation and points over the same few turns."""
-    points = of_sweeps(trade, "short")
+    """Draws errors by tolerance, integrator, regularisation and points over the same turns."""
+    points = numerical_points(trade, "short")
     explicit = points_where(points, sweep="runge_kutta")
     implicit = points_where(points, sweep="regularisation_dynamic")
     small, large = "0.0001", "0.1"
@@ -187,25 +190,26 @@ def integration_figure(trade: xr.Dataset) -> Figure:
         f"computing time by a factor of at most {slower[0]} with Runge-Kutta and {slower[1]} with "
         f"Rosenbrock; at {small} m/s, Rosenbrock is up to {faster} times as fast as Runge-Kutta"
     )
-    return multiples(trade, points, ("total_qv", "contact_qv"), title)
+    return small_multiples(trade, points, ("total_qv", "contact_qv"), title)
 
 
 def overview_figure(trade: xr.Dataset) -> Figure:
-    """Median over the scenes, steady and dynamic."""
+    """Draws the medians over the scenes, of the steady and of the dynamic model."""
     figure, panels = new_figure(1, 2, 7.6, 4.4)
     titles = "steady state: times differ by little more than noise", "dynamic solves"
     for axes, against, text in zip(panels[0], ("steady", "long"), titles, strict=True):
-        points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
-        panel(axes, points, "total_qv", _CPU)
+        points = median_over_scenes(numerical_points(trade, against, leave_out=["life_tolerance"]))
+        draw_panel(axes, points, "total_qv", _CPU)
         label_times(axes)
         axes.set_title(text)
         axes.xaxis.set_major_formatter(lambda seconds, _: f"{1e3 * seconds:g}")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel("CPU time per solve (ms), median over the scenes")
         below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
-        axes.legend(handles=keys_of(points)[:-1], **below)  # a median has no doubt of its own
+        # a median has no reference of its own
+        axes.legend(handles=legend_keys(points)[:-1], **below)
     panels[0, 0].set_ylabel("relative error in total QV, median over the scenes")
-    presets = over_scenes(of_sweeps(trade, "long"))
+    presets = median_over_scenes(numerical_points(trade, "long"))
     times = {
         label: float(points_where(presets, sweep="preset_dynamic", label=label)[_CPU].mean())
         for label in ("draft", "standard", "reference")
@@ -219,52 +223,60 @@ def overview_figure(trade: xr.Dataset) -> Figure:
     return figure
 
 
-def over_scenes(points: xr.Dataset) -> xr.Dataset:
-    """Median of times and errors (without sign) over the scenes in which a point was solved."""
+def median_over_scenes(points: xr.Dataset) -> xr.Dataset:
+    """Returns medians of times and error magnitudes over the scenes that solved a point."""
     rows = []
-    for sweep in names(points, "sweep"):
+    for sweep in distinct_texts(points, "sweep"):
         line = points_where(points, sweep=sweep)
-        for label in names(line, "label"):
-            same = points_where(line, label=label)
-            row = same.isel(point=[0]).copy()
-            for name in (_CPU, *(n for n in same if str(n).startswith("error_"))):
-                row[name] = ("point", [of_known(np.median, np.abs(same[name].values))])
+        for label in distinct_texts(line, "label"):
+            scene_points = points_where(line, label=label)
+            row = scene_points.isel(point=[0]).copy()
+            for name in (_CPU, *(name for name in scene_points if str(name).startswith("error_"))):
+                row[name] = ("point", [reduce_known(np.median, np.abs(scene_points[name].values))])
             rows.append(row)
     return xr.concat(rows, "point")
 
 
-SIMPLER = (  # sweep, label, text
-    ("fidelity_steady", "race control", "race control instead of the steady model"),
-    ("across", "1", "slip on the centre line of the ellipse"),
-    ("normal_balance", "with traction", "traction in the balance of normal forces"),
-    ("fidelity", "race control", "race control instead of the dynamic model"),
-    ("fidelity", "steady", "steady state, pure thrust"),
-    ("fidelity", "three balls", "three balls, dynamic, pure thrust"),
-    ("fidelity", "no cage", "all balls, dynamic, without the cage"),
-    ("hertz", "fit", "Hamrock and Brewe's fit"),
+class ModelPoint(NamedTuple):
+    """A point of the study with a simpler model, and its text in the figure."""
+
+    sweep: str
+    label: str
+    text: str
+
+
+SIMPLER = (
+    ModelPoint("fidelity_steady", "race control", "race control instead of the steady model"),
+    ModelPoint("across", "1", "slip on the centre line of the ellipse"),
+    ModelPoint("normal_balance", "with traction", "traction in the balance of normal forces"),
+    ModelPoint("fidelity", "race control", "race control instead of the dynamic model"),
+    ModelPoint("fidelity", "steady", "steady state, pure thrust"),
+    ModelPoint("fidelity", "three balls", "three balls, dynamic, pure thrust"),
+    ModelPoint("fidelity", "no cage", "all balls, dynamic, without the cage"),
+    ModelPoint("hertz", "fit", "Hamrock and Brewe's fit"),
 )
-BOOKED = (
-    ("coriolis_energy_share", "Coriolis force neglected"),
-    ("azimuth_energy_share", "circumferential force neglected"),
-)
-"""Shares of the heat at the reference, and what they stand for."""
+NEGLECTED_WORK = {
+    "coriolis_energy_share": "Coriolis force neglected",
+    "azimuth_energy_share": "circumferential force neglected",
+}
+"""Variables of the work of neglected forces at the reference, relative to the heat."""
 _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
 def models_figure(trade: xr.Dataset) -> Figure:
-    """Differences of model rather than of numerics."""
+    """Draws differences between models, rather than between numerical settings."""
     figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
-    scenes = names(points_where(trade, kind="reference"), "scene")
-    rows = [text for *_, text in (*SIMPLER, *BOOKED)]
+    scenes = distinct_texts(points_where(trade, kind="reference"), "scene")
+    rows = [*(point.text for point in SIMPLER), *NEGLECTED_WORK.values()]
     marks = {
         scene: {**series_look(k), "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
         for k, scene in enumerate(scenes)
     }
     for axes, quantity in zip(panels[0], ("total_qv", "contact_qv", "wear_rate"), strict=True):
-        drawn = [(sweep, label, f"error_{quantity}") for sweep, label, _ in SIMPLER]
+        variables_shown = [(p.sweep, p.label, f"error_{quantity}") for p in SIMPLER]
         if quantity == "total_qv":
-            drawn += [("long", "reference", share) for share, _ in BOOKED]
-        for row, (sweep, label, name) in enumerate(drawn):
+            variables_shown += [("long", "reference", share) for share in NEGLECTED_WORK]
+        for row, (sweep, label, name) in enumerate(variables_shown):
             for k, scene in enumerate(scenes):
                 point = points_where(trade, sweep=sweep, label=label, scene=scene)
                 if point.sizes["point"] and np.isfinite(value := abs(point[name].values[0])):
@@ -301,37 +313,39 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
 
 
 def figure(trade: Path, which: str) -> Figure:
-    """One of the figures; CaseFileError where there is none of that name."""
+    """Draws one of the figures by its name. Raises CaseFileError for another name."""
     if which not in _FIGURES:
         raise CaseFileError(f"figure: got {which}, expected {', '.join(_FIGURES)}")
-    return _FIGURES[which](loaded(trade, point=()))
+    return _FIGURES[which](load_with_axes(trade, point=()))
 
 
 def accuracy_plot(trade: xr.Dataset) -> Figure:
-    """What `bearingwear plot` draws: the overview of all sweeps.
+    """Draws the overview of all sweeps for `bearingwear plot`.
 
-    CaseFileError for a single sweep, which has no errors yet, and for sweeps of one kind.
+    CaseFileError: a single sweep, which has no errors yet, or sweeps of one kind.
     """
     if "scene" not in trade:
         raise CaseFileError("got a single sweep, expected a file with all sweeps")
-    if not all(of_sweeps(trade, against).sizes["point"] for against in ("steady", "long")):
+    if not all(numerical_points(trade, against).sizes["point"] for against in ("steady", "long")):
         raise CaseFileError("got sweeps of one kind, expected steady and dynamic ones")
     return overview_figure(trade)
 
 
 def time_ratios(points: xr.Dataset, others: xr.Dataset) -> np.ndarray:
-    """Wall times over those of others, in every scene in which both were solved."""
+    """Returns ratios of the wall times of two sets of points, in scenes that solved both."""
     times = [
-        dict(zip(of["scene"].values, of["wall_time"].values, strict=True))
-        for of in (points, others)
+        dict(zip(dataset["scene"].values, dataset["wall_time"].values, strict=True))
+        for dataset in (points, others)
     ]
     ratios = np.array([time / times[1].get(scene, np.nan) for scene, time in times[0].items()])
     return ratios[np.isfinite(ratios)]
 
 
 def _most(ratios: np.ndarray) -> str:
+    """Writes the largest of some ratios."""
     return Rough(ratios.max(initial=np.nan)).text
 
 
 def _worst(points: xr.Dataset, quantity: str) -> float:
-    return of_known(np.max, np.abs(points[f"error_{quantity}"].values))
+    """Returns the largest magnitude of the errors in a quantity."""
+    return reduce_known(np.max, np.abs(points[f"error_{quantity}"].values))

@@ -1,4 +1,4 @@
-"""Gathers the sweeps into one dataset: what each setting costs in time and in accuracy."""
+"""Gathers the sweeps into one dataset of times and errors."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,29 +16,30 @@ _SHARED = ("source_hash", "package_version", "numpy_version", "numba_version")
 
 
 def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Every point of every sweep on every scene, from their files and those of references.
+    """Gathers every point of all sweeps and references on all scenes.
 
-    Over `point`: scene, sweep, kind, against, label, value, settings; times; the quantities;
-    `error_*`, relative to the reference and signed, NaN where a quantity was not solved;
-    `error_contact_qv`, the larger of both contacts without its sign; `reference_time`.
-    CaseFileError for a file of another kind or of other sources, or whose reference is missing.
+    Returns over `point`: scene, sweep, kind, against, label, value, settings; times; the
+    quantities; `error_*`, relative to the reference and signed, NaN where a quantity was not
+    solved; `error_contact_qv`, the larger magnitude of both contacts; `reference_time`.
+
+    CaseFileError: a file of another kind or of other sources, or without its reference.
     """
-    found = _of_one_study(paths)
+    sweep_datasets = _of_one_study(paths)
     parts = []
-    for (scene, sweep), dataset in found.items():
+    for (scene, sweep), dataset in sweep_datasets.items():
         against = dataset.attrs["against"]
-        reference = dataset if against == FIRST else found.get((scene, against))
+        reference = dataset if against == FIRST else sweep_datasets.get((scene, against))
         if reference is None:
             raise CaseFileError(f"{scene}, {sweep}: the reference {against} is missing")
         texts = {"scene": scene, "sweep": sweep, "against": against}
         texts |= {"kind": dataset.attrs["sweep_kind"], "sweep_title": dataset.attrs["sweep_title"]}
-        names = {
+        text_variables = {
             key: ("point", np.full(dataset.sizes["point"], text, dtype=object))
             for key, text in texts.items()
         }
-        part = dataset.assign(errors(dataset, reference.isel(point=0)) | names)
+        part = dataset.assign(errors(dataset, reference.isel(point=0)) | text_variables)
         parts.append(part.drop_attrs(deep=False))
-    attrs = next(iter(found.values())).attrs
+    attrs = next(iter(sweep_datasets.values())).attrs
     return xr.concat(parts, "point").assign_attrs(
         {key: attrs[key] for key in ("Conventions", "source", *_SHARED) if key in attrs}
         | {
@@ -51,8 +52,8 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
 
 
 def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Dataset]:
-    """The files by scene and sweep, if the same sources made them."""
-    found: dict[tuple[str, str], xr.Dataset] = {}
+    """Reads files by scene and sweep; refuses those of different sources."""
+    sweep_datasets: dict[tuple[str, str], xr.Dataset] = {}
     shared: dict[str, Any] = {}
     for path in map(Path, paths):
         dataset = load(path)
@@ -61,24 +62,24 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
             raise CaseFileError(
                 f"{path}: got a file of another kind, expected a sweep of the accuracy study"
             )
-        of = {key: attrs.get(key) for key in _SHARED}
-        shared = shared or of
-        for key, value in of.items():
+        versions = {key: attrs.get(key) for key in _SHARED}
+        shared = shared or versions
+        for key, value in versions.items():
             if value != shared[key]:
                 raise CaseFileError(f"{path}: {key} differs from its value in the previous files")
-        found[attrs["scene_name"], attrs["sweep_name"]] = dataset
-    if not found:
+        sweep_datasets[attrs["scene_name"], attrs["sweep_name"]] = dataset
+    if not sweep_datasets:
         raise CaseFileError("got no sweeps, expected those of the accuracy study")
-    return found
+    return sweep_datasets
 
 
 def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
-    """Errors of points against one point, and the time of that one, as variables."""
+    """Returns errors of points against a reference point, and its time, as variables."""
     solved = points["status"].values == OK
     columns: dict[str, tuple[np.ndarray, str]] = {}
     for name in QUANTITIES:
-        right = float(reference[name]) if int(reference["status"]) == OK else np.nan
-        error = points[name].values / (right or np.nan) - 1.0
+        true_value = float(reference[name]) if int(reference["status"]) == OK else np.nan
+        error = points[name].values / (true_value or np.nan) - 1.0
         quantity = points[name].attrs.get("long_name", name)
         columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error in {quantity}"
     columns["error_contact_qv"] = (
@@ -95,19 +96,19 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
 
 
 def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
-    """The points whose texts (scene, sweep, against, ...) are the ones given."""
+    """Returns the points with some texts (scene, sweep, against, ...)."""
     mask = np.ones(trade.sizes["point"], dtype=bool)
     for name, text in texts.items():
         mask &= trade[name].values == text
     return trade.isel(point=mask)
 
 
-def names(trade: xr.Dataset, variable: str) -> list[str]:
-    """Values of a text variable in the order of the file."""
+def distinct_texts(trade: xr.Dataset, variable: str) -> list[str]:
+    """Returns the different values of a text variable in the order of the file."""
     return list(dict.fromkeys(trade[variable].values))
 
 
-def of_known(reduce: Any, values: np.ndarray) -> float:
-    """Median or most of the values that are known; NaN of none."""
+def reduce_known(reduce: Any, values: np.ndarray) -> float:
+    """Reduces the known values to a number, such as their median; NaN if none is known."""
     known = values[np.isfinite(values)]
     return float(reduce(known)) if known.size else np.nan

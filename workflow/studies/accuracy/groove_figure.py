@@ -1,4 +1,4 @@
-"""Figure of lives with worn grooves: over the loss that ends them, and by cells and steps."""
+"""Figure of lives with worn grooves by the loss at their end, and by cells and steps."""
 
 from typing import Any
 
@@ -9,8 +9,8 @@ from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure
 from bearingwear.results.units import span
 from bearingwear.results.words import name_in_words
-from workflow.studies.accuracy.gather import names, points_where
-from workflow.studies.accuracy.groove_tables import against_finest, by_end
+from workflow.studies.accuracy.gather import distinct_texts, points_where
+from workflow.studies.accuracy.groove_tables import errors_against_finest, lives_by_loss
 from workflow.studies.accuracy.plan import CELL_COUNTS
 
 _SWEEPS = (("grooves_spring", "cells_spring"), ("grooves_held", "cells_held"))
@@ -21,9 +21,9 @@ _AUTO = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 
 
 def grooves_figure(trade: xr.Dataset) -> Figure:
-    """Worn over Hertzian lives and QV by the loss; errors of cells and steps by time."""
+    """Draws ratios of worn to Hertzian lives and QV by loss, and errors by computing time."""
     figure, panels = new_figure(2, 3, 10.4, 6.4, sharex="col")
-    scenes = names(points_where(trade, sweep=_SWEEPS[0][0]), "scene")
+    scenes = distinct_texts(points_where(trade, sweep=_SWEEPS[0][0]), "scene")
     colours = dict(zip(scenes, SERIES, strict=False))
     ratios: dict[str, list[float]] = {"life": [], "end_qv": []}
     for row, (ends, cells), method in zip(panels, _SWEEPS, _TITLES, strict=True):
@@ -53,24 +53,24 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
 
 
 def _ratio_panel(axes: Any, points: xr.Dataset, name: str, colours: dict[str, str]) -> list[float]:
-    """Lines over the loss; the ratios that are drawn."""
-    found = []
+    """Draws lines over the loss; returns the drawn ratios."""
+    ratios = []
     for scene, colour in colours.items():
-        lives = [one for _, one in by_end(points, scene)]
-        loss = [float(one["worn"]["wear_over_gap"]) for one in lives]
-        ratio = [float(one["worn"][name] / one["hertz"][name]) for one in lives]
-        axes.plot(loss, ratio, color=colour, marker="o", markersize=3)
-        found += ratio
+        lives_at_ends = list(lives_by_loss(points, scene))
+        loss = [float(lives.worn["wear_over_gap"]) for lives in lives_at_ends]
+        scene_ratios = [lives.ratio(name) for lives in lives_at_ends]
+        axes.plot(loss, scene_ratios, color=colour, marker="o", markersize=3)
+        ratios += scene_ratios
     axes.axhline(1.0, color="0.8", linewidth=0.8, zorder=0)
     axes.axvline(REQUIRED, **_AUTO)
     axes.set_xscale("log")
-    return found
+    return ratios
 
 
 def _cost_panel(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
-    """Errors against the finest cells and steps."""
-    for scene in names(points, "scene"):
-        for settings, point in against_finest(points_where(points, scene=scene)):
+    """Draws errors relative to the finest cells and steps."""
+    for scene in distinct_texts(points, "scene"):
+        for settings, point in errors_against_finest(points_where(points, scene=scene)):
             cells = settings.partition(", ")[2]
             error, time = float(point["error_life"]), float(point["life_processor_time"])
             if error > 0.0:  # not the finest itself

@@ -1,6 +1,7 @@
-"""What following the grooves changes and costs: a part of docs/accuracy.md."""
+"""Changes and costs of worn grooves in lives: a part of docs/accuracy.md."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -8,7 +9,7 @@ import xarray as xr
 from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.results.units import Rough, digits, span
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, answers_agree_within
-from workflow.studies.accuracy.gather import names, points_where
+from workflow.studies.accuracy.gather import distinct_texts, points_where
 from workflow.studies.accuracy.plan import Plan, cell_sweeps, groove_sweeps
 
 _RATIOS = {"life": "life", "end QV": "end_qv", "time": "life_processor_time"}
@@ -16,31 +17,42 @@ _ERRORS = {"life": "life", "end QV": "end_qv"}
 _LEAST_ERROR = 0.01  # percent
 
 
-def by_end(points: xr.Dataset, scene: str) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
-    """Lives of a scene that end at the same loss: `hertz`, `worn` at each end."""
-    here = points_where(points, scene=scene)
-    ends = dict.fromkeys(label.partition(", ")[0] for label in here["label"].values)
-    for end in ends:
-        yield (
-            end,
-            {
-                groove: points_where(here, label=f"{end}, {groove}").isel(point=0)
-                for groove in ("hertz", "worn")
-            },
+class TwoLives(NamedTuple):
+    """Lives up to the same loss with Hertzian and with worn grooves."""
+
+    end: str  # loss over the gap
+    hertz: xr.Dataset
+    worn: xr.Dataset
+
+    def ratio(self, name: str) -> float:
+        """Returns a value with worn grooves over that with Hertzian ones."""
+        return float(self.worn[name] / self.hertz[name])
+
+    @property
+    def needs_worn(self) -> bool:
+        """Whether `auto` uses worn grooves."""
+        return float(self.worn["wear_over_gap"]) > REQUIRED
+
+
+def lives_by_loss(points: xr.Dataset, scene: str) -> Iterator[TwoLives]:
+    """Yields the lives of a scene at each loss that ends them."""
+    scene_points = points_where(points, scene=scene)
+    for end in dict.fromkeys(label.partition(", ")[0] for label in scene_points["label"].values):
+        hertz, worn = (
+            points_where(scene_points, label=f"{end}, {groove}").isel(point=0)
+            for groove in ("hertz", "worn")
         )
+        yield TwoLives(end, hertz, worn)
 
 
 def groove_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
-    """Worn grooves over Hertz' by the loss at the end."""
+    """Returns a table of lives with worn grooves relative to Hertzian ones, by loss at the end."""
     points, rows = points_where(trade, sweep=sweep), []
-    for scene in names(points, "scene"):
-        for end, one in by_end(points, scene):
-            life, qv, time = (
-                float(one["worn"][name] / one["hertz"][name]) for name in _RATIOS.values()
-            )
-            followed = "yes" if float(one["worn"]["wear_over_gap"]) > REQUIRED else "no"
-            row = [f"loss of {end} A a²", scene, life, qv, Rough(time), followed]
-            rows.append(row)
+    for scene in distinct_texts(points, "scene"):
+        for lives in lives_by_loss(points, scene):
+            life, qv, time = map(lives.ratio, _RATIOS.values())
+            uses_worn = "yes" if lives.needs_worn else "no"
+            rows.append([f"loss of {lives.end} A a²", scene, life, qv, Rough(time), uses_worn])
     agreements = {name: Agreement() for name in _RATIOS} | {
         "time": Agreement(plan["tolerance"]["time"])
     }
@@ -48,35 +60,38 @@ def groove_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
     return CheckedTable(title=plan["sweeps"][sweep]["title"], columns=columns, rows=rows)
 
 
-def against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Settings and point of each life, its `error_*` and `faster` against the finest."""
-    for scene in names(points, "scene"):
-        here = points_where(points, scene=scene)
-        first = here.isel(point=0)
-        for k in range(here.sizes["point"]):
-            point = here.isel(point=k)
+def errors_against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """Yields settings and point of each life, with `error_*` and `faster` against the finest."""
+    for scene in distinct_texts(points, "scene"):
+        scene_points = points_where(points, scene=scene)
+        finest = scene_points.isel(point=0)
+        for k in range(scene_points.sizes["point"]):
+            point = scene_points.isel(point=k)
             settings = str(point["label"].values)
             errors = {
-                f"error_{name}": abs(point[name] / first[name] - 1.0) for name in ("life", "end_qv")
+                f"error_{name}": abs(point[name] / finest[name] - 1.0)
+                for name in ("life", "end_qv")
             }
-            faster = first["life_processor_time"] / point["life_processor_time"]
+            faster = finest["life_processor_time"] / point["life_processor_time"]
             yield settings, point.assign(errors | {"faster": faster})
 
 
 def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
-    """The worst error of all scenes, and the median of how much faster."""
-    found: dict[str, list[xr.Dataset]] = {}
-    for settings, point in against_finest(points_where(trade, sweep=sweep)):
-        found.setdefault(settings, []).append(point)
+    """Returns a table of the largest errors over the scenes, and of the median speed."""
+    points_of_settings: dict[str, list[xr.Dataset]] = {}
+    for settings, point in errors_against_finest(points_where(trade, sweep=sweep)):
+        points_of_settings.setdefault(settings, []).append(point)
     rows = []
-    for settings, points in found.items():
+    for settings, points in points_of_settings.items():
         step, _, cells = settings.partition(", ")
-        errors = [max(float(p[f"error_{n}"]) for p in points) for n in _ERRORS.values()]
-        numbers = [*(100.0 * e for e in errors), np.median([float(p["faster"]) for p in points])]
-        rows.append([f"{cells} cells, steps of {step}", *map(Rough, numbers)])
-    agreement = Agreement(
-        1.05 * plan["tolerance"]["error"], _LEAST_ERROR, "%"
-    )  # and what digits round
+        errors = [
+            100.0 * max(float(point[f"error_{name}"]) for point in points)
+            for name in _ERRORS.values()
+        ]
+        speed = np.median([float(point["faster"]) for point in points])
+        rows.append([f"{cells} cells, steps of {step}", *map(Rough, [*errors, speed])])
+    # 5 % more for rounded digits
+    agreement = Agreement(1.05 * plan["tolerance"]["error"], _LEAST_ERROR, "%")
     columns = dict.fromkeys(_ERRORS, agreement) | {
         "times as fast": Agreement(plan["tolerance"]["time"])
     }
@@ -85,31 +100,29 @@ def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
     )
 
 
-def what_auto_saves(trade: xr.Dataset, plan: Plan) -> str:
-    """What lives lose and save whose grooves `auto` does not follow."""
-    errors, saved, lives = [], [], 0
+def auto_savings_sentence(trade: xr.Dataset, plan: Plan) -> str:
+    """States the error and the time saved in lives for which `auto` uses Hertzian contact."""
+    errors, speedups, count = [], [], 0
     for sweep in groove_sweeps(plan):
         points = points_where(trade, sweep=sweep)
-        for scene in names(points, "scene"):
-            for _, one in by_end(points, scene):
-                lives += 1
-                if float(one["worn"]["wear_over_gap"]) > REQUIRED:
-                    continue
-                times = [float(one[of]["life_processor_time"]) for of in ("worn", "hertz")]
-                saved.append(float(f"{times[0] / times[1]:.2g}"))
-                errors.append(abs(float(one["hertz"]["life"] / one["worn"]["life"]) - 1.0))
-    if not saved:
+        for scene in distinct_texts(points, "scene"):
+            for lives in lives_by_loss(points, scene):
+                count += 1
+                if not lives.needs_worn:
+                    speedups.append(float(f"{lives.ratio('life_processor_time'):.2g}"))
+                    errors.append(abs(float(lives.hertz["life"] / lives.worn["life"]) - 1.0))
+    if not speedups:
         return "`auto` selects worn grooves in all of these life calculations."
     return (
-        f"In {len(saved)} of these {lives} life calculations, the loss at the end of life is below "
-        f"{REQUIRED:g} times the gap, so `auto` selects Hertzian contact. This choice reduces the "
-        f"computing time by a factor of {span(saved)}. The resulting lives differ from those "
-        f"computed with worn grooves by up to {digits(100.0 * max(errors))} %."
+        f"In {len(speedups)} of these {count} life calculations, the loss at the end of life is "
+        f"below {REQUIRED:g} times the gap, so `auto` selects Hertzian contact. This choice "
+        f"reduces the computing time by a factor of {span(speedups)}. The resulting lives differ "
+        f"from those computed with worn grooves by up to {digits(100.0 * max(errors))} %."
     )
 
 
 def grooves_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Lives by the loss that ends them, and by cells and steps."""
+    """Returns the part: paragraphs, and tables by the loss at the end, and by cells and steps."""
     return [
         "Generated by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; do not "
         "edit. The life ends when the loss reaches the specified multiple of A a² (the gap between "
@@ -124,7 +137,7 @@ def grooves_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
         f"{answers_agree_within()}, if an error differs by more than a factor of "
         f"{plan['tolerance']['error']:g}, or if a time differs by more than a factor of "
         f"{plan['tolerance']['time']:g}.",
-        what_auto_saves(trade, plan),
+        auto_savings_sentence(trade, plan),
         *(groove_table(trade, plan, sweep) for sweep in groove_sweeps(plan)),
         *(cell_table(trade, plan, sweep) for sweep in cell_sweeps(plan)),
     ]

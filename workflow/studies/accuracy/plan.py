@@ -1,4 +1,4 @@
-"""What the study of accuracy against time runs, by config/accuracy.yaml.
+"""Plan of the study of accuracy against time, read from config/accuracy.yaml.
 
 The keys of that file stand in workflow/schemas/accuracy.schema.yaml. This file imports nothing
 heavy: the Snakefile reads it each time it is parsed.
@@ -16,7 +16,7 @@ from typing import Any
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking.errors import yaml_number
 from bearingwear.studies.axis import place_of_errors
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 
 ACCURACY_FILE = Path("config/accuracy.yaml")
 
@@ -24,7 +24,7 @@ Plan = Mapping[str, Any]
 """A configuration with its defaults, or a part of it."""
 
 FIRST, _SCENE = "first", "scene"
-"""A sweep against its own first point; a sweep that starts from the scene as it stands."""
+"""Reference of a sweep that is compared with its first point; start of a sweep from the scene."""
 
 TRADE_FIDELITIES = (
     "race_control",
@@ -48,7 +48,7 @@ _SPECIAL = {
     "machine": MACHINES,
     "cells": CELL_COUNTS,
 }
-"""Settings of a point that are no keys of a scene, and what they take."""
+"""Settings of a point that are no keys of a scene, and their values."""
 _NUMBERS = ("end", "step")
 """More of them, which are numbers above zero."""
 
@@ -56,12 +56,12 @@ GROOVE_KEYS: dict[str, Mapping[str, Any]] = {
     "hertz": {"model.contact": "hertz"},
     "worn": {"model.contact": "worn"},
 }
-"""What `groove` stands for: what a life takes the grooves for."""
+"""Keys that the setting `groove` changes: the contact model of a life."""
 
 PRESET_KEYS: dict[str, Mapping[str, Any]] = {
     name: preset.keys("line") for name, preset in NAMED_PRESETS.items()
 }
-"""What `preset` stands for: the settings of `model.accuracy`."""
+"""Keys that the setting `preset` changes: those of `model.accuracy`."""
 
 _BY_NAME = {"preset": PRESET_KEYS, "groove": GROOVE_KEYS}
 
@@ -70,7 +70,7 @@ FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "m
 
 @dataclass(frozen=True, kw_only=True)
 class SweepPoint:
-    """One solve."""
+    """A point of a sweep, which is solved once."""
 
     label: str  # what sets it apart from the other points of its sweep
     value: float  # the same as a number, NaN where it is none
@@ -90,21 +90,21 @@ class SweepPoint:
     text: str  # all of it, as the file of the sweep says it
 
     def overrides(self, scene_settings: Mapping[str, str]) -> list[str]:
-        """Its settings and those of its scene, as `--set` takes them."""
-        own = dict(text.split("=", 1) for text in self.settings)
-        return [f"{key}={value}" for key, value in {**scene_settings, **own}.items()]
+        """Returns its settings and those of its scene, as `--set` takes them."""
+        point_settings = dict(text.split("=", 1) for text in self.settings)
+        return [f"{key}={value}" for key, value in {**scene_settings, **point_settings}.items()]
 
 
 def read_accuracy(path: Path) -> dict[str, Any]:
-    """The plan in a file like config/accuracy.yaml, with defaults. Raises UsageError."""
-    return validated(path, "accuracy", check_accuracy)
+    """Reads a plan like config/accuracy.yaml, with defaults. Raises UsageError."""
+    return validated_config(path, "accuracy", check_accuracy)
 
 
 def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
-    """Refuse names of sweeps, references, labels and scenes that are not there, on one line.
+    """Refuses unknown names of sweeps, references, labels and scenes.
 
-    ValueError: the key, what it says, and what it may say. To read the scenes as all points change
-    them would take seconds.
+    ValueError: one line with the key, its value and the allowed ones. Scenes with the changes of
+    all points are not checked, because that takes seconds.
     """
     with place_of_errors(str(path)):
         _check_references(plan)
@@ -116,13 +116,14 @@ def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
 
 
 def _check_references(plan: Plan) -> None:
+    """Refuses unknown references and scenes of sweeps, and impossible points."""
     references = plan["references"]
     for name, scene in plan["scenes"].items():
         for reference in scene["references"]:
             check_known(reference, references, f"scenes.{name}.references")
     for name, sweep in plan["sweeps"].items():
         check_known(sweep["from"], (*references, _SCENE), f"sweeps.{name}.from")
-        check_known(against(sweep), (*references, FIRST), f"sweeps.{name}.against")
+        check_known(reference_name(sweep), (*references, FIRST), f"sweeps.{name}.against")
         for only in sweep["only"]:
             check_known(only, plan["scenes"], f"sweeps.{name}.only")
         with place_of_errors(f"sweeps.{name}"):
@@ -130,6 +131,7 @@ def _check_references(plan: Plan) -> None:
 
 
 def _check_rows(plan: Plan) -> None:
+    """Refuses unknown sweeps and labels in rows of tables."""
     for table in ("table", "effects"):
         for row in plan[table]:
             check_known(row["sweep"], plan["sweeps"], f"{table}.sweep")
@@ -137,21 +139,21 @@ def _check_rows(plan: Plan) -> None:
             check_known(row["label"], labels, f"{table}, {row['sweep']}")
     for row in plan["effects"]:
         sweep = plan["sweeps"][row["sweep"]]
-        check_known(against(sweep), (FIRST,), f"sweeps.{row['sweep']}.against")
+        check_known(reference_name(sweep), (FIRST,), f"sweeps.{row['sweep']}.against")
 
 
-def against(sweep: Mapping[str, Any]) -> str:
-    """The reference that errors of a sweep are relative to, or `first`."""
+def reference_name(sweep: Mapping[str, Any]) -> str:
+    """Returns the reference of the errors of a sweep, or `first`."""
     return sweep["against"] or sweep["from"]
 
 
 def scene_settings(plan: Plan, scene: str) -> dict[str, str]:
-    """What is changed in a scene at all its points, as YAML texts by key."""
+    """Returns the changes of a scene at all its points, as YAML texts by key."""
     return _texts(plan["scenes"][scene]["set"])
 
 
 def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Every scene with each reference and each sweep that is run on it."""
+    """Returns every scene with each of its references and sweeps."""
     return [
         (name, sweep)
         for name, scene in plan["scenes"].items()
@@ -161,40 +163,43 @@ def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _takes_part(plan: Plan, scene: str, name: str) -> bool:
+    """Whether a sweep is run on a scene."""
     references, sweep = plan["scenes"][scene]["references"], plan["sweeps"][name]
-    asked = scene in sweep["only"] if sweep["only"] else bool(references)
-    return asked and against(sweep) in (*references, FIRST)
+    includes_scene = scene in sweep["only"] if sweep["only"] else bool(references)
+    return includes_scene and reference_name(sweep) in (*references, FIRST)
 
 
 def groove_sweeps(plan: Plan) -> list[str]:
-    """Sweeps of lives with worn grooves over the loss that ends them."""
+    """Returns the sweeps of lives with worn grooves over the loss at their end."""
     return [name for name, sweep in plan["sweeps"].items() if "end" in sweep["grid"]]
 
 
 def cell_sweeps(plan: Plan) -> list[str]:
-    """Sweeps of lives over cells and steps of worn grooves."""
+    """Returns the sweeps of lives over cells and steps of worn grooves."""
     return [name for name, sweep in plan["sweeps"].items() if "cells" in sweep["grid"]]
 
 
 def effect_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Scenes and sweeps that the tables of effects and of worn grooves are made of."""
-    asked = {row["sweep"] for row in plan["effects"]} | {*groove_sweeps(plan), *cell_sweeps(plan)}
-    return [(scene, sweep) for scene, sweep in sweep_jobs(plan) if sweep in asked]
+    """Returns scenes and sweeps for the tables of effects and of worn grooves."""
+    sweeps = {row["sweep"] for row in plan["effects"]} | {*groove_sweeps(plan), *cell_sweeps(plan)}
+    return [(scene, sweep) for scene, sweep in sweep_jobs(plan) if sweep in sweeps]
 
 
 def sweep_points(plan: Plan, name: str) -> list[SweepPoint]:
-    """The points of a sweep; of a reference, itself and what checks it."""
+    """Returns the points of a sweep, or a reference and its check."""
     if name in plan["references"]:
-        given = plan["references"][name]
-        found: tuple[tuple[str, Mapping], ...] = (("reference", {}), ("check", given["check"]))
-        return [_point(plan, label, name, given["set"], more) for label, more in found]
+        reference = plan["references"][name]
+        return [
+            _point(plan, "reference", name, reference["set"], {}),
+            _point(plan, "check", name, reference["set"], reference["check"]),
+        ]
     sweep = plan["sweeps"][name]
     base = {} if sweep["from"] == _SCENE else plan["references"][sweep["from"]]["set"]
     return [
         _point(
             plan,
             ", ".join(map(_shown, values)),
-            sweep["from"] if sweep["from"] != _SCENE else against(sweep),
+            sweep["from"] if sweep["from"] != _SCENE else reference_name(sweep),
             {**base, **sweep["set"]},
             dict(zip(sweep["grid"], values, strict=True)),
         )
@@ -203,12 +208,12 @@ def sweep_points(plan: Plan, name: str) -> list[SweepPoint]:
 
 
 def decisive_settings(plan: Plan, scene: str, name: str) -> dict[str, Any]:
-    """What decides a sweep or a reference on a scene, besides the scene's file."""
-    sweep = plan["sweeps"].get(name, {})
+    """Returns the settings that decide a sweep or a reference on a scene, without its file."""
+    sweep, points = plan["sweeps"].get(name, {}), sweep_points(plan, name)
     return {
         "scene": scene_settings(plan, scene),
         "sweep": {key: sweep.get(key, "") for key in ("title", "kind", "from", "against")},
-        "points": [f"{one.label}: {one.fidelity} {one.text}" for one in sweep_points(plan, name)],
+        "points": [f"{point.label}: {point.fidelity} {point.text}" for point in points],
         "repeats": plan["repeats"],
         "seconds": plan["seconds"],
     }
@@ -219,9 +224,10 @@ def _point(
     label: str,
     reference: str,
     base: Mapping[str, Any],
-    more: Mapping[str, Any],
+    changes: Mapping[str, Any],
 ) -> SweepPoint:
-    merged = {**base, **more}
+    """Makes a point from the settings of its sweep, `base`, and its own changes."""
+    merged = {**base, **changes}
     for key, allowed in _SPECIAL.items():
         if key in merged:
             check_known(merged[key], allowed, key)
@@ -229,7 +235,7 @@ def _point(
         if not _number(merged.get(key, 1.0)) > 0.0:
             raise ValueError(f"{key}: got {merged[key]}, expected a number > 0")
     special = {key: str(merged.pop(key)) for key in (*_SPECIAL, *_NUMBERS) if key in merged}
-    numbers = [_number(value) for value in more.values()]
+    numbers = [_number(value) for value in changes.values()]
     settings = tuple(f"{key}={value}" for key, value in _texts(merged).items())
     text = " ".join([*settings, *(f"{key}={value}" for key, value in special.items())])
     return SweepPoint(
@@ -242,14 +248,14 @@ def _point(
     )
 
 
-def check_known(given: Any, allowed: Iterable[Any], where: str) -> None:
-    """Refuse what is not one of the allowed values."""
-    if given not in allowed:
-        raise ValueError(f"{where}: got {given}, expected {', '.join(map(str, allowed))}")
+def check_known(value: Any, allowed: Iterable[Any], place: str) -> None:
+    """Refuses a value that is not allowed."""
+    if value not in allowed:
+        raise ValueError(f"{place}: got {value}, expected {', '.join(map(str, allowed))}")
 
 
 def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
-    """Keys of a scene, values as YAML texts; some settings stand for several keys."""
+    """Returns settings as YAML texts by keys of a scene; some settings set several keys."""
     texts: dict[str, str] = {}
     for key, value in settings.items():
         if key == "rule":
@@ -264,13 +270,14 @@ def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _yaml(value: Any) -> str:
-    """A value as YAML on one line."""
+    """Writes a value as YAML on one line."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key}: {_yaml(part)}" for key, part in value.items()) + "}"
     return yaml_number(value) if isinstance(value, float) else json.dumps(value)
 
 
 def _number(value: Any) -> float:
+    """Reads the number at the end of a value; NaN if there is none."""
     try:
         return float(str(value).rpartition(" ")[2])
     except ValueError:
@@ -278,4 +285,5 @@ def _number(value: Any) -> float:
 
 
 def _shown(value: Any) -> str:
+    """Writes a value for a label."""
     return f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ")

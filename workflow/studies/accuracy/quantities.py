@@ -1,4 +1,4 @@
-"""The variables of a sweep: what errors are of, and what else is kept of a point."""
+"""The variables of a sweep: quantities with errors, and further values of a point."""
 
 from bearingwear.results.variable import STATUS, Variable, table
 
@@ -17,7 +17,7 @@ QUANTITIES = table(
     Variable("life", (), "h", "wear life from new, with the definition of loss set in the scene"),
     Variable("end_qv", (), "W", "QV of the bearing at the end of life"),
 )
-"""What the errors are of."""
+"""Quantities whose errors the study determines."""
 
 EXTRA = table(
     Variable(
@@ -62,7 +62,7 @@ EXTRA = table(
         "ratio of the work done by the circumferential force to the energy lost",
     ),
 )
-"""What else is kept of a point."""
+"""Further values of a point."""
 
 SWEEP = (
     table(

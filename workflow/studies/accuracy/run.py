@@ -1,4 +1,4 @@
-"""Solves and times the points of one sweep of the study of accuracy on one scene."""
+"""Solves and times the points of a sweep of the study of accuracy on a scene."""
 
 import statistics
 import time
@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -29,26 +30,31 @@ from bearingwear.solvers.race_control import race_control_motion
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of, thrust_alone
 from bearingwear.studies.answers import answer_values, answers_at
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from kerneljit.interrupt import Interrupt
 from workflow.studies.accuracy.plan import (
     SweepPoint,
-    against,
     check_known,
     read_accuracy,
+    reference_name,
     scene_settings,
     sweep_points,
 )
 from workflow.studies.accuracy.quantities import SWEEP
-from workflow.studies.accuracy.scenes import ended_scene, grown_scene, lived_through, on_a_rotor
+from workflow.studies.accuracy.scenes import (
+    life_of_point,
+    scene_on_rotor,
+    scene_with_end,
+    scene_with_growth,
+)
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
 
 
 def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
-    """All points of a sweep of a plan, or of a reference, on one of its scenes.
+    """Solves all points of a sweep of a plan, or of a reference, on one of its scenes.
 
-    A solve is timed as often as the plan says, unless these repeats have taken its `seconds`.
+    A solve is repeated as often as the plan states, or until the repeats have taken its `seconds`.
     """
     accuracy = read_accuracy(plan)
     check_known(scene, accuracy["scenes"], f"{plan}: scenes")
@@ -56,24 +62,24 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
     file = plan.parent / "scenes" / f"{accuracy['scenes'][scene]['file']}.yaml"
     settings, points = scene_settings(accuracy, scene), list(sweep_points(accuracy, sweep))
     timed_as = accuracy["repeats"], accuracy["seconds"]
-    what = partial(_values_at, file, settings, timed_as)
+    values_at = partial(_values_at, file, settings, timed_as)
     # one after the other: points that share the cores would take longer
-    answers = answers_at(what, points, workers=1, label=f"{scene}, {sweep}")
+    answers = answers_at(values_at, points, workers=1, label=f"{scene}, {sweep}")
     rows = [
         {"label": point.label, "value": point.value, "settings": point.text} | answer_values(answer)
         for point, answer in zip(points, answers, strict=True)
     ]
-    given = accuracy["sweeps"].get(sweep)
-    return filled(
+    sweep_plan = accuracy["sweeps"].get(sweep)
+    return dataset_of_rows(
         SWEEP,
         {"point": len(rows)},
         rows,
         title=f"Accuracy against time: {scene}, {sweep}",
         scene_name=scene,
         sweep_name=sweep,
-        sweep_title=given["title"] if given else sweep,
-        sweep_kind=given["kind"] if given else "reference",
-        against=against(given) if given else sweep,
+        sweep_title=sweep_plan["title"] if sweep_plan else sweep,
+        sweep_kind=sweep_plan["kind"] if sweep_plan else "reference",
+        against=reference_name(sweep_plan) if sweep_plan else sweep,
         comment="Wall times vary from run to run, so the file is not reproducible byte for byte.",
     )
 
@@ -81,18 +87,18 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
 def _values_at(
     file: Path, settings: Mapping[str, str], timed_as: tuple[int, float], point: SweepPoint
 ) -> dict[str, float]:
+    """Solves a point of a scene in a file."""
     return point_values(load_scene(file, point.overrides(settings)), point, *timed_as)
 
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
-    """What a point gives and what it takes, by the names of the variables."""
-    grown = grown_scene(scene, point.warmth)
-    grown = ended_scene(grown, point.end)
-    scene = on_a_rotor(grown, point.machine)
+    """Solves and times a point; returns its values by the names of the variables."""
+    base_scene = scene_with_end(scene_with_growth(scene, point.warmth), point.end)
+    scene = scene_on_rotor(base_scene, point.machine)
     run = runner(scene, point)
-    short = replace(scene, model=replace(scene.model, simulated_turns=0.25, evaluated_turns=None))
-    runner(short, point)()  # compiles
-    values, wall, processor = timed(run, repeats, seconds)
+    short_model = replace(scene.model, simulated_turns=0.25, evaluated_turns=None)
+    runner(replace(scene, model=short_model), point)()  # compiles
+    values, wall, processor = timed_solve(run, repeats, seconds)
     row = {"status": float(values["status"])}
     if values["status"] != code.OK:
         return row
@@ -106,38 +112,46 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
     for name in ("simulated_turns", "coriolis_energy_share", "azimuth_energy_share"):
         row[name] = float(values.get(name, np.nan))
     if "qv_error_estimate" in values:
-        own = values if scene.pair is None else of_bearing(values, 0)
-        row["estimate_total_qv"] = float(own["qv_error_estimate"])
-        row["estimate_residual_preload"] = float(own["residual_preload_error_estimate"])
-        row["estimate_wear_rate"] = float(own["wear_rate_error_estimate"])
-    fresh = replace(grown, wear=replace(grown.wear, ball_diameter_loss_um=(0.0,)))
-    return row | life_quantities(on_a_rotor(fresh, point.machine), point, repeats, seconds)
+        bearing_values = values if scene.pair is None else of_bearing(values, 0)
+        row["estimate_total_qv"] = float(bearing_values["qv_error_estimate"])
+        row["estimate_residual_preload"] = float(bearing_values["residual_preload_error_estimate"])
+        row["estimate_wear_rate"] = float(bearing_values["wear_rate_error_estimate"])
+    new_scene = replace(base_scene, wear=replace(base_scene.wear, ball_diameter_loss_um=(0.0,)))
+    return row | life_quantities(scene_on_rotor(new_scene, point.machine), point, repeats, seconds)
 
 
 def life_quantities(
-    fresh: Scene, point: SweepPoint, repeats: int, seconds: float
+    new_scene: Scene, point: SweepPoint, repeats: int, seconds: float
 ) -> dict[str, float]:
-    """What a life from new gives and takes; nothing where the model has none."""
-    if point.fidelity != "steady" or asymmetries(fresh) or not fresh.wear.end_of_life:
+    """Computes and times the life from new; returns nothing where the model has no life."""
+    if point.fidelity != "steady" or asymmetries(new_scene) or not new_scene.wear.end_of_life:
         return {}
-    row = {"wear_over_gap": wear_over_gap(fresh)}
-    lived, wall, processor = timed(lambda: lived_through(fresh, point), repeats, seconds)
-    if lived["status"] == code.OK:
-        row["life"] = float(lived["life"]) * HOURS_PER_SECOND
-        if "life_error_estimate" in lived:
-            row["estimate_life"] = float(lived["life_error_estimate"])
-        if "history_total_qv" in lived:
-            own = lived if fresh.pair is None else of_bearing(lived, 0)
-            row["end_qv"] = float(own["history_total_qv"][-1])
+    row = {"wear_over_gap": wear_over_gap(new_scene)}
+    life_values, wall, processor = timed_solve(
+        lambda: life_of_point(new_scene, point), repeats, seconds
+    )
+    if life_values["status"] == code.OK:
+        row["life"] = float(life_values["life"]) * HOURS_PER_SECOND
+        if "life_error_estimate" in life_values:
+            row["estimate_life"] = float(life_values["life_error_estimate"])
+        if "history_total_qv" in life_values:
+            bearing_values = life_values if new_scene.pair is None else of_bearing(life_values, 0)
+            row["end_qv"] = float(bearing_values["history_total_qv"][-1])
         row["life_wall_time"] = statistics.median(wall)
         row["life_processor_time"] = statistics.median(processor)
     return row
 
 
-def timed(
-    run: Callable[[], dict], repeats: int, seconds: float
-) -> tuple[dict, list[float], list[float]]:
-    """Answer of a solve, and durations and processor times of its repeats [s]."""
+class TimedSolve(NamedTuple):
+    """Values of a solve, and wall and processor times of its repeats [s]."""
+
+    values: dict
+    wall: list[float]
+    processor: list[float]
+
+
+def timed_solve(run: Callable[[], dict], repeats: int, seconds: float) -> TimedSolve:
+    """Runs a solve so often, or until the repeats have taken some seconds."""
     wall: list[float] = []
     processor: list[float] = []
     values: dict = {}
@@ -146,11 +160,11 @@ def timed(
         values = run()
         processor.append(time.process_time() - used)
         wall.append(time.perf_counter() - started)
-    return values, wall, processor
+    return TimedSolve(values, wall, processor)
 
 
 def quantities(scene: Scene, values: dict) -> dict[str, float]:
-    """The numbers that errors are asked of, of the first bearing of two."""
+    """Returns the quantities with errors, in a pair those of the first bearing."""
     if scene.pair is not None:
         values = of_bearing(values, 0)
     qv = values["qv"].mean(axis=0)
@@ -170,7 +184,7 @@ def quantities(scene: Scene, values: dict) -> dict[str, float]:
 
 
 def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
-    """The solve of a point as something to call."""
+    """Returns a function that solves a point."""
     fidelity = point.fidelity
     if fidelity == "race_control":
         return lambda: solve(scene, fidelity).values
@@ -186,25 +200,25 @@ def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
 
 
 def three_balls(scene: Scene) -> dict:
-    """Solved dynamically with three balls under their share of the preload, thrust alone, no cage.
+    """Solves the dynamic model with three balls under their share of the preload, without cage.
 
-    A single ball would push the race aside. The numbers are those of the whole bearing again.
+    Only thrust acts. A single ball would push the race aside. The values are converted to those of
+    the whole bearing.
     """
-    n = scene.bearing.ball_count
-    share = FEWEST_BALLS / n
-    whole = thrust_alone(scene)
-    few = replace(
-        whole,
-        bearing=replace(whole.bearing, ball_count=FEWEST_BALLS),
-        operation=replace(whole.operation, preload_N=share * whole.operation.preload_N),
+    share = FEWEST_BALLS / scene.bearing.ball_count
+    full = thrust_alone(scene)
+    three = replace(
+        full,
+        bearing=replace(full.bearing, ball_count=FEWEST_BALLS),
+        operation=replace(full.operation, preload_N=share * full.operation.preload_N),
         cage=None,
     )
-    values = dict(solve(few, "dynamic").values)
+    values = dict(solve(three, "dynamic").values)
     if values["status"] == code.OK:
         for name in ("total_qv", "residual_preload", "race_wear_rate"):
             values[name] = values[name] / share
         # the balls lose as much as those of the whole bearing, a groove is worn by fewer
-        D = 1e-3 * few.bearing.ball_diameter_mm - values["ball_diameter_loss"]
+        D = 1e-3 * three.bearing.ball_diameter_mm - values["ball_diameter_loss"]
         balls = np.mean(2.0 * values["ball_wear_rate"] / (np.pi * D * D))
         rate = values["ball_diameter_loss_rate"]
         values["ball_diameter_loss_rate"] = balls + (rate - balls) / share
@@ -212,10 +226,10 @@ def three_balls(scene: Scene) -> dict:
 
 
 def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
-    """Solved dynamically from a stated start, with exact or fitted Hertz factors."""
+    """Solves the dynamic model from a start, with exact or fitted Hertz factors."""
     system = DynamicSystem.of(scene, first_motion(scene, start))
     if fit:
-        fix_hertz(scene, system)
+        use_fitted_hertz(scene, system)
     values: dict = {"status": system.update()}
     if values["status"] != code.OK:
         return values
@@ -234,7 +248,7 @@ def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
 
 
 def first_motion(scene: Scene, start: str) -> np.ndarray:
-    """(w_x, w_y, w_z, Omega) of all balls, or of each, to start from."""
+    """Returns the motion (w_x, w_y, w_z, Omega) from which all balls, or each of them, start."""
     if start == "kinematic":
         return ThrustProblem.of(scene).kinematic_start(OUTER_CONTROL)
     if start == "race_control":
@@ -244,8 +258,8 @@ def first_motion(scene: Scene, start: str) -> np.ndarray:
     return start_of(scene).u
 
 
-def fix_hertz(scene: Scene, system: DynamicSystem) -> None:
-    """Put the fitted Hertz factors in place of the exact ones; only without a cage."""
+def use_fitted_hertz(scene: Scene, system: DynamicSystem) -> None:
+    """Replaces the exact Hertz factors by fitted ones; only without a cage."""
     bearing = system.bearing
     table = hertz_table(bearing.g, bearing.D, fitted_factors)
     system.bearing = bearing._replace(hertz=table)
@@ -254,7 +268,7 @@ def fix_hertz(scene: Scene, system: DynamicSystem) -> None:
 
 
 def major_ratio(system: DynamicSystem, angle: np.ndarray) -> np.ndarray:
-    """Fitted semi-major axes over exact ones (n, 2), at the same load."""
+    """Returns the ratios (n, 2) of fitted to exact semi-major axes at the same load."""
     g, D = system.bearing.g, system.bearing.D
     return np.array(
         [

@@ -1,4 +1,4 @@
-"""Scenes and lives of the points of sweeps that change what is solved, not how."""
+"""Scenes and lives of the points of sweeps that change the scene, not the numerical settings."""
 
 from dataclasses import replace
 from typing import Any
@@ -22,15 +22,15 @@ PUSHED = 0.5
 """External force over the preload."""
 
 WORN_APART = 2e-5
-"""Of the ball diameter: by how much more the balls of the second bearing are worn."""
+"""Additional loss of the balls of the second bearing, relative to the ball diameter."""
 
 
-def on_a_rotor(scene: Scene, machine: str) -> Scene:
-    """The scene as a point of the sweep `machine` has it.
+def scene_on_rotor(scene: Scene, machine: str) -> Scene:
+    """Returns the scene for a point of the sweep `machine`.
 
-    alone: as it is. alike: two such bearings on a rotor, held as its preload method says. pushed:
-    besides, an axial force of half of the preload on the rotor. worn_apart: in place of that, a
-    second bearing whose balls are worn more.
+    alone: the scene itself. alike: two such bearings on a rotor, by its preload method. pushed: an
+    axial force of half the preload acts on that rotor. worn_apart: the balls of the second bearing
+    are worn more.
     """
     if machine in ("", "alone"):
         return scene
@@ -38,24 +38,25 @@ def on_a_rotor(scene: Scene, machine: str) -> Scene:
     if machine == "pushed":
         changes["external_axial_N"] = PUSHED * scene.operation.preload_N
     elif machine == "worn_apart":
-        more = 1e3 * WORN_APART * scene.bearing.ball_diameter_mm
-        loss = tuple(one + more for one in scene.wear.ball_diameter_loss_um)
+        further_loss = 1e3 * WORN_APART * scene.bearing.ball_diameter_mm
+        loss = tuple(value + further_loss for value in scene.wear.ball_diameter_loss_um)
         changes["second"] = {"wear.ball_diameter_loss_um": list(loss)}
     kind = PAIRS[scene.operation.preload_method]
-    a = replace(scene.arrangement or Arrangement(), kind=kind, **changes)
-    return replace(scene, arrangement=a)
+    arrangement = replace(scene.arrangement or Arrangement(), kind=kind, **changes)
+    return replace(scene, arrangement=arrangement)
 
 
 NETWORK_KELVIN = 10.0
-"""At which each of the conductances of `network` would carry all the heat away by itself."""
+"""Temperature difference at which each conductance of `network` alone carries all the heat."""
 
 
-def grown_scene(scene: Scene, warmth: str) -> Scene:
-    """The scene as a point of the sweep `warmth` has it.
+def scene_with_growth(scene: Scene, warmth: str) -> Scene:
+    """Returns the scene for a point of the sweep `warmth`.
 
-    mounted: as it is. at_speed: the rings grow at speed; a bore that nobody gave is a usual one.
-    warm_ring: besides, an inner ring 5 K and balls 2.5 K warmer than the outer ring. network: the
-    temperatures found from the friction heat; each conductance alone carries it away at 10 K.
+    mounted: the scene itself. at_speed: the rings grow at speed; a missing bore is assumed.
+    warm_ring: also, the inner ring is 5 K and the balls are 2.5 K warmer than the outer ring.
+    network: the temperatures follow from the friction heat; each conductance alone carries it away
+    at 10 K.
     """
     if warmth in ("", "mounted"):
         return scene
@@ -66,40 +67,40 @@ def grown_scene(scene: Scene, warmth: str) -> Scene:
         warm = Temperature(inner_ring_C=20.0 + WARMER, balls_C=20.0 + 0.5 * WARMER)
         return replace(turning, temperature=warm)
     solver = Steady(scene)
-    found = solver(Condition(0.0))
-    G = solver.heat(found).total / NETWORK_KELVIN if found.status == code.OK else 1.0
+    state = solver(Condition(0.0))
+    G = solver.heat(state).total / NETWORK_KELVIN if state.status == code.OK else 1.0
     network = Conductance(inner_ring_shaft=G, outer_ring_housing=G, ball_race=G)
     return replace(turning, thermal=Thermal(conductance_W_K=network))
 
 
 PRELOAD_LEFT = 0.4
-"""Of the preload, at which a life ends as well."""
+"""Fraction of the preload at which a life ends, too."""
 
 
-def ended_scene(scene: Scene, end: str) -> Scene:
-    """The scene whose life ends at a loss of so many gaps at the contact's edge, A a^2.
+def scene_with_end(scene: Scene, end: str) -> Scene:
+    """Returns the scene with a life up to a loss of so many gaps at the contact's edge, A a^2.
 
-    Or at 40 % of its preload, whichever comes first.
+    It ends earlier if the preload falls to 40 %.
     """
     if not end:
         return scene
 
-    def by(loss_um: float, method: str) -> Scene:
+    def with_end(loss_um: float, method: str) -> Scene:
         limits = EndOfLife(ball_diameter_loss_um=loss_um, preload_fraction=PRELOAD_LEFT)
         operation = replace(scene.operation, preload_method=method)
         wear = replace(scene.wear, end_of_life=limits, ball_diameter_loss_um=(0.0,))
         return replace(scene, operation=operation, wear=wear)
 
-    gaps_of_1_um = wear_over_gap(by(1.0, "constant_force"))
-    return by(float(end) / gaps_of_1_um, scene.operation.preload_method)
+    gaps_of_1_um = wear_over_gap(with_end(1.0, "constant_force"))
+    return with_end(float(end) / gaps_of_1_um, scene.operation.preload_method)
 
 
-def lived_through(fresh: Scene, point: SweepPoint) -> dict:
-    """Values of a life: as `life` has it, or once with the cells and steps of a point."""
+def life_of_point(new_scene: Scene, point: SweepPoint) -> dict:
+    """Returns the values of a life, by `life` or with the cells and steps of a point."""
     if not (point.cells or point.step):
-        return life(fresh, point.fidelity).values
+        return life(new_scene, point.fidelity).values
     along, across = map(int, point.cells.split(" x ")) if point.cells else EXACT_GROOVES.cells
     mode = EXACT_GROOVES._replace(
         cells=(along, across), step=float(point.step or EXACT_GROOVES.step)
     )
-    return life_values(fresh, follow_grooves(StiffGrooves(fresh, mode)))
+    return life_values(new_scene, follow_grooves(StiffGrooves(new_scene, mode)))

@@ -1,4 +1,4 @@
-"""Every point of the study of accuracy as CSV, and its main part of docs/accuracy.md."""
+"""Table of all points of the study of accuracy, and its main part of docs/accuracy.md."""
 
 import csv
 import io
@@ -10,8 +10,8 @@ import xarray as xr
 from bearingwear.document.table import cell_text
 from bearingwear.results.units import display, span
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable
-from workflow.studies.accuracy.gather import names, of_known, points_where
-from workflow.studies.accuracy.plan import FIRST, Plan, against
+from workflow.studies.accuracy.gather import distinct_texts, points_where, reduce_known
+from workflow.studies.accuracy.plan import FIRST, Plan, reference_name
 
 _PERCENT = display("1", shown="%")
 _MEDIAN = "median QV"
@@ -31,49 +31,50 @@ SECTIONS = {
     "model": "Differences between models",
 }
 LOOSE = Agreement(10.0, 0.1)
-"""Of single scenes: runs with a cage part after some turns."""
+"""Agreement of single scenes: runs with a cage diverge after some turns."""
 LOOSE_ERROR = LOOSE._replace(unit="%")
 
 
 def points_csv(trade: xr.Dataset) -> str:
-    """Every point, a row each."""
+    """Returns CSV with a row for each point."""
     order = ("scene", "sweep", "kind", "against", "label", "settings")
-    rest = [str(name) for name in trade if name not in (*order, "sweep_title")]
+    columns = [str(name) for name in trade if name not in (*order, "sweep_title")]
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    units = {name: str(trade[name].attrs.get("units", "")) for name in rest}
-    table.writerow([*order, *(f"{n} ({u})" if u else n for n, u in units.items())])
+    units = {name: str(trade[name].attrs.get("units", "")) for name in columns}
+    headings = (f"{name} ({unit})" if unit else name for name, unit in units.items())
+    table.writerow([*order, *headings])
     for k in range(trade.sizes["point"]):
         table.writerow(
             [str(trade[name].values[k]) for name in order]
-            + [cell_text(float(trade[name].values[k]), None) for name in rest]
+            + [cell_text(float(trade[name].values[k]), None) for name in columns]
         )
     return text.getvalue()
 
 
-def cells(trade: xr.Dataset, row: Plan) -> list:
-    """Number of scenes, errors in percent, times as fast; NaN where there is none."""
+def row_cells(trade: xr.Dataset, row: Plan) -> list:
+    """Returns number of scenes, errors in percent and relative speed; NaN if not known."""
     points = points_where(trade, sweep=row["sweep"], label=row["label"])
     solved = points.isel(point=points["status"].values == 0)
-    errors = [
-        of_known(np.median if name == _MEDIAN else np.max, np.abs(solved[f"error_{error}"].values))
-        for name, error in ERRORS.items()
-    ]
+    errors = []
+    for name, quantity in ERRORS.items():
+        statistic = np.median if name == _MEDIAN else np.max
+        errors.append(reduce_known(statistic, np.abs(solved[f"error_{quantity}"].values)))
     ratio = solved["reference_time"].values / solved["wall_time"].values
-    faster = of_known(np.median, ratio)
+    faster = reduce_known(np.median, ratio)
     return [solved.sizes["point"], *(100.0 * error for error in errors), faster]
 
 
-def section(plan: Plan, row: Plan) -> str:
-    """Which part of the table a row belongs to."""
+def row_section(plan: Plan, row: Plan) -> str:
+    """Returns the section of the table to which a row belongs."""
     sweep = plan["sweeps"][row["sweep"]]
     if sweep["kind"] == "model":
         return "model"
-    return sweep["from"] if against(sweep) == FIRST else against(sweep)
+    return sweep["from"] if reference_name(sweep) == FIRST else reference_name(sweep)
 
 
 def section_tables(trade: xr.Dataset, plan: Plan) -> list[CheckedTable]:
-    """What each simplification costs and saves."""
+    """Returns a table for each section: errors and speed of its settings."""
     tables, tolerance = [], plan["tolerance"]
     for name, title in SECTIONS.items():
         floor = tolerance["floor"] if name == "steady" else tolerance["floor_dynamic"]
@@ -85,19 +86,22 @@ def section_tables(trade: xr.Dataset, plan: Plan) -> list[CheckedTable]:
             **dict.fromkeys(ERRORS, error),
             "speed": Agreement(tolerance["time"]),
         }
-        rows = [[r["text"], *cells(trade, r)] for r in plan["table"] if section(plan, r) == name]
+        rows = [
+            [row["text"], *row_cells(trade, row)]
+            for row in plan["table"]
+            if row_section(plan, row) == name
+        ]
         if rows:
             tables.append(CheckedTable(title=title, axes=("case",), columns=columns, rows=rows))
     return tables
 
 
 def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """What settings and models cost and save; presets; estimates of errors against true ones."""
+    """Returns the part: tables of settings and models, of presets and of error estimates."""
     tolerance = plan["tolerance"]
-    of_table = trade["scene"].values[
-        np.isin(trade["sweep"].values, [r["sweep"] for r in plan["table"]])
-    ]
-    scenes = ", ".join(f"`{name}`" for name in plan["scenes"] if name in of_table)
+    table_sweeps = [row["sweep"] for row in plan["table"]]
+    scenes_in_table = trade["scene"].values[np.isin(trade["sweep"].values, table_sweeps)]
+    scenes = ", ".join(f"`{name}`" for name in plan["scenes"] if name in scenes_in_table)
     return [
         "## Accuracy against time",
         "Generated by `snakemake -j2 accuracy` and `make accuracy-docs`; do not edit. Each error "
@@ -121,13 +125,14 @@ def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
         "last digit diverge after some turns, and only their means agree. The equations of motion "
         "neglect the Coriolis force and the circumferential component of the normal forces. The "
         "energy balance includes the work done by these neglected forces. The largest values of "
-        f"this work, relative to the heat, are {booked(trade)}. {of_weight(trade)}",
-        presets(trade),
+        f"this work, relative to the heat, are {neglected_work_words(trade)}. "
+        f"{weight_sentence(trade)}",
+        presets_table(trade),
         '"Life" is the error in life for steady solves, and the error in the loss rate for dynamic '
         "solves. Errors are relative to each scene's reference solution. QV at a single contact is "
         "far more sensitive to the settings than total QV is. The speed of `draft` is relative to "
         "that of `standard`, and the speed of `standard` is relative to that of `reference`.",
-        estimates(trade),
+        estimates_table(trade),
         "All points with an error estimate are included, even those at the extremes of the sweeps. "
         "An error counts as covered if it exceeds its estimate by no more than the uncertainty of "
         "the reference solution. This uncertainty is the sum of the reference solution's own error "
@@ -136,51 +141,53 @@ def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
     ]
 
 
-def of_weight(trade: xr.Dataset) -> str:
-    """What a cage wears without its weight, over what it wears with it."""
+def weight_sentence(trade: xr.Dataset) -> str:
+    """States the wear rate of a cage without weight, relative to one with weight."""
     points = points_where(trade, sweep="weight")
     ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]  # each against the point before it
     times = f"{span(ratios)} times as fast as a cage with weight"
     return f"Over the averaged turns, a weightless cage wears {times}."
 
 
-def booked(trade: xr.Dataset) -> str:
-    """Work of the forces left out, over the heat: the most of all scenes."""
+def neglected_work_words(trade: xr.Dataset) -> str:
+    """States the largest work of the neglected forces over the scenes, relative to the heat."""
     points = points_where(trade, sweep="long", label="reference")
     texts = []
     for name, text in (
         ("coriolis", "Coriolis force"),
         ("azimuth", "circumferential component"),
     ):
-        most = of_known(np.max, np.abs(points[f"{name}_energy_share"].values))
-        texts.append(f"{_PERCENT.text(most)} % for the {text}")
+        largest = reduce_known(np.max, np.abs(points[f"{name}_energy_share"].values))
+        texts.append(f"{_PERCENT.text(largest)} % for the {text}")
     return " and ".join(texts)
 
 
-def presets(trade: xr.Dataset) -> CheckedTable:
-    """Errors of draft and standard in each scene, and the time they save."""
+def presets_table(trade: xr.Dataset) -> CheckedTable:
+    """Returns a table of the errors and the speed of draft and standard in each scene."""
     rows: list[list] = []
-    for sweep, last in (("steady", "life"), ("dynamic", "wear_rate")):
+    for sweep, quantity in (("steady", "life"), ("dynamic", "wear_rate")):
         points = points_where(trade, sweep=f"preset_{sweep}")
-        for scene in names(points, "scene"):
-            here = {
+        for scene in distinct_texts(points, "scene"):
+            points_of_preset = {
                 label: points_where(points, scene=scene, label=label).isel(point=0)
                 for label in ("draft", "standard", "reference")
             }
-            for (preset, one), slower in zip(here.items(), [*here.values()][1:], strict=False):
+            for (preset, point), slower in zip(
+                points_of_preset.items(), [*points_of_preset.values()][1:], strict=False
+            ):
                 errors = [
-                    100.0 * abs(float(one[f"error_{name}"]))
-                    for name in ("total_qv", "contact_qv", last)
+                    100.0 * abs(float(point[f"error_{name}"]))
+                    for name in ("total_qv", "contact_qv", quantity)
                 ]
-                speed = float(slower["wall_time"] / one["wall_time"])
+                speed = float(slower["wall_time"] / point["wall_time"])
                 rows.append([sweep, scene, preset, *errors, speed])
     columns = dict.fromkeys(("QV", "contact", "life"), LOOSE_ERROR) | {"speed": LOOSE}
     title, axes = "Presets by scene", ("solve", "scene", "preset")
     return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
 
 
-def estimates(trade: xr.Dataset) -> CheckedTable:
-    """How often the estimates that results carry are above the true error."""
+def estimates_table(trade: xr.Dataset) -> CheckedTable:
+    """Returns a table of how often the error estimates of results cover the true error."""
     quantities = {"total_qv": "QV", "residual_preload": "preload", "wear_rate": "wear rate"}
     columns = {"points": LOOSE, "covered": LOOSE_ERROR, "estimate/error": LOOSE}
     rows = []
@@ -188,21 +195,24 @@ def estimates(trade: xr.Dataset) -> CheckedTable:
         for solve, reference in (("steady", "steady"), ("dynamic", "long")):
             points = points_where(trade, against=reference, kind="numerical")
             error = np.abs(points[f"error_{name}"].values)
-            doubt = {s: doubts(trade, s, reference, name) for s in set(points["scene"].values)}
+            uncertainty = {
+                s: reference_uncertainty(trade, s, reference, name)
+                for s in set(points["scene"].values)
+            }
             estimate = points[f"estimate_{name}"].values
-            least = error - [doubt[s] for s in points["scene"].values]
-            both = np.isfinite(error) & np.isfinite(estimate)
-            error, estimate, least = error[both], estimate[both], least[both]
-            share = 100.0 * np.mean(estimate >= least) if both.any() else math.nan
-            over = of_known(np.median, estimate / np.maximum(error, 1e-9))
-            rows.append([text, solve, int(both.sum()), float(share), over])
+            least_error = error - [uncertainty[s] for s in points["scene"].values]
+            known = np.isfinite(error) & np.isfinite(estimate)
+            error, estimate, least_error = error[known], estimate[known], least_error[known]
+            share = 100.0 * np.mean(estimate >= least_error) if known.any() else math.nan
+            ratio = reduce_known(np.median, estimate / np.maximum(error, 1e-9))
+            rows.append([text, solve, int(known.sum()), float(share), ratio])
     title, axes = "Estimated and true errors", ("estimate of", "solve")
     return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
 
 
-def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
-    """Doubt of a reference: its own error estimate and the difference of its check."""
+def reference_uncertainty(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
+    """Returns the uncertainty of a reference: its error estimate plus its difference to a check."""
     points = points_where(trade, scene=scene, sweep=reference)
-    own = points_where(points, label="reference")[f"estimate_{name}"].values
-    other = np.abs(points_where(points, label="check")[f"error_{name}"].values)
-    return float(np.nansum(own) + np.nansum(other))
+    estimates = points_where(points, label="reference")[f"estimate_{name}"].values
+    differences = np.abs(points_where(points, label="check")[f"error_{name}"].values)
+    return float(np.nansum(estimates) + np.nansum(differences))

@@ -1,4 +1,4 @@
-"""Follows steady states along an axis, up and down, and finds them anew."""
+"""Follows steady states along an axis, up and down, and searches them anew."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,7 +14,7 @@ from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.steady import steady_values
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis, base_scene, entry, read_robustness
 from workflow.studies.robustness.run import study_attributes
@@ -33,45 +33,45 @@ _BRANCH = table(
 
 
 def branch(plan: Path, name: str) -> xr.Dataset:
-    """Steady states of a branch of a plan, followed up and down its axis and found anew.
+    """Follows the steady states of a branch of a plan up and down its axis, and searches them anew.
 
-    Over `way` (up, down, anew) and `along`.
+    Returns a dataset over `way` (up, down, anew) and `along`.
     """
     robustness = read_robustness(plan)
-    one = entry(robustness, plan, "branches", name)
-    axis = record(KeyAxis, one["along"], "along")
-    base = bare(with_values(load_scene(base_scene(robustness, plan)).to_dict(), one["set"]))
+    branch_plan = entry(robustness, plan, "branches", name)
+    axis = record(KeyAxis, branch_plan["along"], "along")
+    base = bare(with_values(load_scene(base_scene(robustness, plan)).to_dict(), branch_plan["set"]))
     rows = []
     for way in BRANCH_WAYS:
-        last: np.ndarray | None = None
+        previous: np.ndarray | None = None
         states = []
         for value in reversed(axis.values) if way == "down" else axis.values:
             data = with_values(base, {axis.key: value})
-            state, last = _followed(data, None if way == "anew" else last)
+            state, previous = _next_state(data, None if way == "anew" else previous)
             states.append(state)
         rows += states[::-1] if way == "down" else states
-    return filled(
+    return dataset_of_rows(
         _BRANCH,
         {"way": len(BRANCH_WAYS), _ALONG: axis.values},
         rows,
         **study_attributes("branches", name),
-        shown=one["title"],
+        shown=branch_plan["title"],
         key=axis.key,
         log=int(axis.is_log),
         ways=" ".join(BRANCH_WAYS),
     )
 
 
-def _followed(
-    data: Mapping[str, Any], last: np.ndarray | None
+def _next_state(
+    data: Mapping[str, Any], previous: np.ndarray | None
 ) -> tuple[dict[str, Any], np.ndarray | None]:
-    """A steady state sought from the last one, and the one that the next is sought from."""
+    """Solves a steady state from the previous motion; returns its row and the next start."""
     scene = scene_from_dict(data)
     problem = ThrustProblem.of(scene)
     D = float(parameters.ball_diameters(scene)[0])
-    case = problem.solve(D, None if last is None else last.copy())
+    case = problem.solve(D, None if previous is None else previous.copy())
     if case.status != code.OK:
-        return {"status": case.status}, last
+        return {"status": case.status}, previous
     values = steady_values(scene, problem, D, case)
     *_, Omega = case.u
     return {

@@ -8,12 +8,12 @@ from workflow.studies.robustness.draw import at_rest, elastic_approach
 
 
 def closed_form(limit: str, value: float | None, scene: Scene) -> float:
-    """A closed form in place of `maps.excess`, from rolling at the free angle and loads at rest.
+    """Estimates `maps.excess` by a closed form, from rolling at the free angle and loads at rest.
 
-    contact: the outer race alone holds the ball at the centrifugal force of rolling, and it no
-    longer reaches the inner race, which stands where the preload put it at rest. gyroscopic_slip:
-    the share s of the friction mu (Q_i + Q_o) R carries the gyroscopic moment. skid: drag exceeds
-    2 mu Q_i, all that the inner race can hand on (half of it is lost to rolling on the outer).
+    contact: only the outer race holds the ball against the centrifugal force of rolling, and the
+    ball no longer reaches the inner race at its position at rest. gyroscopic_slip: the share s of
+    the friction mu (Q_i + Q_o) R balances the gyroscopic moment. skid: drag exceeds 2 mu Q_i, the
+    most that the inner race can transmit (rolling on the outer race takes half of it).
     """
     g, m = parameters.geometry(scene), parameters.operating_point(scene)
     D = float(parameters.ball_diameters(scene)[0])

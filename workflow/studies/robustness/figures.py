@@ -28,7 +28,7 @@ END_COLOURS = {
     "below_rounding": "0.7",
     "undetermined": "0.85",
 }
-"""Of what is not verified; the others are black."""
+"""Colours of states that are not verified; those without a colour here are black."""
 
 AXIS_LABELS = {
     "operation.shaft_speed_rpm": "shaft speed (r/min)",
@@ -58,24 +58,24 @@ SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 
 
 def edges(values: np.ndarray, log: bool) -> np.ndarray:
-    """Edges of the cells around the points of an axis."""
+    """Returns the edges of the cells around the points of an axis."""
     points = np.log(values) if log else values
     middle = 0.5 * (points[1:] + points[:-1])
     ends = [1.5 * points[0] - 0.5 * points[1], 1.5 * points[-1] - 0.5 * points[-2]]
-    found = np.concatenate([ends[:1], middle, ends[1:]])
-    return np.exp(found) if log else found
+    cell_edges = np.concatenate([ends[:1], middle, ends[1:]])
+    return np.exp(cell_edges) if log else cell_edges
 
 
 # Maps
 
 
 def map_figure(solved: Path) -> Figure:
-    """A map with its boundaries."""
+    """Draws a map with its boundaries from its file."""
     return figure_of_map(load_kind(solved, "maps"))
 
 
 def figure_of_map(solved: xr.Dataset) -> Figure:
-    """Where steady states are verified, their gyroscopic slip, and why there are none."""
+    """Draws the gyroscopic slip of verified states, the status of the others, and boundaries."""
     figure, panels = new_figure(1, 1, 6.6, 4.6)
     axes = panels[0, 0]
     axes.grid(False)
@@ -95,10 +95,10 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
         axes.pcolormesh(x_edges, y_edges, cells, cmap=cmap, rasterized=True)
         handles.append(Patch(color=colour, label=name_in_words(name)))
     handles += draw_boundaries(axes, solved)
-    for along in "xy":
-        getattr(axes, f"set_{along}label")(AXIS_LABELS[solved.attrs[f"{along}_key"]])
-        if solved.attrs[f"{along}_log"]:
-            getattr(axes, f"set_{along}scale")("log")
+    for axis in "xy":
+        getattr(axes, f"set_{axis}label")(AXIS_LABELS[solved.attrs[f"{axis}_key"]])
+        if solved.attrs[f"{axis}_log"]:
+            getattr(axes, f"set_{axis}scale")("log")
     axes.set_xlim(x_edges[0], x_edges[-1])
     axes.set_ylim(max(y_edges[0], 0.0), y_edges[-1])
     frame(figure, map_title(solved), handles, columns=3)
@@ -106,7 +106,7 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
 
 
 def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
-    """Draw boundaries and their closed forms; returns their keys."""
+    """Draws boundaries and their closed forms; returns their keys."""
     handles = []
     for limit, style in _LIMITS.items():
         boundary = solved.get(f"boundary_{limit}")
@@ -121,7 +121,7 @@ def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
 
 
 def map_title(solved: xr.Dataset) -> str:
-    """How many points of a map are verified, and whether the others have a reason."""
+    """States how many points of a map are verified, and whether the others have a reason."""
     status = solved["status"].values
     verified, total = int((status == OK).sum()), status.size
     title = f"{solved.attrs['shown']}: {verified} of {total} points verified"
@@ -151,12 +151,12 @@ _NANO = {"loss_rate": 1e9}
 
 
 def branches_figure(solved: Path) -> Figure:
-    """Steady states followed up, down, and found anew."""
+    """Draws the branches of a file."""
     return figure_of_branches(load_kind(solved, "branches"))
 
 
 def figure_of_branches(solved: xr.Dataset) -> Figure:
-    """Steady states followed up, down, and found anew."""
+    """Draws steady states followed up and down, and searched anew."""
     figure, panels = new_figure(1, 3, 7.6, 3.0)
     along = solved["along"].values
     ways = solved.attrs["ways"].split()
@@ -174,14 +174,14 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
 
 
 def hysteresis(solved: xr.Dataset) -> str:
-    """Whether both ways lead over the same states."""
+    """States whether both directions give the same states, or where they differ."""
     ways = solved.attrs["ways"].split()
     up, down = (solved["total_qv"].values[ways.index(way)] for way in ("up", "down"))
-    one = np.isfinite(up) != np.isfinite(down)
+    only_one = np.isfinite(up) != np.isfinite(down)
     apart = np.abs(up / down - 1.0) > 1e-4  # False where only one is finite
-    if (one | apart).any():
-        where = solved["along"].values[one | apart]
+    if (only_one | apart).any():
+        affected = solved["along"].values[only_one | apart]
         _, _, unit = AXIS_LABELS[solved.attrs["key"]].partition(" (")
-        ends = f"{where.min():.3g} to {where.max():.3g} {unit.rstrip(')')}"
+        ends = f"{affected.min():.3g} to {affected.max():.3g} {unit.rstrip(')')}"
         return f"two steady states from {ends.strip()}"
     return "the same steady state in both directions at each point"

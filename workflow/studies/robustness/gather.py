@@ -1,4 +1,4 @@
-"""Counts how the random scenes and points of maps ended."""
+"""Counts the outcomes of random scenes and of points of maps."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,24 +16,25 @@ _KINDS = ("scene_classes", "maps")
 
 
 def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Ends of all scenes by file, of random scenes and of maps.
+    """Counts the outcomes in files of random scenes and of maps; a file is a `set`.
 
-    Over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
-    verified, multiple_states (of these with more than one steady state) and largest_qv_ratio (by
-    what share QV differs among them at most), refused (with a physical reason), unexplained (ended
-    without one), violations (verified by the solver and yet not right, or crashed) and the first
-    of these. CaseFileError for a file of another kind.
+    Returns over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
+    verified, multiple_states (with more than one steady state), largest_qv_ratio (largest relative
+    difference of QV among these), refused (with a physical reason), unexplained (without one),
+    violations (verified by the solver but wrong, or crashed) and first_violation.
+
+    CaseFileError: a file of another kind.
     """
     rows: list[dict[str, Any]] = []
     shared: dict[str, Any] = {}
     for path in map(Path, paths):
         dataset = load_kind(path, *_KINDS)
-        kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
-        shared = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}
+        names = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
+        shared = {key: dataset.attrs[key] for key in names if key in dataset.attrs}
         rows.append(_row(dataset))
     variables = {}
     for key in rows[0]:
-        column = [one[key] for one in rows]
+        column = [row[key] for row in rows]
         dims = ("set", "end") if key == "count" else ("set",)
         text = isinstance(column[0], str)
         variables[key] = (dims, np.array(column, dtype=object) if text else np.array(column))
@@ -45,12 +46,12 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
 
 
 def _row(dataset: xr.Dataset) -> dict[str, Any]:
-    """The numbers of one file."""
+    """Returns the numbers of a file."""
     status = dataset["status"].values.ravel()
-    said = dataset["violations"].values.ravel().astype(str)
-    crashed = np.char.startswith(said, "crashed")
+    messages = dataset["violations"].values.ravel().astype(str)
+    crashed = np.char.startswith(messages, "crashed")
     solved = (status != REFUSED) | crashed
-    wrong = crashed | ((status == OK) & (said != ""))
+    wrong = crashed | ((status == OK) & (messages != ""))
     unexplained = np.isin(status, WITHOUT_REASON)
     verified = (status == OK) & ~wrong
     states, qv_ratio = (
@@ -68,6 +69,6 @@ def _row(dataset: xr.Dataset) -> dict[str, Any]:
         "refused": int((solved & ~verified & ~unexplained & ~wrong).sum()),
         "unexplained": int(unexplained.sum()),
         "violations": int(wrong.sum()),
-        "first_violation": str(said[wrong][0]) if wrong.any() else "",
+        "first_violation": str(messages[wrong][0]) if wrong.any() else "",
         "count": [int((status == code).sum()) for code in range(len(STATUS_NAMES))],
     }

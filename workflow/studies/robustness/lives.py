@@ -1,4 +1,4 @@
-"""Random lives with worn grooves: what must hold of each."""
+"""Checks of random lives with worn grooves."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -19,64 +19,71 @@ _END_ERROR = 1e-3  # of the limit that ends a life
 _MAY_BE_MISSING = frozenset(
     {"life_error_estimate", "life_error_bound", "history_ball_diameter_loss_rate"}
 )
-"""Estimates that were not found, and what is not known from a state alone."""
+"""Estimates, which a life may lack, and a rate that is not known from a state alone."""
 
 
 def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """What is wrong with a life: nothing, where it ended as it may.
+    """Returns what is wrong with a life; the list is empty for a valid one.
 
-    A life that stops short says so by its status, and is a lower bound.
+    A life that stops early has a status that says so, and is a lower bound.
     """
     status = int(values["status"])
     if status == code.UNVERIFIED:
         return [STATUS_NAMES[status]]
     if status != code.OK or not values["life"] > 0.0:
         return []
-    return [*_not_finite(values), *_balances(scene, values), *_wear(scene, values)]
+    return [
+        *_finiteness_violations(values),
+        *_balance_violations(scene, values),
+        *_wear_violations(scene, values),
+    ]
 
 
-def _not_finite(values: Mapping[str, Any]) -> list[str]:
-    found = []
+def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
+    """Returns a line for each value that should be a number and is not."""
+    problems = []
     for name, value in values.items():
         numbers = np.asarray(value, dtype=float)
-        known = np.isfinite(numbers) | np.isposinf(numbers)
+        is_known = np.isfinite(numbers) | np.isposinf(numbers)
         temperatures = name.endswith("part_temperature")
-        if not (name in _MAY_BE_MISSING or temperatures or known.all()):
-            found.append(f"{name} is not finite")
-    return found
+        if not (name in _MAY_BE_MISSING or temperatures or is_known.all()):
+            problems.append(f"{name} is not finite")
+    return problems
 
 
-def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    preload, found = scene.operation.preload_N, []
+def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+    """Returns a line where the preload or the loss at the end is wrong."""
+    spring_force, problems = scene.operation.preload_N, []
     if scene.operation.preload_method == "constant_force":
-        held = values["history_residual_preload"]
-        if not np.abs(held / preload - 1.0).max() <= 1e-6:
-            found.append(
-                f"residual preload {held.min():g} to {held.max():g} N, spring force {preload:g} N"
+        preloads = values["history_residual_preload"]
+        if not np.abs(preloads / spring_force - 1.0).max() <= 1e-6:
+            problems.append(
+                f"residual preload {preloads.min():g} to {preloads.max():g} N, "
+                f"spring force {spring_force:g} N"
             )
     end = scene.wear.end_of_life
     assert end is not None
     limit = (end.ball_diameter_loss_um or np.inf) * parameters.UM
     if not values["loss_at_end"] <= (1.0 + _END_ERROR) * limit:
-        found.append(f"loss of {values['loss_at_end']:g} m exceeds the limit of {limit:g} m")
-    return found
+        problems.append(f"loss of {values['loss_at_end']:g} m exceeds the limit of {limit:g} m")
+    return problems
 
 
-def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Volumes by Archard's law, and depths that only grow."""
-    time, found = values["history_time"], []
+def _wear_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+    """Returns a line for each volume that breaks Archard's law, and for depths that shrink."""
+    time, problems = values["history_time"], []
     ball, race = parameters.wear_factors(scene)
-    worn = {
+    volume_rates = {
         "history_race_worn_volume": scene.bearing.ball_count * race * values["history_qv"],
         "history_one_ball_worn_volume": ball * values["history_qv"].sum(axis=1),
     }
-    for name, rate in worn.items():
+    for name, rate in volume_rates.items():
         # Where QV rises fivefold within eight steps, trapezoids err by 3 % themselves.
         volume = PchipInterpolator(time, rate).integrate(time[0], time[-1])
         if not np.abs(values[name][-1] / volume - 1.0).max() <= _VOLUME_ERROR:
-            found.append(f"{name} {values[name][-1]} differs from {volume}, computed from QV")
+            problems.append(f"{name} {values[name][-1]} differs from {volume}, computed from QV")
     if not (np.diff(values["history_deepest_groove"], axis=0) >= 0.0).all():
-        found.append("a groove becomes shallower")
+        problems.append("a groove becomes shallower")
     if not (np.diff(time) > 0.0).all():
-        found.append("time does not increase")
-    return found
+        problems.append("time does not increase")
+    return problems

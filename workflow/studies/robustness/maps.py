@@ -1,4 +1,4 @@
-"""Solves steady states over two axes, and finds the boundaries of what is possible."""
+"""Solves steady states over two axes, and finds the boundaries at limits."""
 
 import itertools
 import math
@@ -17,7 +17,7 @@ from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import answer_values, answers_at
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.closed_forms import closed_form
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import (
@@ -40,57 +40,58 @@ X, Y = (Variable(name, (name,), "", "value of a key") for name in "xy")
 
 
 def state_map(plan: Path, name: str) -> xr.Dataset:
-    """Steady states over two axes of a map of a plan, with its boundaries along y.
+    """Solves the steady states of a map of a plan, and finds its boundaries along y.
 
     Each boundary is found from solutions, and estimated by closed forms.
     """
     robustness = read_robustness(plan)
-    one = entry(robustness, plan, "maps", name)
-    along_x, along_y = record(KeyAxis, one["x"], "x"), record(KeyAxis, one["y"], "y")
+    map_plan = entry(robustness, plan, "maps", name)
+    x_axis, y_axis = record(KeyAxis, map_plan["x"], "x"), record(KeyAxis, map_plan["y"], "y")
     limits, scene = limit_values(robustness, name), base_scene(robustness, plan)
-    base = bare(with_values(load_scene(scene).to_dict(), one["set"]))
-    keys, axes = (along_y.key, along_x.key), {Y: along_y.values, X: along_x.values}
+    base = bare(with_values(load_scene(scene).to_dict(), map_plan["set"]))
+    keys, axes = (y_axis.key, x_axis.key), {Y: y_axis.values, X: x_axis.values}
     points = [dict(zip(keys, values, strict=True)) for values in itertools.product(*axes.values())]
     answers = answers_at(partial(map_state, base), points, workers=1, label=name)
     states = [answer_values(answer) for answer in answers]
     borders = []
-    for k, at_x in enumerate(along_x.values):
-        line = MapLine(base, along_x.key, at_x, along_y)
-        solutions = states[k :: len(along_x.values)]
+    for k, x in enumerate(x_axis.values):
+        line = MapLine(base, x_axis.key, x, y_axis)
+        solutions = states[k :: len(x_axis.values)]
         border = {}
         for limit, value in limits.items():
             border[f"boundary_{limit}"] = line.boundary(limit, value, solutions)
             border[f"estimate_{limit}"] = line.estimate(limit, value)
         borders.append(border)
-    found = filled(
+    states_map = dataset_of_rows(
         MAP_STATES,
         axes,
         states,
         **study_attributes("maps", name),
-        shown=one["title"],
-        x_key=along_x.key,
-        y_key=along_y.key,
-        x_log=int(along_x.is_log),
-        y_log=int(along_y.is_log),
+        shown=map_plan["title"],
+        x_key=x_axis.key,
+        y_key=y_axis.key,
+        x_log=int(x_axis.is_log),
+        y_log=int(y_axis.is_log),
     )
     text = "limit along y, from solutions or from a closed form"
-    kinds = table(*(Variable(key, (), "", text) for key in borders[0]))
-    lines = filled(kinds, {X: along_x.values}, borders)
+    limit_variables = table(*(Variable(key, (), "", text) for key in borders[0]))
+    lines = dataset_of_rows(limit_variables, {X: x_axis.values}, borders)
     for key in lines:
         value = limits[str(key).partition("_")[2]]
         lines[key].attrs |= {} if value is None else {"limit": value}
-    return found.merge(lines, combine_attrs="override")
+    return states_map.merge(lines, combine_attrs="override")
 
 
 def map_state(base: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
-    """A row of `MAP_STATES` of a scene with other values of some keys."""
+    """Solves a scene with other values of some keys; returns a row of `MAP_STATES`."""
     scene = scene_from_dict(with_values(base, values))
-    found = solved_values(scene, "steady")
-    row = {"status": found["status"], "violations": "; ".join(violations(scene, "steady", found))}
-    if found["status"] != code.OK:
+    solution = solved_values(scene, "steady")
+    problems = "; ".join(violations(scene, "steady", solution))
+    row = {"status": solution["status"], "violations": problems}
+    if solution["status"] != code.OK:
         return row
-    row |= {key: found[key] for key in _SHOWN}
-    return row | {"gyroscopic_slip_share": np.max(found["gyroscopic_slip_share"])}
+    row |= {key: solution[key] for key in _SHOWN}
+    return row | {"gyroscopic_slip_share": np.max(solution["gyroscopic_slip_share"])}
 
 
 class MapLine:
@@ -101,10 +102,11 @@ class MapLine:
         self.axis = axis
 
     def scene(self, y: float) -> Scene:
+        """Returns the scene at a value of y."""
         return scene_from_dict(with_values(self.base, {self.axis.key: y}))
 
     def boundary(self, limit: str, value: float | None, solutions: list[dict]) -> float:
-        """Where a limit is passed, from the solutions at the points of the axis; NaN if never."""
+        """Returns y where a limit is passed, from the solutions on the axis; NaN if never."""
         beyond = partial(excess, limit, value)
         return crossing(
             self.axis,
@@ -113,7 +115,7 @@ class MapLine:
         )
 
     def estimate(self, limit: str, value: float | None) -> float:
-        """Where closed forms pass a limit; NaN if they do not."""
+        """Returns y where closed forms pass a limit; NaN if they do not."""
 
         def beyond(y: float) -> float:
             return closed_form(limit, value, self.scene(y))
@@ -122,7 +124,7 @@ class MapLine:
 
 
 def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
-    """A number that is positive beyond a limit, NaN where a row of `MAP_STATES` does not say."""
+    """Returns a number that is positive beyond a limit; NaN if a row of `MAP_STATES` lacks it."""
     if value is None:
         return 1.0 if values["status"] in (code.CONTACT_LOST, code.PRELOAD_GONE) else -1.0
     if limit == "gyroscopic_slip":
@@ -130,21 +132,21 @@ def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
     return abs(float(values.get("skid_ratio", math.nan))) - value
 
 
-def crossing(axis: KeyAxis, known: list[float], at: Callable[[float], float]) -> float:
-    """Where along an axis a number changes sign for the last time, by bisection; NaN if never.
+def crossing(axis: KeyAxis, numbers: list[float], number_at: Callable[[float], float]) -> float:
+    """Returns where a number changes sign for the last time along an axis; NaN if never.
 
-    The number is `known` at the points of the axis.
+    numbers: at the points of the axis. number_at: computes it elsewhere, for bisection.
     """
     values = axis.values
-    for k in range(len(known) - 2, -1, -1):
-        if known[k] * known[k + 1] < 0.0:
+    for k in range(len(numbers) - 2, -1, -1):
+        if numbers[k] * numbers[k + 1] < 0.0:
             break
     else:
         return math.nan
-    low, high, sign = values[k], values[k + 1], math.copysign(1.0, known[k])
+    low, high, sign = values[k], values[k + 1], math.copysign(1.0, numbers[k])
     for _ in range(20):
         middle = math.sqrt(low * high) if axis.is_log and low > 0.0 else 0.5 * (low + high)
-        value = at(middle)
+        value = number_at(middle)
         if not math.isfinite(value):
             return math.nan
         low, high = (middle, high) if value * sign > 0.0 else (low, middle)

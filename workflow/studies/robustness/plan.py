@@ -1,4 +1,4 @@
-"""What the study of robustness solves, by config/robustness.yaml, and its random values.
+"""Plan of the study of robustness, read from config/robustness.yaml, and its random values.
 
 The keys of that file stand in workflow/schemas/robustness.schema.yaml. This file imports nothing
 heavy: the Snakefile reads it each time it is parsed.
@@ -18,7 +18,7 @@ from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import load_scene
-from bearingwear.studies.configuration import validated
+from bearingwear.studies.configuration import validated_config
 
 ROBUSTNESS_FILE = Path("config/robustness.yaml")
 
@@ -49,11 +49,11 @@ STAND_INS = (
     "in_tandem",
     "worn_ratio",
 )
-"""Values drawn that are no keys of a scene; `draw.drawn_scene` says what they stand for."""
+"""Drawn values that are no keys of a scene; `draw.drawn_scene` describes them."""
 
 
 def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:
-    """Refuse ends that do not rise, or have no logarithm."""
+    """Refuses ends that do not rise, or have no logarithm."""
     for name, ends in (("log", log), ("even", even)):
         if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
             positive = " > 0" if name == "log" else ""
@@ -62,7 +62,7 @@ def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None
 
 @keyed
 class Draw:
-    """Where a value is drawn from: between two ends, or from a list."""
+    """Distribution of a drawn value: a range, a list, or both."""
 
     log: tuple[float, float] | None = setting("Ends of a log-uniform range", default=None)
     even: tuple[float, float] | None = setting("Ends of a uniform range", default=None)
@@ -77,6 +77,7 @@ class Draw:
             raise ValueError("got nothing to draw from, expected log, even or of")
 
     def value(self, chance: random.Random) -> Any:
+        """Draws a value."""
         is_range = self.log is not None or self.even is not None
         if self.of and (not is_range or chance.random() < (self.share or 0.0)):
             return chance.choice(self.of)
@@ -88,24 +89,24 @@ class Draw:
 
 
 def draws(blocks: Mapping[str, Any]) -> dict[str, Draw]:
-    """Draws by the keys of their values; SceneError for the first block that is wrong."""
-    found = {}
+    """Reads the draws of a class by key. Raises SceneError for the first wrong block."""
+    draw_of_key = {}
     for key, block in blocks.items():
         if "." not in key and key not in STAND_INS:
             raise SceneError(f"draw.{key}", f"got {key}, expected {', '.join(STAND_INS)}")
         try:
-            found[key] = record(Draw, block)
+            draw_of_key[key] = record(Draw, block)
         except SceneError as error:
-            where = ".".join(filter(None, ("draw", key, error.key)))
-            raise SceneError(where, error.problem) from None
-    return found
+            place = ".".join(filter(None, ("draw", key, error.key)))
+            raise SceneError(place, error.problem) from None
+    return draw_of_key
 
 
-def drawn(draw: Mapping[str, Draw], seed: int, count: int) -> Iterator[dict[str, Any]]:
-    """What sets so many scenes apart; the same for the same seed."""
+def drawn_values(draw: Mapping[str, Draw], seed: int, count: int) -> Iterator[dict[str, Any]]:
+    """Yields the drawn values of so many scenes; the same seed gives the same values."""
     for k in range(count):
         chance = random.Random(f"{seed}-{k}")
-        yield {key: one.value(chance) for key, one in draw.items()}
+        yield {key: value_draw.value(chance) for key, value_draw in draw.items()}
 
 
 @keyed
@@ -124,10 +125,12 @@ class KeyAxis:
 
     @property
     def is_log(self) -> bool:
+        """Whether the points are evenly spaced in logarithm."""
         return self.log is not None
 
     @property
     def values(self) -> tuple[float, ...]:
+        """The points."""
         shares = [k / (self.points - 1) for k in range(self.points)]
         if self.log is not None:
             low, high = self.log
@@ -138,49 +141,50 @@ class KeyAxis:
 
 
 def read_robustness(path: Path) -> dict[str, Any]:
-    """The plan in a file like config/robustness.yaml, with defaults. Raises UsageError."""
-    return validated(path, "robustness", check_robustness)
+    """Reads a plan like config/robustness.yaml, with defaults. Raises UsageError."""
+    return validated_config(path, "robustness", check_robustness)
 
 
 def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> None:
-    """Refuse draws and axes that are impossible, and read the scene. Raises ValueError."""
-    before: list[str] = []
+    """Reads the scene and refuses impossible draws and axes. Raises ValueError."""
+    earlier: list[str] = []
     for name, scene_class in plan["scene_classes"].items():
-        place, like = f"{path}: scene_classes.{name}", scene_class["like"]
-        if like and like not in before:
-            allowed = ", ".join(before) or "none, because no class precedes it"
-            raise ValueError(f"{place}.like: got {like}, expected {allowed}")
+        place, parent = f"{path}: scene_classes.{name}", scene_class["like"]
+        if parent and parent not in earlier:
+            allowed = ", ".join(earlier) or "none, because no class precedes it"
+            raise ValueError(f"{place}.like: got {parent}, expected {allowed}")
         try:
             draws(scene_class["draw"])
         except SceneError as error:
             raise ValueError(f"{place}.{error.key}: {error.problem}") from None
-        before.append(name)
+        earlier.append(name)
     for kind, axes in (("maps", "xy"), ("branches", ("along",))):
-        for name, one in plan[kind].items():
+        for name, entry_plan in plan[kind].items():
             for axis in axes:
-                record(KeyAxis, one[axis], f"{path}: {kind}.{name}.{axis}")
-    if before or plan["maps"] or plan["branches"]:
+                record(KeyAxis, entry_plan[axis], f"{path}: {kind}.{name}.{axis}")
+    if earlier or plan["maps"] or plan["branches"]:
         load_scene(base_scene(plan, path))
 
 
 def base_scene(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> Path:
-    """The scene that all others differ from; it lies in `scenes/` beside the plan."""
+    """Returns the file of the base scene of all others; it lies in `scenes/` beside the plan."""
     return path.parent / "scenes" / f"{plan['scene']}.yaml"
 
 
 def entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dict[str, Any]:
-    """A class of scenes, a map or a branch of a plan. Raises UsageError where it is not there."""
+    """Returns a class of scenes, a map or a branch of a plan. Raises UsageError without it."""
     if name not in plan[kind]:
         raise UsageError(f"{path}: {kind}: got {name}, expected {', '.join(plan[kind])}")
     return plan[kind][name]
 
 
 def draw_blocks(plan: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """Blocks of all draws of a class, those that it inherits among them."""
-    one = plan["scene_classes"][name]
-    return (draw_blocks(plan, one["like"]) if one["like"] else {}) | one["draw"]
+    """Returns the blocks of all draws of a class, with inherited ones."""
+    scene_class = plan["scene_classes"][name]
+    inherited = draw_blocks(plan, scene_class["like"]) if scene_class["like"] else {}
+    return inherited | scene_class["draw"]
 
 
 def limit_values(plan: Mapping[str, Any], name: str) -> dict[str, float | None]:
-    """The limits to locate in a map, and the values that define them; contact has none."""
+    """Returns the limits to locate in a map, with their values; contact has none."""
     return {limit: plan["limits"].get(limit) for limit in plan["maps"][name]["limits"]}

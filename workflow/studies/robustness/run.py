@@ -1,4 +1,4 @@
-"""Solves random scenes and says how each one ends."""
+"""Solves random scenes and reports their outcomes."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -16,16 +16,16 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
-from bearingwear.solvers.solve import solved
+from bearingwear.solvers.solve import case_values
 from bearingwear.studies.answers import REFUSED, answers_at
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.lives import WORN_LIFE, life_violations
 from workflow.studies.robustness.plan import (
     WITHOUT_REASON,
     base_scene,
     draw_blocks,
-    drawn,
+    drawn_values,
     draws,
     entry,
     read_robustness,
@@ -39,11 +39,11 @@ TRIALS = table(
 )
 
 _ESTIMATES = ("_error_estimate", "torque_lost_to_regularisation")
-"""Ends of the names of estimates, which a solve leaves out where it finds none."""
+"""Ends of the names of estimates, which a solve may lack."""
 
 
 def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1) -> xr.Dataset:
-    """How random scenes of a class of a plan end, over `trial`: `TRIALS`, and the keys drawn.
+    """Solves random scenes of a class of a plan; returns `TRIALS` and the drawn keys over `trial`.
 
     count: number of scenes, by default that of the plan.
     """
@@ -52,17 +52,17 @@ def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1
     count = count or scene_class["scenes"]
     base = load_scene(base_scene(robustness, plan)).to_dict()
     fidelity, draw = scene_class["fidelity"], draw_blocks(robustness, name)
-    trials = list(drawn(draws(draw), seed, count))
+    trials = list(drawn_values(draws(draw), seed, count))
     kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
     keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
-    ends = answers_at(partial(end_of, base, fidelity=fidelity), trials, workers=1, label=name)
+    ends = answers_at(partial(outcome_of, base, fidelity=fidelity), trials, workers=1, label=name)
     rows = [{**end, **values} for end, values in zip(ends, trials, strict=True)]
     attributes = study_attributes("scene_classes", name) | {"fidelity": fidelity, "seed": seed}
-    return filled(TRIALS | keys, {"trial": count}, rows, **attributes)
+    return dataset_of_rows(TRIALS | keys, {"trial": count}, rows, **attributes)
 
 
-def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:
-    """How a random scene ends: a value for each variable over `trial`."""
+def outcome_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:
+    """Solves a random scene; returns a value for each variable over `trial`."""
     end: dict[str, Any] = {
         "status": REFUSED,
         "violations": "",
@@ -91,72 +91,76 @@ def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) ->
 
 def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
     """Values of a solve, as `bearingwear.solve` finds them."""
-    return solved(scene, fidelity, None, None)[0]
+    return case_values(scene, fidelity, None, None)[0]
 
 
 def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """What is wrong with a solve: nothing, where it ended as it may."""
+    """Returns what is wrong with a solve; the list is empty for a valid one."""
     status = int(values["status"])
     if status in WITHOUT_REASON:
         return [STATUS_NAMES[status]]
     if status != code.OK:
         return []
     if scene.pair is not None:
-        return _of_both(scene, fidelity, values)
-    found = _of_values(scene, fidelity, values)
+        return _pair_violations(scene, fidelity, values)
+    problems = _bearing_violations(scene, fidelity, values)
     if scene.operation.preload_method == "constant_force":
         preload = scene.operation.preload_N
         if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
-            found.append(
+            problems.append(
                 f"residual preload {values['residual_preload']:g} N, spring force {preload:g} N"
             )
-    return found
+    return problems
 
 
-def _of_both(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """What is wrong with a pair: with either bearing, or with the balance of the rotor."""
-    found = []
+def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
+    """Returns what is wrong with a pair: with either bearing, or with the balance of the rotor."""
+    problems = []
     for k, side in enumerate(scene.sides):
-        one = of_bearing({n: v for n, v in values.items() if n != "status"}, k)
-        # NaN stands for what one of them alone has: more states, an estimate
+        by_bearing = {name: value for name, value in values.items() if name != "status"}
+        bearing_values = of_bearing(by_bearing, k)
+        # NaN fills what only one of them has: more states, an estimate
         states = {
             name: value
-            for name, value in one.items()
+            for name, value in bearing_values.items()
             if not (name.startswith("steady_state_") or name.endswith(_ESTIMATES))
         }
-        found += [f"bearing {k + 1}: {text}" for text in _of_values(side, fidelity, states)]
+        problems += [
+            f"bearing {k + 1}: {text}" for text in _bearing_violations(side, fidelity, states)
+        ]
     rounding = np.max(values["equilibrium_rounding"])
     residual = values["rotor_balance_residual"]
     if not residual <= max(1e-9, min(1e-5, rounding)):
-        found.append(f"rotor_balance_residual {residual:.1e}")
-    return found
+        problems.append(f"rotor_balance_residual {residual:.1e}")
+    return problems
 
 
-def _of_values(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    found = [
+def _bearing_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
+    """Returns a line for each number of a bearing that is missing or beyond its tolerance."""
+    problems = [
         f"{name} is not finite"
         for name, value in values.items()
-        if not np.all(np.isfinite(known(name, value)))
+        if not np.all(np.isfinite(finite_numbers(name, value)))
     ]
-    found += [
+    problems += [
         f"{name} {values[name]:.1e}"
-        for name, most in tolerances(fidelity, values).items()
-        if not abs(values[name]) <= most
+        for name, tolerance in tolerances(fidelity, values).items()
+        if not abs(values[name]) <= tolerance
     ]
     heat, qv = values["friction_heat"], values["qv"]
     if fidelity != "dynamic" and not np.all(heat <= scene.friction.ball_race * qv * (1.0 + 1e-9)):
-        found.append("friction heat exceeds mu QV")
-    return found
+        problems.append("friction heat exceeds mu QV")
+    return problems
 
 
-def known(name: str, value: Any) -> np.ndarray:
-    """Values as numbers; what may be infinite counts as 0 where it is."""
-    found = np.asarray(value, dtype=float)
-    return np.where(np.isposinf(found), 0.0, found) if name in MAY_BE_INFINITE else found
+def finite_numbers(name: str, value: Any) -> np.ndarray:
+    """Returns values as numbers, with 0 for an infinite value where that is allowed."""
+    numbers = np.asarray(value, dtype=float)
+    return np.where(np.isposinf(numbers), 0.0, numbers) if name in MAY_BE_INFINITE else numbers
 
 
 def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
-    """Largest residuals of an answer that is right, in view of how its numbers round."""
+    """Returns the largest residuals of a correct answer, which depend on rounding."""
     flows = {"heat_flow_residual": 1e-5} if "heat_flow_residual" in values else {}
     if fidelity == "dynamic":
         return flows | {"equilibrium_residual": 1e-6, "energy_account_error": 1e-3}
@@ -170,5 +174,5 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
 
 
 def study_attributes(kind: str, name: str) -> dict[str, str]:
-    """Attributes by which files of the study are attributes apart."""
+    """Returns attributes that distinguish the files of the study."""
     return {"title": f"Robustness: {kind}, {name}", "kind": kind, "name": name}

@@ -1,4 +1,4 @@
-"""Table of how scenes far beyond the other studies ended; fails if an answer is wrong."""
+"""Table of the outcomes of extreme scenes; a check that fails if an answer is wrong."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from bearingwear.document.markdown import block_markdown
 from bearingwear.document.table import points_block
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.words import name_in_words
-from bearingwear.studies.dataset import loaded
+from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.robustness.plan import WITHOUT_REASON
 
@@ -17,37 +17,37 @@ NO_REASON = [STATUS_NAMES[code] for code in (OK, *WITHOUT_REASON)]
 
 
 def ends_table(counts: Path) -> str:
-    """How the scenes ended, as Markdown."""
-    found = loaded(counts, set=(), end=())
-    rows = [_row(found.isel(set=k)) for k in range(found.sizes["set"])]
+    """Returns a table of the outcomes of the scenes, as Markdown."""
+    outcomes = load_with_axes(counts, set=(), end=())
+    rows = [_row(outcomes.isel(set=k)) for k in range(outcomes.sizes["set"])]
     units = dict.fromkeys(rows[0], "") | {"maximum difference in QV": "%"}
     return block_markdown(points_block("", units, [[*row.values()] for row in rows])) + "\n"
 
 
-def _row(one: xr.Dataset) -> dict[str, int | float | str]:
+def _row(outcome: xr.Dataset) -> dict[str, int | float | str]:
     reasons = [
-        f"{name_in_words(name)} {int(number)}"
-        for name, number in zip(one.attrs["ends"].split(), one["count"].values, strict=True)
-        if number and name not in NO_REASON
+        f"{name_in_words(name)} {int(count)}"
+        for name, count in zip(outcome.attrs["ends"].split(), outcome["count"].values, strict=True)
+        if count and name not in NO_REASON
     ]
     return {
-        "scenes": f"{name_in_words(one['name'].item())}, {_KINDS[one['kind'].item()]}",
-        "solved": int(one["trials"]),
-        "verified": int(one["verified"]),
-        "several states": int(one["multiple_states"]),
-        "maximum difference in QV": 100.0 * float(one["largest_qv_ratio"]),
-        "refused": int(one["refused"]),
+        "scenes": f"{name_in_words(outcome['name'].item())}, {_KINDS[outcome['kind'].item()]}",
+        "solved": int(outcome["trials"]),
+        "verified": int(outcome["verified"]),
+        "several states": int(outcome["multiple_states"]),
+        "maximum difference in QV": 100.0 * float(outcome["largest_qv_ratio"]),
+        "refused": int(outcome["refused"]),
         "reason": ", ".join(reasons) or "–",
-        "without a reason": int(one["unexplained"]),
-        "wrong": int(one["violations"]),
+        "without a reason": int(outcome["unexplained"]),
+        "wrong": int(outcome["violations"]),
     }
 
 
 def wrong_answers(counts: Path) -> str:
-    """Says that no verified answer is wrong; else NotSolved, with the first."""
-    found = loaded(counts, set=(), end=())
-    wrong = int(found["violations"].sum())
+    """States that no verified answer is wrong; raises NotSolved with the first wrong one."""
+    outcomes = load_with_axes(counts, set=(), end=())
+    wrong = int(outcomes["violations"].sum())
     if wrong:
-        first = next(text for text in found["first_violation"].values if text)
-        raise NotSolved(f"{counts}: incorrect results: {wrong} (first: {first})")
-    return f"none of the {int(found['verified'].sum())} verified results is incorrect\n"
+        first_violation = next(text for text in outcomes["first_violation"].values if text)
+        raise NotSolved(f"{counts}: incorrect results: {wrong} (first: {first_violation})")
+    return f"none of the {int(outcomes['verified'].sum())} verified results is incorrect\n"

@@ -1,4 +1,4 @@
-"""The table that sets a recommended preload, solved dynamically, beside the steady values."""
+"""Table of a recommended preload by the steady and the dynamic model."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ WITH_CAGE = (
     "Only the dynamic cases include the cage, whose pockets slow and wear the balls. This "
     "increases the wear depth, especially if wear.counts is ball.",
 )
-"""Without a cage, and with one."""
+"""Sentences without a cage, and with one."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """One number by both models."""
+    """A number by both models."""
 
     preload: float  # [N]
     name: str
@@ -50,14 +50,14 @@ class Compared:
         return self.dynamic / self.steady - 1.0
 
     @property
-    def beyond(self) -> bool:
-        """Whether they differ by more than both estimates together."""
+    def exceeds_errors(self) -> bool:
+        """Whether the models differ by more than both estimates together."""
         return abs(self.difference) > self.errors
 
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedPreload:
-    """One preload by both models."""
+    """A preload by both models."""
 
     preload: float  # [N]
     numbers: list[Compared]  # none where a model has no answer
@@ -66,18 +66,18 @@ class CheckedPreload:
 
 
 def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
-    """Step: steady and dynamic numbers of some preloads, and whether they agree, as Markdown."""
-    chosen = load(recommendation)
-    of_preload = _cases(chosen, cases)
-    points = [_point(preload, fidelities) for preload, fidelities in sorted(of_preload.items())]
-    scene = scene_of(chosen)
-    first = scene_of(next(iter(of_preload.values()))["steady"])
-    limit = limits_of(chosen).gyroscopic_slip_share
+    """Step: returns steady and dynamic numbers of some preloads, and whether they agree."""
+    recommended = load(recommendation)
+    cases_by_preload = _cases_by_preload(recommended, cases)
+    points = [_checked_preload(preload, pair) for preload, pair in sorted(cases_by_preload.items())]
+    scene = scene_of(recommended)
+    first = scene_of(next(iter(cases_by_preload.values()))["steady"])
+    limit = limits_of(recommended).gyroscopic_slip_share
     method = name_in_words(first["operation"]["preload_method"])
-    known = np.isfinite(chosen["preload"].values).any()
-    middle = "the recommended preload" if known else "the scene's preload (no recommendation)"
+    has_preload = np.isfinite(recommended["preload"].values).any()
+    middle = "the recommended preload" if has_preload else "the scene's preload (no recommendation)"
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
-    said = (
+    explanation = (
         f"The values apply to a new bearing ({method}, {operation['shaft_speed_rpm']:g} r/min, "
         f"friction coefficient {friction:g}) at and near {middle}. The wear life is based on the "
         f"wear of the {name_in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each "
@@ -85,29 +85,32 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
         "remains in that state, not that every initial state leads to it. The gyroscopic slip "
         "share has no error estimate."
     )
-    settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
-    made = Document(
+    drifts = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
+    document = Document(
         (
             f"Dynamic model at the recommended preload of {scene['name']}",
             agreement(points),
-            said,
+            explanation,
         ),
-        blocks=(_numbers_of(points, limit), Block("Drift of the means", lines=settled)),
+        blocks=(_numbers_block(points, limit), Block("Drift of the means", lines=drifts)),
     )
-    return as_markdown(made)
+    return as_markdown(document)
 
 
-def _numbers_of(points: Sequence[CheckedPreload], limit: float | None) -> Block:
-    """A line for each number by both models; of a preload that was not solved, its statuses."""
+def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Block:
+    """Returns a line for each number by both models; of an unsolved preload, its statuses.
+
+    limit: of the gyroscopic slip share.
+    """
     lines: list[tuple[Any, ...]] = []
     for point in points:
         if not point.numbers:
             states = (name_in_words(point.status[name]) for name in CHECKED_FIDELITIES)
             lines.append((point.preload, "not solved", *states, math.nan, math.nan, "–"))
-        for one in point.numbers:
-            errors = Rough(100.0 * one.errors)
-            numbers = (one.steady, one.dynamic, 100.0 * one.difference, errors)
-            lines.append((point.preload, one.name, *numbers, _beyond(one, limit)))
+        for number in point.numbers:
+            errors = Rough(100.0 * number.errors)
+            values = (number.steady, number.dynamic, 100.0 * number.difference, errors)
+            lines.append((point.preload, number.name, *values, _verdict(number, limit)))
     heads = (
         ("preload", "N"),
         ("quantity", ""),
@@ -122,19 +125,24 @@ def _numbers_of(points: Sequence[CheckedPreload], limit: float | None) -> Block:
     return Block(rows=tuple(rows), axes=2)
 
 
-def _beyond(one: Compared, limit: float | None) -> str:
-    """Whether both differ by more than their errors; of the slip share, which side of its limit."""
-    if one.name == SHARE_LABEL and limit is not None:
-        allowed = (one.steady <= limit) + (one.dynamic <= limit)
+def _verdict(number: Compared, limit: float | None) -> str:
+    """Returns whether the difference exceeds the errors; for the slip share, which models meet it.
+
+    limit: of the gyroscopic slip share.
+    """
+    if number.name == SHARE_LABEL and limit is not None:
+        allowed = (number.steady <= limit) + (number.dynamic <= limit)
         words = ("both violate", "one violates", "both satisfy")
         return f"{words[allowed]} the requirement of {limit:g}"
-    return ("yes" if one.beyond else "no") if np.isfinite(one.errors) else "–"
+    if not np.isfinite(number.errors):
+        return "–"
+    return "yes" if number.exceeds_errors else "no"
 
 
-def _cases(
+def _cases_by_preload(
     recommendation: xr.Dataset, paths: Sequence[str | Path]
 ) -> dict[float, dict[str, xr.Dataset]]:
-    """Both cases of each preload."""
+    """Reads the steady and the dynamic case of each preload, by preload and fidelity."""
     if recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("got no recommendation, expected recommendation.nc of a design study")
     name = scene_of(recommendation)["name"]
@@ -150,47 +158,44 @@ def _cases(
         if scene["name"] != name:
             raise CaseFileError(f"{path}: got the scene {scene['name']}, expected {name}")
         cases.setdefault(scene["operation"]["preload_N"], {})[str(fidelity)] = case
-    for preload, fidelities in cases.items():
+    for preload, pair in cases.items():
         for fidelity in CHECKED_FIDELITIES:
-            if fidelity not in fidelities:
+            if fidelity not in pair:
                 raise CaseFileError(f"preload {preload:g} N: got no {fidelity} case")
     return cases
 
 
-def _point(preload: float, fidelities: dict[str, xr.Dataset]) -> CheckedPreload:
-    status = {fidelity: STATUS_NAMES[int(case["status"])] for fidelity, case in fidelities.items()}
+def _checked_preload(preload: float, pair: dict[str, xr.Dataset]) -> CheckedPreload:
+    """Returns a preload of which the cases by both models are given, by fidelity."""
+    status = {fidelity: STATUS_NAMES[int(case["status"])] for fidelity, case in pair.items()}
     solved = set(status.values()) == {STATUS_NAMES[OK]}
     return CheckedPreload(
         preload=preload,
-        numbers=_numbers(preload, fidelities["steady"], fidelities["dynamic"]) if solved else [],
-        settled=str(fidelities["dynamic"].attrs.get("settled", "–")),
+        numbers=_compared_numbers(preload, pair["steady"], pair["dynamic"]) if solved else [],
+        settled=str(pair["dynamic"].attrs.get("settled", "–")),
         status=status,
     )
 
 
-def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
-    def compared(name: str, variable: str, error: str, unit: Display) -> Compared:
+def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
+    """Returns QV, wear rate and slip share by both models."""
+
+    def compared(label: str, variable: str, error: str, unit: Display) -> Compared:
         cases = steady, dynamic
-        values = [unit.of(float(case[variable])) for case in cases]
-        errors = [float(case[error]) if error in case else np.nan for case in cases]
+        errors = (float(case[error]) if error in case else np.nan for case in cases)
         return Compared(
             preload=preload,
-            name=unit.label(name),
-            steady=values[0],
-            dynamic=values[1],
+            name=unit.label(label),
+            steady=unit.of(float(steady[variable])),
+            dynamic=unit.of(float(dynamic[variable])),
             errors=sum(errors),
         )
 
-    share = "gyroscopic_slip_share"
+    share, rate = "gyroscopic_slip_share", "ball_diameter_loss_rate"
     power = display("W", steady["total_qv"], dynamic["total_qv"])
     return [
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
-        compared(
-            CASE["ball_diameter_loss_rate"].label,
-            "ball_diameter_loss_rate",
-            "wear_rate_error_estimate",
-            LOSS_RATE,
-        ),
+        compared(CASE[rate].label, rate, "wear_rate_error_estimate", LOSS_RATE),
         Compared(
             preload=preload,
             name=SHARE_LABEL,
@@ -201,44 +206,49 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
 
 
 def agreement(points: Sequence[CheckedPreload]) -> str:
-    """Whether both models agree, in a sentence or two."""
-    unsolved = [
-        f"{fidelity} at {digits(point.preload)} N: {name_in_words(state)}"
-        for point in points
-        for fidelity, state in point.status.items()
-        if state != STATUS_NAMES[OK]
-    ]
-    numbers = [one for point in points for one in point.numbers]
-    said = ["The dynamic model cannot be compared with the steady values."]
+    """States whether both models agree, by how much they differ, and what was not solved."""
+    numbers = [number for point in points for number in point.numbers]
+    sentences = ["The dynamic model cannot be compared with the steady values."]
     if numbers:
-        # of each name the last: beyond the estimates if any is, and there the largest
-        worst = {
-            one.name: one for one in sorted(numbers, key=lambda n: (n.beyond, abs(n.difference)))
-        }
-        share = worst.pop(SHARE_LABEL)
-        allowed, beyond = (
-            "; ".join(
-                f"{one.name.partition(' (')[0]}, {_at(one)} (estimates: "
-                f"{plain(100.0 * one.errors, 2)} %)"
-                for one in worst.values()
-                if one.beyond == way and np.isfinite(one.errors)
-            )
-            for way in (False, True)
-        )
-        agrees = "agrees" if allowed else "does not agree"
-        partly = " within the estimated numerical errors"
-        if allowed and beyond:
-            agrees, partly = "agrees only partly", ""
-        said = [
-            f"The dynamic model {agrees} with the steady values of the map{partly}.",
-            *([f"Largest differences within the error estimates: {allowed}."] if allowed else []),
-            *([f"Differences beyond the error estimates: {beyond}."] if beyond else []),
-            f"The largest difference in the {SHARE_LABEL} is {_at(share)}.",
-        ]
+        sentences = _agreement_sentences(numbers)
+    unsolved = [
+        f"{fidelity} at {digits(point.preload)} N: {name_in_words(status)}"
+        for point in points
+        for fidelity, status in point.status.items()
+        if status != STATUS_NAMES[OK]
+    ]
     if unsolved:
-        said.append(f"Not solved: {'; '.join(unsolved)}.")
-    return " ".join(said)
+        sentences.append(f"Not solved: {'; '.join(unsolved)}.")
+    return " ".join(sentences)
 
 
-def _at(one: Compared) -> str:
-    return f"{plain(100.0 * one.difference, 2, '+')} % at {digits(one.preload)} N"
+def _agreement_sentences(numbers: Sequence[Compared]) -> list[str]:
+    """States whether both models agree, and the largest difference of each quantity."""
+    # of each name the last: beyond the estimates if any is, and there the largest
+    order = sorted(numbers, key=lambda n: (n.exceeds_errors, abs(n.difference)))
+    worst = {number.name: number for number in order}
+    share = worst.pop(SHARE_LABEL)
+    with_errors = [number for number in worst.values() if np.isfinite(number.errors)]
+    within = "; ".join(_difference_text(n) for n in with_errors if not n.exceeds_errors)
+    beyond = "; ".join(_difference_text(n) for n in with_errors if n.exceeds_errors)
+    agrees = "agrees" if within else "does not agree"
+    verdict = f"{agrees} with the steady values of the map within the estimated numerical errors"
+    if within and beyond:
+        verdict = "agrees only partly with the steady values of the map"
+    return [
+        f"The dynamic model {verdict}.",
+        *([f"Largest differences within the error estimates: {within}."] if within else []),
+        *([f"Differences beyond the error estimates: {beyond}."] if beyond else []),
+        f"The largest difference in the {SHARE_LABEL} is {_percent_text(share)}.",
+    ]
+
+
+def _difference_text(number: Compared) -> str:
+    """Returns the name of a number without its unit, its difference, and its errors."""
+    name, errors = number.name.partition(" (")[0], plain(100.0 * number.errors, 2)
+    return f"{name}, {_percent_text(number)} (estimates: {errors} %)"
+
+
+def _percent_text(number: Compared) -> str:
+    """Returns the difference of a number [%], and its preload."""
+    return f"{plain(100.0 * number.difference, 2, '+')} % at {digits(number.preload)} N"

@@ -36,29 +36,20 @@ from bearingwear.studies.design.changes import (
 )
 from bearingwear.studies.design.choice import (
     ACTIVE,
-    at_scene,
     design_files,
     limit_margins,
     limits_of,
+    line_of_scene,
 )
 from bearingwear.studies.design.conditions import DECIDING
-from bearingwear.studies.design.document.held import (
-    conditions_words,
-    decides_words,
-    deciding_of,
-    extreme_words,
-    lives_words,
-    stated_warnings,
-    worst_words,
-)
 from bearingwear.studies.design.document.sentences import (
-    by_life,
     headline,
     life_sentence,
     makers_minimum_sentences,
     method_names,
     none_sentences,
     none_title,
+    recommended_points,
     sentence,
     setting_sentence,
     spacer_offset,
@@ -69,14 +60,23 @@ from bearingwear.studies.design.document.words import (
     HERTZIAN_LIFE_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
-    held_words,
+    active_limit_words,
     limit_text,
+)
+from bearingwear.studies.design.document.worst_conditions import (
+    brief_condition_words,
+    conditions_words,
+    critical_extreme,
+    deciding_by_method,
+    extent_words,
+    lives_condition_words,
+    stated_warnings,
 )
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES
 from bearingwear.studies.design.sampled import sampled_blocks
 
-SHORT_TABLE = [one for one in LIMITED.values() if one.brief]
+SHORT_TABLE = [measure for measure in LIMITED.values() if measure.brief]
 """Measures in short tables, each by the worst of its kinds; the residual preload follows them."""
 
 AT_END = "residual_preload_at_end"
@@ -99,151 +99,188 @@ def design_answer(
     uncertainty: Path | None = None,
     spread: Path | None = None,
 ) -> str:
-    """Step: which preload to take, as the page reads it.
+    """Step: returns which preload to take, as the page reads it.
 
     design, recommendation, uncertainty: as of `design_files`.
     spread: quantiles of lives at the recommended preloads, in place of `uncertainty`.
     """
-    lives, found, sampled = design_files(design, recommendation, uncertainty)
+    lives, recommended, sampled = design_files(design, recommendation, uncertainty)
     sampled = sampled if spread is None else load_quantiles(spread)[0]
-    return preload_document(found, lives, sampled).stored
+    return preload_document(recommended, lives, sampled).stored
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
-    """Step: the whole map as CSV, and which preload to take as Markdown."""
-    lives, found, sampled = design_files(design, recommendation, uncertainty)
+    """Step: returns the whole map as CSV, and which preload to take as Markdown."""
+    lives, recommended, sampled = design_files(design, recommendation, uncertainty)
     heads = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
-    made = preload_document(found, lives, sampled)
-    return dataset_csv(lives, dict(zip(MAP_AXES, heads, strict=True))), as_markdown(made)
+    document = preload_document(recommended, lives, sampled)
+    return dataset_csv(lives, dict(zip(MAP_AXES, heads, strict=True))), as_markdown(document)
 
 
 def recommendation_sheet(file: Any) -> Document:
-    """Sheet of an open file of a recommendation."""
+    """Returns the sheet of an open file of a recommendation."""
     return preload_document(load(file.filepath()))
 
 
 def preload_document(
-    found: xr.Dataset, design: xr.Dataset | None = None, uncertainty: xr.Dataset | None = None
+    recommendation: xr.Dataset,
+    design: xr.Dataset | None = None,
+    uncertainty: xr.Dataset | None = None,
 ) -> Document:
-    """Which preload to take for a scene.
+    """Returns which preload to take for a scene.
 
-    found: the recommendation.
-    design: a map of lives beside it.
+    design: a map of lives beside the recommendation.
     uncertainty: quantiles of the lives at the recommended preloads.
     """
-    scene, given = scene_of(found), limits_of(found).given
-    limits = [ascii_text(limit_text(name, value)) for name, value in given.items()]
-    facts = {
+    scene = scene_of(recommendation)
+    stated = stated_warnings(recommendation)
+    spreads = recommended_spreads(recommendation, uncertainty)
+    has_preload = bool(recommended_points(recommendation))
+    blocks = []
+    if has_preload:
+        life = life_sentence(recommendation, spreads)
+        blocks.append(Block("Expected life", lines=(life,), place="verdict"))
+        blocks.append(_setting_block(recommendation))
+    blocks += _none_blocks(recommendation)
+    if has_preload:
+        blocks += [_recommended_block(recommendation, spreads), _changes_block(recommendation)]
+    if stated:
+        lines = [sentence(f"{warning['sentence']}; {warning['advice']}") for warning in stated]
+        blocks.append(Block("Warnings (worst values)", lines=tuple(lines), place="strip"))
+    blocks += machine_blocks(recommendation)
+    blocks += [] if design is None else [_map_block(design)]
+    blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
+    subtitle = f"{conditions_words(recommendation)}; {_friction_words(scene)}"
+    figures = ("design", "map", "uncertainty")
+    heading = (headline(recommendation), subtitle)
+    facts = _facts(recommendation, stated)
+    return Document(heading, facts, tuple(blocks), figures, "Recommended preload")
+
+
+def _facts(recommendation: xr.Dataset, stated: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Returns the facts of the document, with the warnings that it states."""
+    scene, limits = scene_of(recommendation), limits_of(recommendation).given
+    return {
         "kind": "recommendation",
         "scene": scene["name"],
         "bearing": bearing_line(scene),
-        "limits": limits,
-        NONE_BECAUSE: json.loads(found.attrs.get(NONE_BECAUSE, "{}")),
-        "conditions": conditions_words(found),
-        "worst": worst_words(found),
-        "life_at": lives_words(found),
-        DECIDING: deciding_of(found),
-        "warnings": [warning_line(one).removeprefix(WARNING) for one in stated_warnings(found)],
+        "limits": [ascii_text(limit_text(name, value)) for name, value in limits.items()],
+        NONE_BECAUSE: json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}")),
+        "conditions": conditions_words(recommendation),
+        "worst": extent_words(recommendation),
+        "life_at": lives_condition_words(recommendation),
+        DECIDING: deciding_by_method(recommendation),
+        "warnings": [warning_line(warning).removeprefix(WARNING) for warning in stated],
     }
-    spread, blocks = _spreads(found, uncertainty), []
-    if by_life(found):
-        blocks += [
-            Block("Expected life", lines=(life_sentence(found, spread),), place="verdict"),
-            Block(
-                "Setting the preload",
-                lines=(
-                    setting_sentence(found),
-                    *makers_minimum_sentences(found),
-                    trust_sentence(found),
-                ),
-                place="lead",
-            ),
-        ]
-    if why := none_sentences(found):
-        title = none_title(found) if given else "Effect of a requirement"
-        minimum = [] if by_life(found) else makers_minimum_sentences(found)
-        blocks.append(Block(title, lines=(*why, *minimum), place="lead"))
-    if by_life(found):
-        blocks += [_recommended(found, spread), _changes(found)]
-    warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in stated_warnings(found)]
-    if warned:
-        blocks.append(Block("Warnings (worst values)", lines=tuple(warned), place="strip"))
-    blocks += machine_blocks(found)
-    blocks += [] if design is None else [_over_preload(design)]
-    blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
-    where = f"{conditions_words(found)}; {_friction_words(scene)}"
-    figures = ("design", "map", "uncertainty")
-    return Document((headline(found), where), facts, tuple(blocks), figures, "Recommended preload")
+
+
+def _setting_block(recommendation: xr.Dataset) -> Block:
+    """Returns what to specify, and what the life may be used for."""
+    lines = (
+        setting_sentence(recommendation),
+        *makers_minimum_sentences(recommendation),
+        trust_sentence(recommendation),
+    )
+    return Block("Setting the preload", lines=lines, place="lead")
+
+
+def _none_blocks(recommendation: xr.Dataset) -> list[Block]:
+    """Returns why a method has no preload, or what a requirement would do; empty otherwise."""
+    reasons = none_sentences(recommendation)
+    if not reasons:
+        return []
+    has_limits = bool(limits_of(recommendation).given)
+    title = none_title(recommendation) if has_limits else "Effect of a requirement"
+    has_preload = bool(recommended_points(recommendation))
+    minimum = [] if has_preload else makers_minimum_sentences(recommendation)
+    return [Block(title, lines=(*reasons, *minimum), place="lead")]
 
 
 def _friction_words(scene: Mapping[str, Any]) -> str:
+    """Returns the friction coefficient of a scene in words."""
     mu = scene["friction"].get("ball_race")
     return "friction of a film" if mu is None else f"friction {mu:g}"
 
 
-def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spread | None]:
-    """Of the life at the recommended preload of each method, where it was sampled."""
-    scene = scene_of(found)
-    known = [] if uncertainty is None else [uncertainty]
+def recommended_spreads(
+    recommendation: xr.Dataset, uncertainty: xr.Dataset | None
+) -> dict[str, Spread | None]:
+    """Returns the spread of the life at each recommended preload, by method; None if unknown."""
+    scene = scene_of(recommendation)
+    uncertainties = [] if uncertainty is None else [uncertainty]
     mu = scene["friction"].get("ball_race")
     return {
-        method: spread_of(known, scene, method, mu, RECOMMENDED) for method, _ in methods(found)
+        method: spread_of(uncertainties, scene, method, mu, RECOMMENDED)
+        for method, _ in methods(recommendation)
     }
 
 
-def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Block:
-    """The preload to take by each method, what limits it, its life, and the worst values there."""
-    each = [one for _, one in methods(found)]
-    counts = scene_of(found)["wear"]["counts"].replace("_and_", " + ")
-    held = [
-        held_words(ACTIVE[int(one["active_limit"])], lambda name, one=one: float(one[name]))  # type: ignore[misc]
-        for one in each
-    ]
-    offsets = tuple(
-        spacer_offset(found, float(one["preload"]))
-        if name == "fixed_position" and one["status"] == OK
-        else math.nan
-        for name, one in methods(found)
-    )
+def _recommended_block(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> Block:
+    """Returns the preload of each method, what limits it, its life, and the worst values there."""
     rows = [
-        Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
-        Row("  may be set from", "N", _floats(found["least_preload"]), "least_preload", given=True),
-        Row("  to", "N", _floats(found["most_preload"]), "most_preload", given=True),
-        Row("  spacer offset", "um", offsets, "spacer_offset"),
-        Row("limited by", "", tuple(held), "active_limit"),
-        Row(f"life, {counts}", "h", _lives(found), "life"),
-        *_relative_lives(found),
+        *_preload_rows(recommendation),
+        *_life_rows(recommendation, spreads),
+        *_groove_rows(recommendation),
+        *_worst_value_rows(recommendation),
     ]
-    if any(spread.values()):
-        rows += spread_rows([*spread.values()])
-    else:
-        rows += by_wear_row(scene_of(found), _floats(found["life"]))
-    errors = tuple(Rough(100.0 * error) for error in _floats(found["life_error_estimate"]))
-    rows.append(Row("  its numerical error", "%", errors, "life_error_estimate"))
-    grooves = flag_names(found["groove"])
-    rows.append(Row("  groove model", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"))
-    if "worn" in grooves:
-        hertzian = _floats(found["hertzian_life"])
-        rows.append(Row(f"  {HERTZIAN_LIFE_WORDS}", "h", hertzian, "hertzian_life"))
-    given = limits_of(found).given
-    shown = [one for one in LIMITED.values() if one.brief or one.key in given]
-    for name in [name for one in shown for name in one.extremes if name != "life"] + [AT_END]:
-        label, kind = RECOMMENDED_WORDS[name]
-        # of a rotor without mass there is no frequency; an older file lacks newer measures
-        if name in found and np.isfinite(found[name]).any():
-            rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, kind))
-    rows = [row._replace(note=_where_worst(found, row.name)) for row in rows]
-    rows = [row for row in rows if row.name != "spacer_offset" or np.isfinite(row.values).any()]
-    names = method_names(found)
+    rows = [row._replace(note=_worst_note(recommendation, row.name)) for row in rows]
+    names = method_names(recommendation)
     notes = "worst condition"
     if any(" / " in row.note for row in rows):
         notes += f" ({' / '.join(names)})"
     return Block("recommended", tuple(names), tuple(rows), place="open", notes=notes)
 
 
-def _lives(found: xr.Dataset) -> tuple[float, ...]:
-    """Lives [h], in the digits that their errors leave, three at most."""
-    columns = (found[name].values for name in ("life", "life_error_estimate"))
+def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
+    """Returns rows of the preload of each method, its range, its offset, and what limits it."""
+
+    def row(label: str, name: str) -> Row:
+        return Row(label, "N", _floats(recommendation[name]), name, given=True)
+
+    points = methods(recommendation)
+    offsets = tuple(
+        spacer_offset(recommendation, float(point["preload"]))
+        if method == "fixed_position" and point["status"] == OK
+        else math.nan
+        for method, point in points
+    )
+    rows = [
+        row("initial preload", "preload"),
+        row("  may be set from", "least_preload"),
+        row("  to", "most_preload"),
+    ]
+    if np.isfinite(offsets).any():
+        rows.append(Row("  spacer offset", "um", offsets, "spacer_offset"))
+    limited_by = tuple(_limited_by_words(point) for _, point in points)
+    return [*rows, Row("limited by", "", limited_by, "active_limit")]
+
+
+def _limited_by_words(point: xr.Dataset) -> str:
+    """Returns what keeps the preload of a method from one with a longer life."""
+    name = ACTIVE[int(point["active_limit"])]
+    return active_limit_words(name, lambda extreme: float(point[extreme]))
+
+
+def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> list[Row]:
+    """Returns rows of the lives, their spread and their numerical error."""
+    scene, lives = scene_of(recommendation), _floats(recommendation["life"])
+    counts = scene["wear"]["counts"].replace("_and_", " + ")
+    rows = [Row(f"life, {counts}", "h", _lives_to_error(recommendation), "life")]
+    if np.count_nonzero(np.array(lives) > 0.0) > 1:
+        longest = float(np.nanmax(lives))
+        relative = tuple(life / longest for life in lives)
+        rows.append(Row("  relative, whatever K_s/H", "", relative, "relative_life"))
+    if any(spreads.values()):
+        rows += spread_rows([*spreads.values()])
+    else:
+        rows += by_wear_row(scene, lives)
+    errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
+    return [*rows, Row("  its numerical error", "%", errors, "life_error_estimate")]
+
+
+def _lives_to_error(recommendation: xr.Dataset) -> tuple[float, ...]:
+    """Returns the lives [h], in the digits that their errors leave, three at most."""
+    columns = (recommendation[name].values for name in ("life", "life_error_estimate"))
     return tuple(
         Estimated.of(life, max(error * life, 10.0 ** (math.floor(math.log10(life)) - 2)))
         if life > 0.0 and error > 0.0
@@ -252,24 +289,40 @@ def _lives(found: xr.Dataset) -> tuple[float, ...]:
     )
 
 
-def _relative_lives(found: xr.Dataset) -> tuple[Row, ...]:
-    """Each life over the longest, whatever K_s/H: a row where two methods have a life."""
-    lives = found["life"].values
-    if np.count_nonzero(lives > 0.0) < 2:
-        return ()
-    label = "  relative, whatever K_s/H"
-    return (Row(label, "", _floats(lives / np.nanmax(lives)), "relative_life"),)
+def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
+    """Returns rows of the groove model and, for worn grooves, of the life with Hertzian ones."""
+    grooves = flag_names(recommendation["groove"])
+    words = tuple(GROOVE_WORDS[name] for name in grooves)
+    rows = [Row("  groove model", "", words, "groove")]
+    if "worn" in grooves:
+        hertzian = _floats(recommendation["hertzian_life"])
+        rows.append(Row(f"  {HERTZIAN_LIFE_WORDS}", "h", hertzian, "hertzian_life"))
+    return rows
 
 
-def _where_worst(found: xr.Dataset, name: str) -> str:
-    """Where a quantity is the worst, by each method that has a preload."""
+def _worst_value_rows(recommendation: xr.Dataset) -> list[Row]:
+    """Returns rows of the worst values from new to the end of life, and of the preload then."""
+    limits = limits_of(recommendation).given
+    shown = [measure for measure in LIMITED.values() if measure.brief or measure.key in limits]
+    names = [name for measure in shown for name in measure.extremes if name != "life"]
+    rows = []
+    for name in [*names, AT_END]:
+        label, shown_as = RECOMMENDED_WORDS[name]
+        # of a rotor without mass there is no frequency; an older file lacks newer measures
+        if name in recommendation and np.isfinite(recommendation[name]).any():
+            values = recommendation[name]
+            rows.append(quantity_row(label, values.attrs["units"], values, name, shown_as))
+    return rows
+
+
+def _worst_note(recommendation: xr.Dataset, name: str) -> str:
+    """Returns where a quantity is the worst, by each method that has a preload."""
     words = []
-    for _, one in methods(found):
-        active = ACTIVE[int(one["active_limit"])]
-        if name == "active_limit" and active in LIMITED:
-            words.append(decides_words(found, one, active, brief=True))
-        else:
-            words.append(extreme_words(found, one, name, brief=True))
+    for _, point in methods(recommendation):
+        active = ACTIVE[int(point["active_limit"])]
+        is_of_limit = name == "active_limit" and active in LIMITED
+        extreme = critical_extreme(point, active) if is_of_limit else name
+        words.append(brief_condition_words(recommendation, point, extreme))
     return " / ".join(dict.fromkeys(filter(None, words)))
 
 
@@ -277,71 +330,83 @@ def _floats(values: Any) -> tuple[float, ...]:
     return tuple(float(value) for value in values)
 
 
-def _changes(found: xr.Dataset) -> Block:
-    """Values at which the other method becomes better: of each requirement, friction, warmth."""
-    rows = []
-    for k, name in enumerate(flag_names(found["change"])):
-        words, unit = change_words(name)
-        columns = ("value_now", "other_better_below", "other_better_above")
-        ends = *columns, "tried_from", "tried_to"
-        now, below, above, low, high = (float(found[column][k]) for column in ends)
-        if name == GROOVE_KEY:
-            which = "with" if math.isfinite(below) else "not with"
-            rows.append(Row(words, unit, ("worn", f"{which} a Hertzian groove"), name))
-            continue
-        factor = 100.0 if unit == "%" else 1.0
-        places = (("below", below), ("above", above))
-        known = [f"{side} {digits(factor * end)}" for side, end in places if math.isfinite(end)]
-        none = f"not within {digits(factor * low)} to {digits(factor * high)}"
-        rows.append(Row(words, unit, (digits(factor * now), " or ".join(known) or none), name))
+def _changes_block(recommendation: xr.Dataset) -> Block:
+    """Returns values of assumptions at which the other method becomes better."""
+    title = "What would change the choice"
+    names = flag_names(recommendation["change"])
+    rows = tuple(_change_row(recommendation.isel(change=k), name) for k, name in enumerate(names))
     if not rows:
-        return Block("What would change the choice", lines=("No other method to compare.",))
-    heads = ("now", "other method better")
-    return Block("What would change the choice", heads, tuple(rows), place="lead")
+        return Block(title, lines=("No other method to compare.",))
+    return Block(title, ("now", "other method better"), rows, place="lead")
+
+
+def _change_row(change: xr.Dataset, name: str) -> Row:
+    """Returns the value of an assumption now, and those at which the other method is better."""
+    words, unit = change_words(name)
+    below, above = float(change["other_better_below"]), float(change["other_better_above"])
+    if name == GROOVE_KEY:
+        which = "with" if math.isfinite(below) else "not with"
+        return Row(words, unit, ("worn", f"{which} a Hertzian groove"), name)
+
+    def text(value: float) -> str:
+        return digits((100.0 if unit == "%" else 1.0) * value)
+
+    ends = [
+        f"{side} {text(end)}"
+        for side, end in (("below", below), ("above", above))
+        if math.isfinite(end)
+    ]
+    low, high = (text(float(change[end])) for end in ("tried_from", "tried_to"))
+    other_better = " or ".join(ends) or f"not within {low} to {high}"
+    return Row(words, unit, (text(float(change["value_now"])), other_better), name)
 
 
 def change_words(name: str) -> tuple[str, str]:
-    """Words and unit of what may be otherwise than assumed."""
+    """Returns words and unit of what may be otherwise than assumed."""
     if name in CHANGE_WORDS:
         return CHANGE_WORDS[name]
-    one = LIMITED[name.removeprefix(LIMIT_KEY)]
-    return f"{'required' if one.falls else 'permitted'} {one.words}", one.unit
+    measure = LIMITED[name.removeprefix(LIMIT_KEY)]
+    return f"{'required' if measure.falls else 'permitted'} {measure.words}", measure.unit
 
 
 def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
-    """Life, the worst of each measure of short tables, and violated requirements, at points."""
-    life = Row("life", "h", tuple(float(one["life"]) for one in points), "life")
+    """Returns the lives at points, the worst of some measures, and the violated requirements."""
+    life = Row("life", "h", tuple(float(point["life"]) for point in points), "life")
+    rows = []
+    for measure in SHORT_TABLE:
+        worst = [measure.worst(point) for point in points]
+        label, unit, shown_as = measure.short, measure.si_unit, measure.shown_as
+        rows.append(quantity_row(label, unit, worst, measure.key, shown_as))
+    end_label, _ = RECOMMENDED_WORDS[AT_END]
+    end = quantity_row(end_label, "N", [point[AT_END] for point in points], AT_END)
+    violations = Row("requirements violated", "", tuple(map(violated_words, points)))
+    return [life, *rows, end, violations]
+
+
+def violated_words(point: xr.Dataset) -> str:
+    """Returns which requirements a point violates, or why it has no life."""
+    if int(point["status"]) != OK:
+        return f"not solved: {name_in_words(STATUS_NAMES[int(point['status'])])}"
+    limits = limits_of(point)
+    margins = zip(limits.effective, limit_margins(point, limits), strict=True)
+    violated = [LIMITED[name].words for name, margin in margins if not margin >= -SAME]
+    if number := int(point["impractical"]):
+        violated.append(f"impractical design: {name_in_words(IMPRACTICAL[number - 1])}")
+    return ", ".join(violated) or NONE_VIOLATED
+
+
+def _map_block(design: xr.Dataset) -> Block:
+    """Returns every preload of the map, by each method, at the scene's friction and speed."""
+    scene, lines = scene_of(design), methods(line_of_scene(design))
+    preloads, names, points = [], [], []
+    for k, preload in enumerate(design["preload"].values):
+        for method, line in lines:
+            preloads.append(float(preload))
+            names.append(method_words(scene, method))
+            points.append(line.isel(preload=k))
     rows = [
-        quantity_row(one.short, one.si_unit, map(one.worst, points), one.key, one.shown_as)
-        for one in SHORT_TABLE
-    ]
-    end = quantity_row(RECOMMENDED_WORDS[AT_END][0], "N", [one[AT_END] for one in points], AT_END)
-    return [life, *rows, end, Row("requirements violated", "", tuple(map(violated, points)))]
-
-
-def violated(one: xr.Dataset) -> str:
-    """Which requirements a point violates, or why it has no life."""
-    if int(one["status"]) != OK:
-        return f"not solved: {name_in_words(STATUS_NAMES[int(one['status'])])}"
-    limits = limits_of(one)
-    margins = zip(limits.held, limit_margins(one, limits), strict=True)
-    beyond = [LIMITED[name].words for name, left in margins if not left >= -SAME]
-    if number := int(one["impractical"]):
-        beyond.append(f"impractical design: {name_in_words(IMPRACTICAL[number - 1])}")
-    return ", ".join(beyond) or NONE_VIOLATED
-
-
-def _over_preload(design: xr.Dataset) -> Block:
-    """Every preload of the map, by each method, at the scene's friction and speed."""
-    points = [
-        (float(preload), method, one.isel(preload=k))
-        for k, preload in enumerate(design["preload"].values)
-        for method, one in methods(at_scene(design))
-    ]
-    names = tuple(method_words(scene_of(design), method) for _, method, _ in points)
-    rows = [
-        Row("preload", "N", tuple(preload for preload, _, _ in points), "preload", given=True),
-        Row("preload method", "", names, "preload_method"),
-        *brief_rows([one for _, _, one in points]),
+        Row("preload", "N", tuple(preloads), "preload", given=True),
+        Row("preload method", "", tuple(names), "preload_method"),
+        *brief_rows(points),
     ]
     return Block("Life and requirements against preload", rows=tuple(rows), axes=2, place="charted")

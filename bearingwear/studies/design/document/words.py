@@ -1,6 +1,7 @@
-"""Requirements of the design study and what determines a preload, in words."""
+"""Requirements of the design study in words, and what keeps a preload from a longer life."""
 
 import json
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -8,7 +9,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, LIMITED, Measure
 from bearingwear.results.units import printed_unit
 
-LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
+LIMIT_WORDS = {name: measure.words for name, measure in LIMITED.items()} | {
     "none": "no requirement: longest life",
     "end_of_range": "no requirement",
     "not_solved": "a neighbouring point without a solution",
@@ -19,36 +20,39 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
 """What keeps a preload from one with a longer life."""
 
 
-def held_words(name: str, extremes: Callable[[str], Any]) -> str:
-    """What keeps a preload from a longer life, and which of its kinds by the extremes there."""
-    one = LIMITED.get(name)
-    if one is None:
+def active_limit_words(name: str, extremes: Callable[[str], Any]) -> str:
+    """Returns what keeps a preload from a longer life: for a measure, the kind that decides.
+
+    extremes: function from the name of an extreme to its value at the preload.
+    """
+    measure = LIMITED.get(name)
+    if measure is None:
         return LIMIT_WORDS[name]
-    value, which = one.critical_extreme(extremes)
-    return one.words_of(which, short=True) if value == value else one.short
+    value, extreme = measure.critical_extreme(extremes)
+    return measure.short if math.isnan(value) else measure.words_of(extreme, short=True)
 
 
-def ending_measure(one: Any) -> Measure | None:
-    """The criterion that determines the end of life of a point; None where it is not known."""
-    criterion = one["end_criterion"]
+def ending_measure(point: Any) -> Measure | None:
+    """Returns the criterion that determines the end of life; None where it is not known."""
+    criterion = point["end_criterion"]
     name = criterion.attrs["flag_meanings"].split()[int(criterion)]
-    return ENDS.get(name) if int(one["status"]) == OK else None
+    return ENDS.get(name) if int(point["status"]) == OK else None
 
 
 def limit_text(name: str, value: float) -> str:
-    """A requirement in words."""
-    one = LIMITED[name]
-    side = "at least" if one.falls else "at most"
-    unit = "" if one.unit == "1" else f" {printed_unit(one.unit)}"
-    return f"{one.words} {side} {one.shown_limit(value):g}{unit}"
+    """Returns a requirement in words."""
+    measure = LIMITED[name]
+    side = "at least" if measure.falls else "at most"
+    unit = "" if measure.unit == "1" else f" {printed_unit(measure.unit)}"
+    return f"{measure.words} {side} {measure.shown_limit(value):g}{unit}"
 
 
 _AT_END = {"residual_preload_at_end": ("residual preload at end of life", "")}
 
 RECOMMENDED_WORDS = {
-    name: (" ".join(filter(None, (one.worst_word, one.kinds[k], one.short))), one.shown_as)
-    for one in LIMITED.values()
-    for k, name in enumerate(one.extremes)
+    name: (" ".join(filter(None, (measure.worst_word, kind, measure.short))), measure.shown_as)
+    for measure in LIMITED.values()
+    for name, kind in zip(measure.extremes, measure.kinds, strict=True)
 } | _AT_END
 """Quantities beside a recommended life, and how they are shown where the unit does not say."""
 
@@ -57,25 +61,28 @@ NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, why it has none."""
 
 NO_LIMIT = "no requirement was given"
-"""Why, where there is nothing to choose by."""
+"""Reason for no preload where there is nothing to choose by."""
 
 AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
-"""What there is to say without a requirement, in a headline."""
+"""Headline without a requirement."""
 
 WHAT_LIMITS = (
     "Without a requirement, the lowest preload always causes the least wear. State what the "
     "machine requires, such as a minimum stiffness, and what the bearing can withstand, such as a "
     "maximum pressure. Only preloads that satisfy these requirements are then considered."
 )
-"""What a requirement does, where none was given."""
+"""Advice where no requirement was given."""
 
 
 def without_limits(attribute: str) -> tuple[str, str]:
-    """A headline where no requirement was given, and what one would do; of `NONE_BECAUSE`."""
-    none = json.loads(attribute)
-    if NO_LIMIT in none.values():
+    """Returns a headline where no requirement was given, and advice, which may be empty.
+
+    attribute: `NONE_BECAUSE` of the recommendation.
+    """
+    reasons = dict.fromkeys(json.loads(attribute).values())
+    if NO_LIMIT in reasons:
         return AS_LITTLE, WHAT_LIMITS
-    return f"{NO_LIMIT}; {'; '.join(dict.fromkeys(none.values()))}", ""
+    return f"{NO_LIMIT}; {'; '.join(reasons)}", ""
 
 
 GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "worn"}

@@ -30,176 +30,178 @@ from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
     UNLIMITED,
-    at_scene,
-    front,
     limit_margins,
     limits_of,
+    line_of_scene,
+    pareto_front,
     stiffness_of,
 )
 from bearingwear.studies.design.document.sentences import headline
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import WORN_GROOVE
+from bearingwear.studies.design.plan import DesignLimits
 
-LETTERS = {name: one.letter for name, one in LIMITED.items()}
+LETTERS = {name: measure.letter for name, measure in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NB", strict=True))
-"""What holds a preload, on a map."""
+"""Letters on a map, for what keeps a preload from a longer life."""
 
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 PALE = {"alpha": 0.6, "linewidth": 0.9}
-"""Of lives that violate a requirement."""
+"""Style of lives that violate a requirement."""
 _LIMIT_LINE: dict[str, Any] = {"color": "black", "linewidth": 1.0, "linestyle": (0, (6, 2))}
 STIFFNESS_UNIT = display("N m-1")
-
-
-def at_recommended(uncertainty: xr.Dataset, flag: int) -> xr.Dataset:
-    """Spread of the life at the recommended preload of a method, with all that is uncertain."""
-    return uncertainty.sel(
-        preload_method=flag, preload_choice=RECOMMENDED, uncertain_inputs=ALL_INPUTS
-    )
 
 
 def design_figure(
     design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset | None
 ) -> Figure:
-    """Life over preload and over stiffness, and the recommended preload over friction and speed.
+    """Draws life over preload and stiffness, and the recommended preload over friction and speed.
 
     The latter only of a map that has several of both.
     """
-    area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
-    figure, panels = new_figure(2 if area else 1, 2, 7.2, 7.4 if area else 4.2)
-    limits = limits_of(design)
-    line = at_scene(design)
-    followed = bool((line["groove"] == WORN_GROOVE).any())
+    has_area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
+    figure, panels = new_figure(2 if has_area else 1, 2, 7.2, 7.4 if has_area else 4.2)
     over_preload, over_stiffness = panels[0]
-    failed = False
-    for name, one in methods(line) if followed else ():
-        _hertzian(over_preload, name, one)
-    best = front(line)
-    for k, (name, one) in enumerate(methods(line)):
-        allowed = (one["status"] == OK) & (one["impractical"] == 0)
-        for margin in limit_margins(one, limits):
-            allowed &= margin >= 0.0
-        _over_preload(over_preload, name, one, allowed)
-        on_front = best.isel(preload_method=k).values
-        _over_stiffness(over_stiffness, name, one, allowed, on_front)
-        failed |= mark_failed(over_preload, one["preload"], one["status"], COLOURS[name], k)
-        chosen = recommendation.isel(preload_method=k)
-        if np.isfinite(chosen["preload"]):
-            _recommended(panels[0], name, chosen)
+    lives = line_of_scene(design)
+    has_worn_grooves = bool((lives["groove"] == WORN_GROOVE).any())
+    if has_worn_grooves:
+        for method, line in methods(lives):
+            _draw_hertzian_lives(over_preload, method, line)
+    has_failed = False
+    front = pareto_front(lives)
+    for k, (method, line) in enumerate(methods(lives)):
+        is_allowed = _is_allowed(line, limits_of(design))
+        _draw_lives_over_preload(over_preload, method, line, is_allowed)
+        is_on_front = front.isel(preload_method=k).values
+        _draw_lives_over_stiffness(over_stiffness, method, line, is_allowed, is_on_front)
+        has_failed |= mark_failed(over_preload, line["preload"], line["status"], COLOURS[method], k)
+        point = recommendation.isel(preload_method=k)
+        if np.isfinite(point["preload"]):
+            _draw_stars(over_preload, over_stiffness, method, point)
             if uncertainty is not None:
-                lives = at_recommended(uncertainty, int(chosen["preload_method"]))["life_quantile"]
-                _spread_bar(over_preload, name, chosen, lives)
+                _draw_spread_bar(over_preload, method, point, uncertainty)
     stiffness = stiffness_of(design)
-    limit = limits.given.get(stiffness.key)
+    limit = limits_of(design).given.get(stiffness.key)
     if limit is not None:
         over_stiffness.axvline(limit, **_LIMIT_LINE)
     for panel in panels[0]:
         panel.set_ylabel("wear life (h)")
-        if bool((line["life"] > 0.0).any()):
-            _logarithmic(panel)
+        if bool((lives["life"] > 0.0).any()):
+            _set_logarithmic_life(panel)
     over_preload.set(xlabel="initial preload (N)", title="life against preload")
     over_stiffness.set(
         xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"),
         title="life against stiffness",
     )
-    as_wide_as_it_is(over_preload, design)
-    if area:
-        _choices(figure, panels[1], design)
+    set_preload_scale(over_preload, design)
+    if has_area:
+        _draw_choices(figure, panels[1], design)
     handles = [
-        *method_keys([name for name, _ in methods(line)], scene_of(design)),
-        *_keys(scene_of(design), limit is not None, uncertainty is not None),
-        *_groove_keys(followed),
-        *_end_keys(line),
-        *(_letter_keys(design) if area else ()),
-        *failed_keys(failed),
+        *method_keys([method for method, _ in methods(lives)], scene_of(design)),
+        *_life_keys(scene_of(design), limit is not None, uncertainty is not None),
+        *(_groove_keys() if has_worn_grooves else ()),
+        *_end_keys(lives),
+        *(_letter_keys(design) if has_area else ()),
+        *failed_keys(has_failed),
     ]
     frame(figure, headline(recommendation), handles, columns=3)
     return figure
 
 
-def _logarithmic(panel: Any) -> None:
-    """A logarithmic axis of life; matplotlib needs at least one that is above zero."""
+def _is_allowed(line: xr.Dataset, limits: DesignLimits) -> xr.DataArray:
+    """Returns which points of a line satisfy all requirements."""
+    is_allowed = (line["status"] == OK) & (line["impractical"] == 0)
+    for margin in limit_margins(line, limits):
+        is_allowed &= margin >= 0.0
+    return is_allowed
+
+
+def _set_logarithmic_life(panel: Any) -> None:
+    """Makes the axis of life logarithmic; matplotlib needs at least one that is above zero."""
     panel.set_yscale("log")
     panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     panel.yaxis.set_major_formatter("{x:g}")
     panel.yaxis.set_minor_formatter(NullFormatter())
 
 
-def as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
-    """A logarithmic axis of preload where it spans more than a decade and a half."""
+def set_preload_scale(panel: Any, design: xr.Dataset) -> None:
+    """Makes the axis of preload logarithmic where it spans more than a decade and a half."""
     preloads = design["preload"].values
     if preloads[-1] > 30.0 * preloads[0]:
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
 
 
-def _over_preload(panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray) -> None:
-    """Lives of a method, pale where a requirement is violated."""
-    lives = one["life"].where(lambda h: h > 0.0)
-    look = {"color": COLOURS[name]}
-    panel.plot(one["preload"], lives, **PALE, **look)
-    panel.plot(one["preload"], lives.where(allowed), **look)
-    for k, end in new_ends(one):
+def _draw_lives_over_preload(
+    panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray
+) -> None:
+    """Draws lives of a method, pale where a requirement is violated."""
+    lives = line["life"].where(lambda life: life > 0.0)
+    look = {"color": COLOURS[method]}
+    panel.plot(line["preload"], lives, **PALE, **look)
+    panel.plot(line["preload"], lives.where(is_allowed), **look)
+    for k, end in end_changes(line):
         mark = {"marker": ENDS[end].mark, "markersize": 5, "markerfacecolor": "white"}
-        panel.plot(one["preload"][k], lives[k], color=COLOURS[name], zorder=4, **mark)
+        panel.plot(line["preload"][k], lives[k], color=COLOURS[method], zorder=4, **mark)
 
 
-def new_ends(one: xr.Dataset) -> list[tuple[int, str]]:
-    """Places along the preload from which on something else ends the life, and what."""
-    names = one["end_criterion"].attrs["flag_meanings"].split()
-    solved = np.flatnonzero((one["status"] == OK).values)
-    ends = [names[int(flag)] for flag in one["end_criterion"].values[solved]]
+def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
+    """Returns places along the preload from which on another criterion ends the life, and which."""
+    names = line["end_criterion"].attrs["flag_meanings"].split()
+    solved = np.flatnonzero((line["status"] == OK).values)
+    ends = [names[int(flag)] for flag in line["end_criterion"].values[solved]]
     pairs = zip(solved[1:], ends, ends[1:], strict=False)
     return [(int(k), end) for k, before, end in pairs if end != before and end in ENDS]
 
 
-def _hertzian(panel: Any, name: str, one: xr.Dataset) -> None:
-    """Lives with grooves that keep their shape, beside those with grooves followed."""
-    lives = one["hertzian_life"].where(lambda h: h > 0.0)
-    panel.plot(one["preload"], lives, color=COLOURS[name], linewidth=0.8, linestyle=":")
+def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
+    """Draws lives with grooves that keep their shape, beside those with worn grooves."""
+    lives = line["hertzian_life"].where(lambda life: life > 0.0)
+    panel.plot(line["preload"], lives, color=COLOURS[method], linewidth=0.8, linestyle=":")
 
 
-def _over_stiffness(
-    panel: Any, name: str, one: xr.Dataset, allowed: xr.DataArray, on_front: np.ndarray
+def _draw_lives_over_stiffness(
+    panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray, is_on_front: np.ndarray
 ) -> None:
-    """Lives of a method, pale where a requirement is violated, with dots on the Pareto front."""
-    lives = one["life"].where(lambda h: h > 0.0)
-    stiffness = STIFFNESS_UNIT.of(stiffness_of(one).worst(one))
-    look = {"color": COLOURS[name]}
+    """Draws lives of a method, pale where a requirement is violated, with dots on the front."""
+    lives = line["life"].where(lambda life: life > 0.0)
+    stiffness = STIFFNESS_UNIT.of(stiffness_of(line).worst(line))
+    look = {"color": COLOURS[method]}
     dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
     panel.plot(stiffness, lives, **PALE, **look)
-    panel.plot(stiffness, lives.where(allowed), **look)
-    panel.plot(stiffness[on_front], lives[on_front], **dot)
+    panel.plot(stiffness, lives.where(is_allowed), **look)
+    panel.plot(stiffness[is_on_front], lives[is_on_front], **dot)
 
 
-def _recommended(panels: Any, name: str, chosen: xr.Dataset) -> None:
-    """Stars at the recommended preload."""
-    look = {"color": COLOURS[name], "zorder": 6}
-    life = float(chosen["life"])
-    over_preload, over_stiffness = panels
-    preload, stiffness = (
-        float(chosen["preload"]),
-        STIFFNESS_UNIT.of(float(stiffness_of(chosen).worst(chosen))),
+def _draw_stars(over_preload: Any, over_stiffness: Any, method: str, point: xr.Dataset) -> None:
+    """Draws stars at the recommended preload of a method."""
+    look = {"linestyle": "none", **STAR, "color": COLOURS[method], "zorder": 6}
+    stiffness = STIFFNESS_UNIT.of(float(stiffness_of(point).worst(point)))
+    over_preload.plot(float(point["preload"]), float(point["life"]), **look)
+    over_stiffness.plot(stiffness, float(point["life"]), **look)
+
+
+def _draw_spread_bar(panel: Any, method: str, point: xr.Dataset, uncertainty: xr.Dataset) -> None:
+    """Draws a bar at the recommended preload, between the outer quantiles of the life."""
+    sampled = uncertainty.sel(
+        preload_method=int(point["preload_method"]),
+        preload_choice=RECOMMENDED,
+        uncertain_inputs=ALL_INPUTS,
     )
-    for panel, x in ((over_preload, preload), (over_stiffness, stiffness)):
-        panel.plot(x, life, linestyle="none", **STAR, **look)
-
-
-def _spread_bar(panel: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataArray) -> None:
-    """A bar at the recommended preload, from the least to the largest quantile."""
+    quantiles = sampled["life_quantile"]
     ends = float(quantiles.min("probability")), float(quantiles.max("probability"))
-    panel.vlines(float(chosen["preload"]), *ends, linewidth=1.2, color=COLOURS[name], zorder=5)
+    panel.vlines(float(point["preload"]), *ends, linewidth=1.2, color=COLOURS[method], zorder=5)
 
 
-def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
-    """Recommended preload of every friction and speed, with a letter for what limits it."""
+def _draw_choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
+    """Draws the recommended preload of every friction and speed, with a letter for its limit."""
     scene = scene_of(design)
     preload = design["recommended_preload"]
     low, high = float(preload.min()), float(preload.max())
     image = None
-    for panel, (name, one) in zip(panels, methods(design), strict=False):
-        values = one["recommended_preload"].transpose("friction", "shaft_speed")
-        speeds, frictions = design["shaft_speed"].values / 1e3, design["friction"].values
+    speeds, frictions = design["shaft_speed"].values / 1e3, design["friction"].values
+    for panel, (method, area) in zip(panels, methods(design), strict=False):
+        values = area["recommended_preload"].transpose("friction", "shaft_speed")
         image = panel.pcolormesh(
             speeds,
             frictions,
@@ -210,9 +212,9 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
             vmax=high,
             rasterized=True,
         )
-        active = one["active_limit"].transpose("friction", "shaft_speed").values
+        active = area["active_limit"].transpose("friction", "shaft_speed").values
         for i, j in np.ndindex(active.shape):
-            dark = values.values[i, j] > 0.5 * (low + high)
+            is_dark = values.values[i, j] > 0.5 * (low + high)
             panel.text(
                 speeds[j],
                 frictions[i],
@@ -220,7 +222,7 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
                 ha="center",
                 va="center",
                 fontsize=5.5,
-                color="white" if dark else "0.2",
+                color="white" if is_dark else "0.2",
             )
         panel.plot(
             scene["operation"]["shaft_speed_rpm"] / 1e3,
@@ -232,7 +234,7 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
             markeredgewidth=1.4,
         )
         panel.grid(False)
-        panel.set_title(f"recommended preload, {method_words(scene, name)}")
+        panel.set_title(f"recommended preload, {method_words(scene, method)}")
         panel.set_xlabel("shaft speed (1000 r/min)")
         panel.set_ylabel("friction coefficient")
     if image is not None:
@@ -241,12 +243,12 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
 
 
 def counting_key(scene: Mapping[str, Any]) -> Any:
-    """Legend of what counts as wear."""
+    """Returns the entry of the legend for what counts as wear."""
     return key(f"wear of {counted_words(scene)}", color="0.3")
 
 
-def _keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[Any]:
-    """Legend of the lives."""
+def _life_keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[Any]:
+    """Returns the legend of the lives."""
     limit = key("required stiffness", **_LIMIT_LINE)
     return [
         counting_key(scene),
@@ -262,37 +264,29 @@ def _keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[A
     ]
 
 
-def _groove_keys(followed: bool) -> list[Any]:
-    """Legend of the grooves, where some are followed as they wear."""
-    if not followed:
-        return []
+def _groove_keys() -> list[Any]:
+    """Returns the legend of the grooves."""
     return [
         key("worn grooves", color="0.3"),
         key("Hertzian grooves", color="0.3", linewidth=0.8, linestyle=":"),
     ]
 
 
-def _end_keys(line: xr.Dataset) -> list[Any]:
-    """Legend of the marks where the criterion that determines the end of life changes."""
-    met = dict.fromkeys(end for _, one in methods(line) for _, end in new_ends(one))
+def _end_keys(lives: xr.Dataset) -> list[Any]:
+    """Returns the legend of the marks where the criterion that ends the life changes."""
+    ends = dict.fromkeys(end for _, line in methods(lives) for _, end in end_changes(line))
     look = {"color": "0.3", "linestyle": "none", "markerfacecolor": "white"}
     return [
-        key(f"beyond this kink, life limited by {ENDS[e].short}", marker=ENDS[e].mark, **look)
-        for e in met
+        key(f"beyond this kink, life limited by {ENDS[end].short}", marker=ENDS[end].mark, **look)
+        for end in ends
     ]
 
 
 def _letter_keys(design: xr.Dataset) -> list[Any]:
-    """Legend of the letters on the map."""
-    shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
-    held = {name: "limited by " for name in shown if name != ACTIVE[NO_PRELOAD]}
-    return [
-        *(
-            key(
-                f"{LETTERS[name]}: {held.get(name, '')}{LIMIT_WORDS[name]}",
-                linestyle="none",
-            )
-            for name in shown
-        ),
-        key("scene", color="C3", linestyle="none", marker="o", markerfacecolor="none"),
-    ]
+    """Returns the legend of the letters on the map, and of the scene."""
+    keys = []
+    for flag in np.unique(design["active_limit"].values):
+        name = ACTIVE[flag]
+        verb = "" if name == ACTIVE[NO_PRELOAD] else "limited by "
+        keys.append(key(f"{LETTERS[name]}: {verb}{LIMIT_WORDS[name]}", linestyle="none"))
+    return [*keys, key("scene", color="C3", linestyle="none", marker="o", markerfacecolor="none")]

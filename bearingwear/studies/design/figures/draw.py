@@ -1,4 +1,4 @@
-"""Figures of the design study: the files are read, and must belong together."""
+"""Figures of the design study from its files, which must belong together."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from bearingwear.studies.design.figures import choice, map_figure, uncertainty_f
 
 
 def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:
-    """Which preload to take."""
+    """Draws which preload to take."""
     files = [path for path in (design, recommendation, uncertainty) if path]
     figure = choice.design_figure(*design_files(design, recommendation, uncertainty))
     return with_data_files(figure, *files)
 
 
 def draw_map(design: Path) -> Figure:
-    """Life, stiffness and slip around the preload."""
+    """Step: draws life, stiffness and slip around the preload."""
     return with_data_files(map_figure.map_overview(load_kind(design, "design map")), design)
 
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
-    """The spread of its life."""
-    *_, sampled = design_files(design, recommendation, uncertainty)
+    """Draws the spread of the life at the preload."""
+    _, _, sampled = design_files(design, recommendation, uncertainty)
     assert sampled is not None
     return with_data_files(uncertainty_figure.uncertainty_figure(sampled), uncertainty)

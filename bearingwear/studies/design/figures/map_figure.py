@@ -1,4 +1,4 @@
-"""Figure of the design study: what lies around a preload, over preload and friction."""
+"""Figure of a design map: lives and the worst values over preload and friction."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.results.words import methods, scene_of
-from bearingwear.studies.design.document.held import lives_words, worst_words
-from bearingwear.studies.design.figures.choice import as_wide_as_it_is
+from bearingwear.studies.design.document.worst_conditions import extent_words, lives_condition_words
+from bearingwear.studies.design.figures.choice import set_preload_scale
 
 
-class Mapped(NamedTuple):
+class MappedQuantity(NamedTuple):
     """Display of a quantity over preload and friction."""
 
     label: str
@@ -29,46 +29,49 @@ class Mapped(NamedTuple):
 
 
 MAPPED = {
-    "life": Mapped("wear life", "h", "viridis"),
-    "time_to_slip_limit": Mapped("time to reach the\ngyroscopic slip limit", "h", "viridis"),
-    "residual_preload_at_end": Mapped("residual preload\nat end of life", "N", "cividis"),
-    "friction_power": Mapped("maximum friction\npower", "W", "magma"),
-    "system_axial_stiffness": Mapped(
+    "life": MappedQuantity("wear life", "h", "viridis"),
+    "time_to_slip_limit": MappedQuantity(
+        "time to reach the\ngyroscopic slip limit", "h", "viridis"
+    ),
+    "residual_preload_at_end": MappedQuantity("residual preload\nat end of life", "N", "cividis"),
+    "friction_power": MappedQuantity("maximum friction\npower", "W", "magma"),
+    "system_axial_stiffness": MappedQuantity(
         "minimum dynamic\nstiffness of the\narrangement", "N m-1", "cividis"
     ),
 }
 
 
 def map_overview(design: xr.Dataset) -> Figure:
-    """The map over preload and friction at the scene's speed."""
+    """Draws the map over preload and friction at the scene's speed."""
     scene = scene_of(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     plane = design.sel(shaft_speed=speed)
-    quantities = {name: look for name, look in MAPPED.items() if name in design}
+    quantities = {name: quantity for name, quantity in MAPPED.items() if name in design}
     columns = methods(plane)
     figure, panels = new_figure(
         len(quantities), len(columns), 7.2, 1.75 * len(quantities) + 0.9, sharex=True, sharey=True
     )
-    zero = never = False
-    for row, (quantity, look) in zip(panels, quantities.items(), strict=True):
-        unit = display(look.units, plane[quantity])
-        values = unit.of(plane[quantity])
-        zero, never = zero or bool((values == 0.0).any()), never or bool((values == np.inf).any())
-        _mapped(figure, row, plane, values, look.cmap, unit.label(look.label))
-    for panel, (name, _) in zip(panels[0], columns, strict=True):
-        panel.set_title(method_words(scene_of(design), name))
+    has_zero = has_infinite = False
+    for row, (name, quantity) in zip(panels, quantities.items(), strict=True):
+        unit = display(quantity.units, plane[name])
+        values = unit.of(plane[name])
+        has_zero |= bool((values == 0.0).any())
+        has_infinite |= bool((values == np.inf).any())
+        _draw_quantity(figure, row, plane, values, quantity.cmap, unit.label(quantity.label))
+    for panel, (method, _) in zip(panels[0], columns, strict=True):
+        panel.set_title(method_words(scene, method))
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
-        as_wide_as_it_is(panel, design)
+        set_preload_scale(panel, design)
     blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: reached when new")]
     grey = [Patch(color="0.87", label="slip limit not reached before the end of life")]
     frame(
         figure,
-        f"{scene['name']}: life {lives_words(design)} and the worst values {worst_words(design)}, "
-        f"against preload and friction; wear of {counted_words(scene)}",
+        f"{scene['name']}: life {lives_condition_words(design)} and the worst values "
+        f"{extent_words(design)}, against preload and friction; wear of {counted_words(scene)}",
         [
-            *(blank if zero else []),
-            *(grey if never else []),
+            *(blank if has_zero else []),
+            *(grey if has_infinite else []),
             *failed_keys(bool((plane["status"] != OK).any())),
         ],
         columns=3,
@@ -76,7 +79,7 @@ def map_overview(design: xr.Dataset) -> Figure:
     return figure
 
 
-def _mapped(
+def _draw_quantity(
     figure: Figure,
     row: np.ndarray,
     plane: xr.Dataset,
@@ -84,28 +87,28 @@ def _mapped(
     cmap: str,
     label: str,
 ) -> None:
-    """A quantity of every method, a panel each."""
-    drawn = values.where(np.isfinite(values) & (values > 0.0))
-    if not bool(drawn.notnull().any()):  # never solved, or nothing but zeros
+    """Draws a quantity of every method, a panel each; grey where it is infinite."""
+    positive = values.where(np.isfinite(values) & (values > 0.0))
+    if not bool(positive.notnull().any()):  # never solved, or nothing but zeros
         for panel in row:
             panel.axis("off")
         return
-    norm = LogNorm(float(drawn.min()), float(drawn.max()))
+    norm = LogNorm(float(positive.min()), float(positive.max()))
     axes = plane["preload"], plane["friction"]
     image = None
-    for k, (panel, (_, one)) in enumerate(zip(row, methods(plane), strict=True)):
-        shown = drawn.isel(preload_method=k).transpose("friction", "preload")
+    for k, (panel, (_, points)) in enumerate(zip(row, methods(plane), strict=True)):
+        finite = positive.isel(preload_method=k).transpose("friction", "preload")
         image = panel.pcolormesh(
-            *axes, shown, shading="nearest", cmap=cmap, norm=norm, rasterized=True
+            *axes, finite, shading="nearest", cmap=cmap, norm=norm, rasterized=True
         )
-        bad = np.argwhere((one["status"] != OK).transpose("friction", "preload").values)
-        if bad.size:
-            x, y = plane["preload"].values[bad[:, 1]], plane["friction"].values[bad[:, 0]]
+        failed = np.argwhere((points["status"] != OK).transpose("friction", "preload").values)
+        if failed.size:
+            x, y = plane["preload"].values[failed[:, 1]], plane["friction"].values[failed[:, 0]]
             panel.plot(x, y, color="crimson", **{**FAILED, "markersize": 3})
-        never = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
+        is_infinite = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
         panel.pcolormesh(
             *axes,
-            never.where(never),
+            is_infinite.where(is_infinite),
             shading="nearest",
             cmap="Greys",
             vmin=0.0,

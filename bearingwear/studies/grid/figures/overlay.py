@@ -1,4 +1,4 @@
-"""Figures with several scenes overlaid."""
+"""Figures of several scenes in the same panels."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -31,22 +31,22 @@ NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
 
 
 def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
-    """Total QV, residual preload and loss rate against wear, a line for each scene."""
+    """Draws total QV, residual preload and loss rate against wear, a line for each scene."""
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
     looks = [_nested_look(k, len(studies)) for k in range(len(studies))]
     power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
-    counted = " or ".join(dict.fromkeys(counted_words(scene_of(study)) for study in studies))
+    wear_words = " or ".join(dict.fromkeys(counted_words(scene_of(study)) for study in studies))
     rows = {
         "total_qv": ("QV of the bearing", power),
         "residual_preload": ("residual preload", display("N")),
-        "ball_diameter_loss_rate": (f"loss rate,\n{counted}", _LOSS_RATE),
+        "ball_diameter_loss_rate": (f"loss rate,\n{wear_words}", _LOSS_RATE),
     }
     failed = False
     ratios: list[float] = []
     for number, (study, look) in enumerate(zip(studies, looks, strict=True)):
         loss = study["ball_diameter_loss"]
-        states = methods(study.sel(friction=friction))
-        for column, (name, state) in zip(panels.T, states, strict=False):
+        methods_of_study = methods(study.sel(friction=friction))
+        for column, (name, state) in zip(panels.T, methods_of_study, strict=False):
             for panel, (quantity, (label, unit)) in zip(column, rows.items(), strict=True):
                 if quantity in state:  # no rate if nothing at all was solved
                     lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
@@ -57,13 +57,13 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     label_edges(panels)
     for panel in panels.flat:
         start_at_zero(panel)
-    least, most = (percent(f(ratios, default=np.nan)) for f in (min, max))
-    left = most if least == most else f"{least.removesuffix(' %')} to {most}"
+    lowest, highest = (percent(f(ratios, default=np.nan)) for f in (min, max))
+    share_left = highest if lowest == highest else f"{lowest.removesuffix(' %')} to {highest}"
     frame(
         figure,
         f"{', '.join(scene_of(study)['name'] for study in studies)} at {friction_text(friction)}: "
-        f"QV with {name_in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of its "
-        "initial value",
+        f"QV with {name_in_words(name)} after {float(loss[-1]):g} µm of wear is {share_left} of "
+        "its initial value",
         [
             key(label, **look)
             for label, look in zip(scene_labels([scene_of(s) for s in studies]), looks, strict=True)
@@ -75,19 +75,20 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
 
 
 def _nested_look(k: int, count: int) -> dict[str, Any]:
-    """Look of a scene's lines, finer than that of the one below, which shows if both coincide."""
+    """Returns the look of a line; each is finer than the next, so that equal lines both show."""
     fineness = (count - 1 - k) / max(count - 1, 1)
     size = {"linewidth": 1.2 + 1.6 * fineness, "markersize": 3.5 + 3.0 * fineness}
     return series_look(k) | size
 
 
 def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
-    """QV over the loss and over the hours of a life, a line for each scene; balls and races."""
+    """Draws QV over the loss and over the hours of a life, a line for each scene."""
     figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
     looks = [_nested_look(k, len(lives)) for k in range(len(lives))]
-    drawn = [one for one in lives if "history_total_qv" in one]  # not if nothing at all was solved
-    power = display("W", *(one["history_total_qv"].sel(friction=friction) for one in drawn))
-    said, failed = [], []
+    # a file without any solved life has no history
+    solved = [life["history_total_qv"] for life in lives if "history_total_qv" in life]
+    power = display("W", *(history.sel(friction=friction) for history in solved))
+    ratio_texts, failed = [], []
     for scene, look in zip(lives, looks, strict=True):
         label, ratios = scene_of(scene)["name"], []
         for column, (name, life) in zip(
@@ -97,7 +98,7 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             ratios.append(percent(_qv_of_a_life(column, life, power, look)))
             if ratios[-1] == percent(np.nan):
                 failed.append(f"{label}, {name_in_words(name)}")
-        said.append(f"{label} {' and '.join(ratios)}")
+        ratio_texts.append(f"{label} {' and '.join(ratios)}")
     for row, abscissa in zip(
         panels, (ABSCISSAE["ball_diameter_loss"], "running time (h)"), strict=True
     ):
@@ -107,10 +108,11 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             start_at_zero(axes)
     list_failed(panels[0, 0], failed)
     words = " and ".join(name_in_words(name) for name, _ in methods(lives[0]))
-    labels = scene_labels([scene_of(one) for one in lives])
+    labels = scene_labels([scene_of(scene_lives) for scene_lives in lives])
     frame(
         figure,
-        f"QV at end of life relative to new, {friction_text(friction)}, {words}: {'; '.join(said)}",
+        f"QV at end of life relative to new, {friction_text(friction)}, {words}: "
+        f"{'; '.join(ratio_texts)}",
         [key(label, **look) for label, look in zip(labels, looks, strict=True)],
         columns=1,
     )
@@ -120,47 +122,43 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
 def _qv_of_a_life(
     column: np.ndarray, life: xr.Dataset, power: Display, look: Mapping[str, Any]
 ) -> float:
-    """One life in the two panels of a column, marked at its end; its last QV over its first."""
+    """Draws a life in the two panels of a column; returns its last QV over its first."""
     if "history_time" not in life:
         return float("nan")
     time = life["history_time"].values
     qv, loss = life["history_total_qv"].values, 1e6 * life["history_ball_diameter_loss"].values
-    lived = np.isfinite(qv) & np.isfinite(time)
-    if not lived.any():
+    known = np.isfinite(qv) & np.isfinite(time)
+    if not known.any():
         return float("nan")
     for axes, abscissa in zip(column, (loss, time), strict=True):
-        axes.plot(abscissa[lived], power.of(qv[lived]), **look, markevery=[-1])
-    return float(qv[lived][-1] / qv[lived][0])
+        axes.plot(abscissa[known], power.of(qv[known]), **look, markevery=[-1])
+    return float(qv[known][-1] / qv[known][0])
 
 
 def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Differences of scenes in words: `gyro_s2: ball count 10, pitch diameter 9 mm`.
+    """States the differences of scenes: `gyro_s2: ball count 10, pitch diameter 9 mm`.
 
-    What a steady case does not depend on does not count: names, descriptions, the cage, and what
-    of a scene is uncertain.
+    Keys on which a steady case does not depend are left out: names, descriptions, the cage and the
+    uncertainty.
     """
-    flat = [
+    values_of_scenes = [
         leaves({key: part for key, part in scene.items() if key not in NOT_SOLVED_FOR})
         for scene in scenes
     ]
     differing = [
         key
-        for key in dict.fromkeys(key for values in flat for key in values)
-        if len({str(values.get(key)) for values in flat}) > 1
+        for key in dict.fromkeys(key for values in values_of_scenes for key in values)
+        if len({str(values.get(key)) for values in values_of_scenes}) > 1
     ][:MOST_DIFFERENCES]
-    return [
-        ": ".join(
-            filter(
-                None,
-                (scene["name"], ", ".join(_quantity(key, values.get(key)) for key in differing)),
-            )
-        )
-        for scene, values in zip(scenes, flat, strict=True)
-    ]
+    labels = []
+    for scene, values in zip(scenes, values_of_scenes, strict=True):
+        differences = ", ".join(_quantity(key, values.get(key)) for key in differing)
+        labels.append(": ".join(filter(None, (scene["name"], differences))))
+    return labels
 
 
 def _quantity(key: str, value: Any) -> str:
-    """A key and its value in words: `pitch_diameter_mm`, 9.0 -> `pitch diameter 9 mm`."""
+    """Writes a key and its value in words: `pitch_diameter_mm`, 9.0 -> `pitch diameter 9 mm`."""
     words, unit = key_in_words(key)
     if value is None:
         return f"no {words}"

@@ -1,4 +1,4 @@
-"""What `bearingwear plot` draws of the kinds of files that this study knows.
+"""Figures of `bearingwear plot` for the kinds of files of this study.
 
 No step calls this, so what it imports makes no figure of the study outdated.
 """
@@ -21,26 +21,27 @@ LIFE_AXES = ("preload_method", "friction")
 
 
 def case_plot(case: xr.Dataset) -> Figure:
-    """Slip over the contact ellipse; of a dynamic case, its histories."""
+    """Draws slip over the contact ellipse, or the histories of a dynamic case."""
     return _histories(case) if "history_contact_load" in case else quasistatic.slip_figure([case])
 
 
 def _histories(case: xr.Dataset) -> Figure:
-    """Loads and slip of every ball, QV and preload over the simulated time."""
+    """Draws loads and slip of every ball, QV and preload over the simulated time."""
     load, slip, qv = (case[f"history_{name}"] for name in ("contact_load", "slip", "contact_qv"))
     total = qv.astype(float).sum(["ball", "race"], skipna=False)
     time, power = display("s", case["time"]), display("W", total)
-    balls, whole = {"color": "C2", "linewidth": 0.6}, {"color": "black", "linewidth": 0.9}
-    drawn = {
-        "contact load,\ninner race (N)": (load.isel(race=0), balls),
-        "contact load,\nouter race (N)": (load.isel(race=1), balls),
-        "slip speed,\ninner race (m/s)": (slip.isel(race=0), balls),
-        "slip speed,\nouter race (m/s)": (slip.isel(race=1), balls),
-        power.label("QV of the bearing"): (power.of(total), whole),
-        "residual preload (N)": (case["history_residual_preload"], whole),
+    ball_look = {"color": "C2", "linewidth": 0.6}
+    bearing_look = {"color": "black", "linewidth": 0.9}
+    panels_shown = {
+        "contact load,\ninner race (N)": (load.isel(race=0), ball_look),
+        "contact load,\nouter race (N)": (load.isel(race=1), ball_look),
+        "slip speed,\ninner race (m/s)": (slip.isel(race=0), ball_look),
+        "slip speed,\nouter race (m/s)": (slip.isel(race=1), ball_look),
+        power.label("QV of the bearing"): (power.of(total), bearing_look),
+        "residual preload (N)": (case["history_residual_preload"], bearing_look),
     }
     figure, panels = new_figure(3, 2, 7.2, 6.4, sharex=True)
-    for panel, (label, (values, look)) in zip(panels.flat, drawn.items(), strict=True):
+    for panel, (label, (values, look)) in zip(panels.flat, panels_shown.items(), strict=True):
         panel.plot(time.of(case["time"]), values, **look)
         panel.set_ylabel(label)
     for panel in panels[-1]:
@@ -49,26 +50,25 @@ def _histories(case: xr.Dataset) -> Figure:
     frame(
         figure,
         f"{name}: contact loads of {span(load.values.ravel())} N over {turns} turns",
-        [key("each ball", **balls), key("whole bearing", **whole)],
+        [key("each ball", **ball_look), key("whole bearing", **bearing_look)],
         columns=2,
     )
     return figure
 
 
 def study_plot(study: xr.Dataset) -> Figure:
-    """QV, preload, angles and rate of wear, a column for each coefficient of friction."""
+    """Draws QV, preload, angles and wear rates, a column for each friction coefficient."""
     frictions = study["friction"].values.tolist()
     return quasistatic.wear_figure([study.sel(friction=[mu]) for mu in frictions], frictions)
 
 
 def lives_plot(lives: xr.Dataset) -> Figure:
-    """Wear and preload over the life."""
+    """Draws wear and preload over the life."""
     return quasistatic.life_figure(lives, lives["friction"].values.tolist())
 
 
 def life_plot(life: xr.Dataset) -> Figure:
-    """Wear over one life: as that of a study, the grooves where they were followed, or the parts
-    where the dynamic model solved it."""
+    """Draws wear over a life, by phases, parts (dynamic model), worn grooves, or as in a study."""
     if "history_phase_worn_share" in life:
         from bearingwear.studies.lives.duty_figure import duty_figure
 
@@ -80,9 +80,9 @@ def life_plot(life: xr.Dataset) -> Figure:
     if "groove_depth" in life:
         return groove_figure(life)
     scene = scene_of(life)
-    method, mu = scene["operation"]["preload_method"], scene["friction"].get("ball_race")
-    if mu is None:  # a film, whose friction follows the pressure: its mean when new
-        mu = round(float(life["history_friction_coefficient"].isel(step=0).mean()), 3)
-    grid = Grid((method,), (mu,), (0.0,))
+    method, friction = scene["operation"]["preload_method"], scene["friction"].get("ball_race")
+    if friction is None:  # a film, whose friction depends on the pressure: its mean when new
+        friction = round(float(life["history_friction_coefficient"].isel(step=0).mean()), 3)
+    grid = Grid((method,), (friction,), (0.0,))
     axes = {name: axis for name, axis in axis_coordinates(grid).items() if name in LIFE_AXES}
-    return quasistatic.life_figure(life.expand_dims([*axes]).assign_coords(axes), [mu])
+    return quasistatic.life_figure(life.expand_dims([*axes]).assign_coords(axes), [friction])

@@ -1,11 +1,11 @@
-"""The figures of one scene: datasets in, a figure out.
+"""Figures of one scene from datasets.
 
 Those of friction, slip and wear correspond, panel by panel, to Figs. 7 to 10 of Zhang, Chen, Gu and
 Wang (2018). Every title states what its data show.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -40,14 +40,14 @@ WEAR_RATE = display("m3 s-1")
 
 
 def worn_in_words(loss_um: float | Sequence[float]) -> str:
-    """A loss of ball diameter [um], or that of each ball, as a title says it."""
+    """Writes a loss of ball diameter [um], or that of each ball, for a title."""
     if not isinstance(loss_um, (int, float)):
         return "balls worn unequally"
     return f"{loss_um:g} µm worn" if loss_um else "unworn"
 
 
 def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
-    """QV and contact load of one ball against friction, at one state of wear (Figs. 7 and 8)."""
+    """Draws QV and contact load of a ball against friction, at a state of wear (Figs. 7, 8)."""
     figure, ((qv_panel, load_panel),) = new_figure(1, 2, 7.2, 3.8)
     cases = study.sel(ball_diameter_loss=loss_um)
     mean, status, states = (
@@ -75,7 +75,7 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
 
 
 def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]) -> str:
-    """QV at the largest coefficient against that at the least, of those that were solved."""
+    """States QV at the largest solved friction coefficient relative to that at the smallest."""
     solved = np.all([state["status"].values == OK for _, state in states], axis=0)
     if solved.sum() < 2:
         return "too few cases were solved for a comparison"
@@ -90,12 +90,12 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
 
 
 def power_unit(*states: xr.Dataset) -> Display:
-    """The unit for QV of the contacts and of a ball in some cases."""
+    """Returns the unit for QV of the contacts and of a ball in some cases."""
     return display("W", *(state["qv"].sum("race", skipna=False) for state in states))
 
 
 def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
-    """Slip along both axes over the contact ellipses of single cases (Fig. 9)."""
+    """Draws slip along both axes over the contact ellipses of single cases (Fig. 9)."""
     figure, panels = new_figure(2, 2, 7.2, 5.2, sharex=True, sharey="row")
     scenes = [scene_of(case) for case in cases]
     styles = dashes(sorted({scene["friction"]["ball_race"] for scene in scenes}))
@@ -142,19 +142,19 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
 
 
 def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Figure:
-    """QV, residual preload, angles and wear rate against wear, a column each (Fig. 10)."""
+    """Draws QV, preload, angles and wear rates against wear, a column for each study (Fig. 10)."""
     columns = len(frictions)
     figure, panels = new_figure(4, columns, max(4.4, 3.6 * columns), 8.6, sharex=True, sharey="row")
     failed = False
     shares: list[str] = []
     cases = [study.sel(friction=mu) for study, mu in zip(studies, frictions, strict=True)]
     power = power_unit(*cases)
-    for column, of_mu, mu in zip(panels.T, cases, frictions, strict=True):
-        failed |= _wear_column(column, of_mu, power)
-        states = methods(of_mu)
+    for column, friction_cases, mu in zip(panels.T, cases, frictions, strict=True):
+        failed |= _wear_column(column, friction_cases, power)
+        states = methods(friction_cases)
         name, state = states[-1]
         share = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
-        scene = scene_of(of_mu)
+        scene = scene_of(friction_cases)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
         column[0].set_title(f"{bearing}: {friction_text(mu)}" if columns > 1 else friction_text(mu))
@@ -178,11 +178,11 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
 
 
 def _wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
-    """The four panels of a column; returns whether a case was not solved."""
+    """Draws the four panels of a column; returns whether a case was not solved."""
     mean = cases[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
     ball = mean["qv"].sum("race", skipna=False)
     wear = "wear rate of race and ball\n"
-    drawn: list[tuple[int, xr.DataArray, str, Display, dict[str, Any]]] = [
+    lines_shown: list[tuple[int, xr.DataArray, str, Display, dict[str, Any]]] = [
         (0, mean["qv"], "QV", power, {}),
         (0, ball, "QV", power, BALL_STYLE),
         (1, cases["residual_preload"], "residual preload", display("N"), {"marker": "d"}),
@@ -191,39 +191,46 @@ def _wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
         (3, mean["ball_wear_rate"], wear, WEAR_RATE, BALL_STYLE),
     ]
     failed = False
-    for k, values, label, unit, look in drawn:
+    for k, values, label, unit, look in lines_shown:
         status = None if look == BALL_STYLE else cases["status"]
         failed |= lines(column[k], values, "ball_diameter_loss", label, unit, status, **look)
     return failed
 
 
-END_MARKS = {name: (one.mark, f"end: {one.short}") for name, one in ENDS.items()}
-END_MARKS["none"] = ("x", "end of life not reached")
+class EndMark(NamedTuple):
+    """How the end of a life is drawn, and its text in the legend."""
+
+    marker: str
+    text: str
+
+
+END_MARKS = {name: EndMark(end.mark, f"end: {end.short}") for name, end in ENDS.items()}
+END_MARKS["none"] = EndMark("x", "end of life not reached")
 
 
 def life_figure(
-    lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset] = ()
+    lives: xr.Dataset, frictions: Sequence[float], uncertainties: Sequence[xr.Dataset] = ()
 ) -> Figure:
-    """Interference loss and residual preload in hours, up to the end of life.
+    """Draws total wear depth and residual preload in hours, up to the end of life.
 
-    `known` are files of the study of uncertainty; the title says what they know of these lives.
+    uncertainties: files of the study of uncertainty; the title states the spread of the lives.
     """
     figure, panels = new_figure(2, 1, 5.4, 5.4, sharex="col", sharey="row")
     column = panels[:, 0]
     styles = dashes(frictions)
     ends = lives["end_criterion"].attrs["flag_meanings"].split()
-    met: list[str] = []
+    criteria_met: list[str] = []
     failed: list[str] = []
-    for name, of_method in methods(lives):
+    for name, method_lives in methods(lives):
         for mu in frictions:
-            one = of_method.sel(friction=mu)
-            end = ends[int(one["end_criterion"])]
-            if int(one["status"]) not in (OK, CRITERION_NOT_REACHED):
+            life = method_lives.sel(friction=mu)
+            end = ends[int(life["end_criterion"])]
+            if int(life["status"]) not in (OK, CRITERION_NOT_REACHED):
                 failed.append(f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
-            elif end not in met:
-                met.append(end)
+            elif end not in criteria_met:
+                criteria_met.append(end)
             line = {"color": COLOURS[name], "linestyle": styles[mu]}
-            _life_column(column, one, line, END_MARKS[end][0])
+            _life_column(column, life, line, END_MARKS[end].marker)
     column[0].set_title(f"wear of {counted_words(scene_of(lives))}")
     column[1].set_xlabel("running time (h)")
     for panel in column:
@@ -235,15 +242,16 @@ def life_figure(
     frame(
         figure,
         f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
-        f"{_spread_said(lives, frictions, known)}",
+        f"{_spread_sentence(lives, frictions, uncertainties)}",
         method_keys((name for name, _ in methods(lives)), scene_of(lives))
         + dash_keys(styles)
         + [
-            key("interpolated, Hertzian grooves", color="0.3", **_OTHER_ROUTE)
+            key("interpolated, Hertzian grooves", color="0.3", **_INTERPOLATED)
             for _ in range(_is_interpolated(lives, frictions))
         ]
         + [
-            key(END_MARKS[m][1], color="0.3", linestyle="none", marker=END_MARKS[m][0]) for m in met
+            key(mark.text, color="0.3", linestyle="none", marker=mark.marker)
+            for mark in map(END_MARKS.__getitem__, criteria_met)
         ],
         columns=2,
     )
@@ -251,58 +259,62 @@ def life_figure(
 
 
 def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
-    """Whether a life is drawn that was interpolated from the study."""
-    known = lives.get("interpolated_history_time")
-    return known is not None and bool(known.sel(friction=frictions).notnull().any())
+    """Whether one of the lives was interpolated from the study."""
+    times = lives.get("interpolated_history_time")
+    return times is not None and bool(times.sel(friction=frictions).notnull().any())
 
 
-_OTHER_ROUTE = {"linestyle": "none", "marker": ".", "markersize": 3}
+_INTERPOLATED = {"linestyle": "none", "marker": ".", "markersize": 3}
 
 
-def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str) -> None:
-    """One life in two panels, with dots of its colour where the other route leads."""
+def _life_column(column: np.ndarray, life: xr.Dataset, line: dict, end_mark: str) -> None:
+    """Draws a life in two panels, and the interpolated life as dots of the same colour."""
     scales = {"ball_diameter_loss": 1e6, "residual_preload": 1.0}
     for panel, (variable, scale) in zip(column, scales.items(), strict=True):
-        known = (
-            np.isfinite(one["history_time"].values) if "history_time" in one else np.array(False)
+        is_known = (
+            np.isfinite(life["history_time"].values) if "history_time" in life else np.array(False)
         )
-        if known.any():
-            time = one["history_time"].values[known]
-            values = scale * one[f"history_{variable}"].values[known]
+        if is_known.any():
+            time = life["history_time"].values[is_known]
+            values = scale * life[f"history_{variable}"].values[is_known]
             panel.plot(time, values, **line)
             mark = {"marker": end_mark, "markersize": 6.5, "zorder": 4, "clip_on": False}
             panel.plot(time[-1:], values[-1:], color=line["color"], **mark)
-        if "interpolated_history_time" in one:
+        if "interpolated_history_time" in life:
             panel.plot(
-                one["interpolated_history_time"][::50],
-                scale * one[f"interpolated_history_{variable}"][::50],
+                life["interpolated_history_time"][::50],
+                scale * life[f"interpolated_history_{variable}"][::50],
                 color=line["color"],
                 zorder=5,
-                **_OTHER_ROUTE,
+                **_INTERPOLATED,
             )
 
 
 def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
-    found = [
-        (float(one["life"]), f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
-        for name, of_method in methods(lives)
+    """States the range of the lives that have an end."""
+    lives_found = [
+        (float(life["life"]), f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
+        for name, method_lives in methods(lives)
         for mu in frictions
-        if int((one := of_method.sel(friction=mu))["status"]) == OK
+        if int((life := method_lives.sel(friction=mu))["status"]) == OK
     ]
-    if not found:
+    if not lives_found:
         return "no end of life was found"
-    (shortest, which), (longest, _) = min(found), max(found)
-    ends = " to ".join(dict.fromkeys(Rough(life).text for life in (shortest, longest)))
-    which = f"; {which}" if len(found) == 1 else ""
-    return f"life {ends} h (wear of {counted_words(scene_of(lives))}{which})"
+    (shortest, condition), (longest, _) = min(lives_found), max(lives_found)
+    ends = " to ".join(dict.fromkeys(Rough(hours).text for hours in (shortest, longest)))
+    condition = f"; {condition}" if len(lives_found) == 1 else ""
+    return f"life {ends} h (wear of {counted_words(scene_of(lives))}{condition})"
 
 
-def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
-    """Between which lives bearings lie, where that was computed."""
+def _spread_sentence(
+    lives: xr.Dataset, frictions: Sequence[float], uncertainties: Sequence[xr.Dataset]
+) -> str:
+    """States the interval of the lives of bearings, where it was computed."""
     points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
-    spreads = [spread_of(known, scene_of(lives), *point) for point in points]
-    found = [one.bearings for one in spreads if one]
-    if not found:
+    spreads = [spread_of(uncertainties, scene_of(lives), *point) for point in points]
+    intervals = [spread.bearings for spread in spreads if spread]
+    if not intervals:
         return NO_QUANTILES
-    every = Interval(min(one.low for one in found), max(one.high for one in found))
-    return f"{BEARINGS_BETWEEN}, allowing for all uncertain values: {every.text} h"
+    low = min(interval.low for interval in intervals)
+    high = max(interval.high for interval in intervals)
+    return f"{BEARINGS_BETWEEN}, allowing for all uncertain values: {Interval(low, high).text} h"

@@ -9,9 +9,14 @@ import xarray as xr
 import bearingwear
 from bearingwear.document.bearing_line import bearing_line, scenes_by_case
 from bearingwear.studies.design.choice import ACTIVE, NO_PRELOAD, UNLIMITED
-from bearingwear.studies.design.document import held
 from bearingwear.studies.design.document.sentences import none_title
 from bearingwear.studies.design.document.words import NONE_BECAUSE
+from bearingwear.studies.design.document.worst_conditions import (
+    conditions_words,
+    life_condition_words,
+    limit_met_words,
+    stated_warnings,
+)
 
 STIFFNESS = "system_axial_stiffness_N_um"
 CASES = {
@@ -54,28 +59,26 @@ def found_for(scene, where=None, limits=None, active=STIFFNESS, **values):
 
 def test_the_first_lines_name_cases_and_speeds(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    assert held.conditions_words(alone) == "from rest to 18000 r/min"
-    assert (
-        held.conditions_words(both) == "worst of 3: nominal, slow, fast; from rest to 24000 r/min"
-    )
+    assert conditions_words(alone) == "from rest to 18000 r/min"
+    assert conditions_words(both) == "worst of 3: nominal, slow, fast; from rest to 24000 r/min"
     slowest = found_for(scene.with_({"operation.lowest_speed_rpm": 2000.0}))
-    assert held.conditions_words(slowest) == "from 2000 to 18000 r/min"
+    assert conditions_words(slowest) == "from 2000 to 18000 r/min"
     only = found_for(scene.with_({"cases": CASES}), limits={STIFFNESS: 20.0, "at_speed_only": True})
-    assert held.conditions_words(only).endswith("; at 500 to 24000 r/min only")
+    assert conditions_words(only).endswith("; at 500 to 24000 r/min only")
 
 
 def test_the_headline_names_where_a_requirement_is_just_met(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
     one = alone.isel(preload_method=0)
-    said = held.limit_met_words(alone, one).replace("\N{NO-BREAK SPACE}", " ")
+    said = limit_met_words(alone, one).replace("\N{NO-BREAK SPACE}", " ")
     assert said == "20 N/µm is just met at 3000 r/min, new, bearing 2"
-    assert held.limit_met_words(both, one).endswith("at 3000 r/min, new, bearing 2 (case fast)")
+    assert limit_met_words(both, one).endswith("at 3000 r/min, new, bearing 2 (case fast)")
     far = found_for(scene, system_axial_stiffness=21e6).isel(preload_method=0)
-    assert held.limit_met_words(alone, far).startswith("limited by 20")
+    assert limit_met_words(alone, far).startswith("limited by 20")
     free = found_for(scene, active=ACTIVE[UNLIMITED]).isel(preload_method=0)
-    assert held.limit_met_words(alone, free) == ""
+    assert limit_met_words(alone, free) == ""
     lifted = found_for(scene, active="preload_kept").isel(preload_method=0)
-    assert held.limit_met_words(alone, lifted) == (
+    assert limit_met_words(alone, lifted) == (
         "below that, a bearing lifts off at 3000 r/min, new, bearing 2"
     )
 
@@ -83,16 +86,14 @@ def test_the_headline_names_where_a_requirement_is_just_met(scene):
 def test_a_life_says_whose_it_is(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
     one = alone.isel(preload_method=0)
-    assert held.life_words(alone, one).startswith("at 3000 r/min")
-    assert "case fast, the shortest of 3" in held.life_words(both, one)
+    assert life_condition_words(alone, one).startswith("at 3000 r/min")
+    assert "case fast, the shortest of 3" in life_condition_words(both, one)
 
 
 def test_warnings_are_those_of_the_cases_that_have_them(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    assert [one["sentence"] for one in held.stated_warnings(both)] == [
-        "cases slow, fast: it is high"
-    ]
-    assert "temperature is neglected" in [one["sentence"] for one in held.stated_warnings(alone)]
+    assert [one["sentence"] for one in stated_warnings(both)] == ["cases slow, fast: it is high"]
+    assert "temperature is neglected" in [one["sentence"] for one in stated_warnings(alone)]
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):

@@ -1,4 +1,4 @@
-"""Axes and rows of a sweep as they are typed."""
+"""Reads typed axes and rows of a sweep."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from bearingwear.scene.checking.strict_yaml import data_of
 MOST_ON_AN_AXIS = 100_000
 
 
-def points_given(axes: Sequence[str], rows: Path | None) -> Any:
-    """Axes from texts `KEY=VALUES`, or rows from a table; UsageError, SceneError."""
+def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
+    """Reads axes from texts `KEY=VALUES`, or rows from a table. Raises UsageError, SceneError."""
     if (rows is None) == (not axes):
-        both = "both --axis and --rows" if axes else "neither --axis nor --rows"
-        raise UsageError(f"sweep: got {both}, expected one of them")
+        got = "both --axis and --rows" if axes else "neither --axis nor --rows"
+        raise UsageError(f"sweep: got {got}, expected one of them")
     if rows is not None:
         return _rows_of(rows)
     texts = []
@@ -37,22 +37,22 @@ def points_given(axes: Sequence[str], rows: Path | None) -> Any:
 
 
 def _listed(key: str, text: str) -> str:
-    """Values as a list in YAML."""
+    """Writes typed values, or LOW:HIGH:COUNT, as a list in YAML."""
     if text.count(":") != 2:
         return f"[{text}]"
     low, high, count = text.split(":")
     try:
-        start, end, n = float(low), float(high), int(count)
-        if not 2 <= n <= MOST_ON_AN_AXIS:
+        start, end, number = float(low), float(high), int(count)
+        if not 2 <= number <= MOST_ON_AN_AXIS:
             raise ValueError
     except ValueError:
         problem = f"got {text}, expected LOW:HIGH:COUNT with a count from 2 to {MOST_ON_AN_AXIS}"
         raise SceneError("", problem, source=f"--axis {key}") from None
-    return f"[{', '.join(repr(start + (end - start) * k / (n - 1)) for k in range(n))}]"
+    return f"[{', '.join(repr(start + (end - start) * k / (number - 1)) for k in range(number))}]"
 
 
 def _rows_of(path: Path) -> list[dict[str, Any]]:
-    """A row of values by their keys for each line of a table below its header."""
+    """Reads a table; each line below its header is a row of values by their keys."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeError) as error:
@@ -64,19 +64,20 @@ def _rows_of(path: Path) -> list[dict[str, Any]]:
         raise SceneError("", "got no header of different keys, expected one", source=str(path))
     rows = []
     for number, cells in enumerate(filter(None, lines), 2):
-        where = f"{path}: line {number}"
+        source = f"{path}: line {number}"
         if len(cells) != len(header):
             problem = f"got {len(cells)} values, expected {len(header)}"
-            raise SceneError("", problem, source=where)
-        values = [_value(cell, where) for cell in cells]
+            raise SceneError("", problem, source=source)
+        values = [_value(cell, source) for cell in cells]
         rows.append(dict(zip(header, values, strict=True)))
     if not rows:
         raise SceneError("", "got no row, expected one or more", source=str(path))
     return rows
 
 
-def _value(cell: str, where: str) -> Any:
+def _value(cell: str, source: str) -> Any:
+    """Reads a cell of a table."""
     try:
         return float(cell)  # a hundred times as fast as YAML
     except ValueError:
-        return data_of(cell, where)
+        return data_of(cell, source)

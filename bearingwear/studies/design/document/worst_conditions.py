@@ -1,0 +1,211 @@
+"""Where requirements hold and where they decide, in words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.document.bearing_line import (
+    is_answered_by_a_case,
+    scenes_by_case,
+    worst_case_phrase,
+)
+from bearingwear.measures import LIMITED
+from bearingwear.results.units import printed_unit
+from bearingwear.results.warnings import warnings_in
+from bearingwear.results.words import scene_of
+from bearingwear.studies.design.choice import ACTIVE, limits_of
+from bearingwear.studies.design.conditions import (
+    AT_END_OF_LIFE,
+    BETWEEN,
+    DECIDING,
+    MOUNTING,
+    NEW,
+    WARMING,
+    condition_words,
+    speed_words,
+    warm_up_time,
+)
+
+_JUST_MET = 0.01
+"""Margin of a requirement, over it, that is as good as none."""
+
+_OVER_DUTY = "over the duty"
+
+
+def _speed_and_warm_up_words(dataset: xr.Dataset) -> str:
+    """Returns the speeds at which the requirements of a file apply, and whether in a warm-up."""
+    words, seconds = _speed_range_words(dataset), limits_of(dataset).warmup_s
+    if seconds is None:
+        return words
+    return f"{words} and during the warm-up{f' with a {seconds:g} s ramp' if seconds else ''}"
+
+
+def _speed_range_words(dataset: xr.Dataset) -> str:
+    """Returns the range of speeds, over all cases: `from rest to 9000 r/min`."""
+    operations = [case["operation"] for case in scenes_by_case(scene_of(dataset)).values()]
+    speeds = [
+        abs(operation["shaft_speed_rpm"]) or abs(operation.get("outer_speed_rpm") or 0.0)
+        for operation in operations
+    ]
+    highest, lowest = max(speeds), min(speeds)
+    if limits_of(dataset).at_speed_only:
+        return f"at {'' if lowest == highest else f'{lowest:g} to '}{highest:g} r/min only"
+    lowest_speeds = [operation.get("lowest_speed_rpm") or 0.0 for operation in operations]
+    lowest = min(*lowest_speeds, highest)
+    if lowest == highest:
+        return f"at {highest:g} r/min" if highest else "at rest"
+    return f"from {f'{lowest:g}' if lowest else 'rest'} to {highest:g} r/min"
+
+
+def conditions_words(dataset: xr.Dataset) -> str:
+    """Returns cases and speeds of a file: `worst of 2: nominal, fast; from rest to 9000 r/min`."""
+    cases = scenes_by_case(scene_of(dataset))
+    phrases = [worst_case_phrase(cases)] if len(cases) > 1 else []
+    return "; ".join([*phrases, _speed_and_warm_up_words(dataset)])
+
+
+def extent_words(dataset: xr.Dataset) -> str:
+    """Returns where the values of a file are worst: speeds, cases and wear, within a sentence."""
+    cases = scenes_by_case(scene_of(dataset))
+    case_words = f" in {len(cases)} cases" if len(cases) > 1 else ""
+    return f"{_speed_and_warm_up_words(dataset)}{case_words}, from new to the end of life"
+
+
+def deciding_by_method(recommendation: xr.Dataset) -> list[Mapping[str, Any]]:
+    """Returns for each method where each quantity is the worst; empty if the file lacks it."""
+    deciding: list[Mapping[str, Any]] = json.loads(recommendation.attrs.get(DECIDING, "[]"))
+    return deciding or [{} for _ in range(recommendation.sizes.get("preload_method", 1))]
+
+
+def worst_condition(
+    recommendation: xr.Dataset, point: xr.Dataset, quantity: str
+) -> Mapping[str, Any] | None:
+    """Returns where a quantity of one method is the worst; None where that is not known.
+
+    point: that of the method in the recommendation.
+    """
+    methods = recommendation["preload_method"].values.tolist()
+    deciding = deciding_by_method(recommendation)[methods.index(int(point["preload_method"]))]
+    return deciding.get(quantity)
+
+
+def critical_extreme(point: xr.Dataset, name: str) -> str:
+    """Returns the name of the extreme that decides a limit at a point.
+
+    name: key of the limit in `LIMITED`.
+    """
+    _, extreme = LIMITED[name].critical_extreme(lambda extreme: float(point[extreme]))
+    return extreme
+
+
+def critical_condition_words(recommendation: xr.Dataset, point: xr.Dataset, name: str) -> str:
+    """Returns the condition in which a limited measure is the worst; empty where not known."""
+    return extreme_condition_words(recommendation, point, critical_extreme(point, name))
+
+
+def extreme_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
+    """Returns the condition in which an extreme is the worst, `at 3000 r/min, at the end of life`.
+
+    Empty where that is not known.
+    """
+    where = worst_condition(recommendation, point, extreme)
+    if where is None or not np.isfinite(where["value"]):
+        return ""
+    has_cases = _has_cases(recommendation)
+    if _is_resting(extreme):
+        return f"case {where['case']}" if has_cases else ""
+    return condition_words(where, has_cases)
+
+
+def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
+    """Returns the condition in which an extreme is the worst for a table, `3000 r/min, worn`.
+
+    Empty where that is not known.
+    """
+    where = worst_condition(recommendation, point, extreme)
+    if where is None or not np.isfinite(where["value"]):
+        return ""
+    words = [where["case"]] if _has_cases(recommendation) else []
+    if not _is_resting(extreme):
+        words.append(speed_words(where["speed_rpm"]) if where["speed_rpm"] else "at rest")
+        if where["temperature"] == MOUNTING:
+            words.append("mounting temperature")
+        if where["temperature"] == WARMING:
+            words.append(f"{warm_up_time(where)} into the warm-up")
+        wear_words = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
+        words.append(wear_words.get(where.get("wear", ""), ""))
+        words.append(f"bearing {where['bearing']}" if where.get("bearing") else "")
+    return ", ".join(filter(None, words))
+
+
+def _has_cases(dataset: xr.Dataset) -> bool:
+    return bool(scene_of(dataset).get("cases"))
+
+
+def _is_resting(extreme: str) -> bool:
+    """Whether an extreme is of a measure at rest, which no speed has."""
+    return any(measure.resting and extreme in measure.extremes for measure in LIMITED.values())
+
+
+def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
+    """Returns the speed, and the case if there are several, of a method's life; or the duty."""
+    if scene_of(recommendation).get("duty"):
+        return _OVER_DUTY
+    where = worst_condition(recommendation, point, "life")
+    if where is None:
+        return ""
+    words = condition_words({**where, "wear": ""})
+    cases = len(scenes_by_case(scene_of(recommendation)))
+    return f"{words} (case {where['case']}, the shortest of {cases})" if cases > 1 else words
+
+
+def lives_condition_words(dataset: xr.Dataset) -> str:
+    """Returns the speed or the case of the lives of a map or a recommendation; or the duty."""
+    scene = scene_of(dataset)
+    if scene.get("duty"):
+        return _OVER_DUTY
+    if scene.get("cases"):
+        return "of the case with the shortest life"
+    return f"at {scene['operation']['shaft_speed_rpm']:g} r/min"
+
+
+def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
+    """Returns what limits a recommended preload, `20 N/µm is just met at 3000 r/min, new`."""
+    name = ACTIVE[int(point["active_limit"])]
+    limits = limits_of(recommendation)
+    if name not in limits.effective:
+        return ""
+    where = critical_condition_words(recommendation, point, name)
+    if where:
+        where = f" {where}" if where.startswith(("at ", "during ")) else f" ({where})"
+    if name not in limits.given:
+        return f"below that, a bearing lifts off{where}"
+    measure, limit = LIMITED[name], limits.given[name]
+    shown = f"{measure.shown_limit(limit):g} {printed_unit(measure.unit)}"
+    if float(measure.margins(point, limit)) < _JUST_MET:
+        return f"{shown} is just met{where}"
+    return f"limited by {shown}{where}"
+
+
+def stated_warnings(recommendation: xr.Dataset) -> list[dict[str, Any]]:
+    """Returns the warnings of a recommendation, each of which names the cases that have it.
+
+    Where a case gives temperatures, none says that they are neglected.
+    """
+    scene = scene_of(recommendation)
+    cases = scenes_by_case(scene)
+    stated = []
+    for warning in warnings_in(recommendation.attrs):
+        if is_answered_by_a_case(warning, scene):
+            continue
+        names = warning.get("in_cases", [])
+        if 0 < len(names) < len(cases):
+            words = f"case{'s' * (len(names) > 1)} {', '.join(names)}"
+            warning = warning | {"sentence": f"{words}: {warning['sentence']}"}
+        stated.append(warning)
+    return stated
