@@ -22,6 +22,7 @@ LOW_MARGIN = 1.5
 
 PART_WORDS = ("inner ring", "balls", "outer ring")
 _COLOURS = ("C3", "C1", "C0")
+_LINEAR = 1.0  # s: the axis of time is linear at least up to here
 
 
 def warm_up_sheet(file: Any) -> Document:
@@ -80,10 +81,12 @@ def _ending_sentence(file: Any, ending: str, end: float) -> str:
 
 
 def warm_up_figure(found: xr.Dataset) -> Figure:
-    """Temperatures, preload and contact pressure over time."""
+    """Temperatures, preload and contact pressure over time, which is logarithmic once at speed."""
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
     time, bearings = found["time"].values, found.sizes["side"]
+    times, _ = np.reshape(np.atleast_1d(found.attrs["course"]), (2, -1))
+    at_speed = max(times[-1], _LINEAR)
     for k in range(bearings):
         one, style = found.isel(side=k), ("-", "--")[k]
         for part, colour in enumerate(_COLOURS):
@@ -93,7 +96,9 @@ def warm_up_figure(found: xr.Dataset) -> Figure:
     for panel, words in zip(
         panels[0], ("temperature (°C)", "preload (N)", "contact pressure (GPa)"), strict=True
     ):
-        panel.set_xlabel("time (s)")
+        panel.set_xscale("symlog", linthresh=at_speed)
+        panel.set_xlim(left=0.0)
+        panel.set_xlabel(f"time (s), logarithmic from {plain(at_speed)} s")
         panel.set_ylabel(words)
     handles = [key(part, color=colour) for part, colour in zip(PART_WORDS, _COLOURS, strict=True)]
     if bearings > 1:
