@@ -297,13 +297,20 @@ def _steps(
 
 
 def _distance_left(equation: HeatEquation, instant: Instant) -> float:
-    """Distance to the steady temperatures by one Newton step, over the rise so far [1]."""
-    y, slopes = instant.temperatures.ravel(), equation.bearings.heat_slopes(instant)
+    """Distance to the steady temperatures by one Newton step, over the rise so far [1].
+
+    That of shafts and housings alone, without further solves, while they are too far away.
+    """
+    y = instant.temperatures.ravel()
+    rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
+    beside = _shaft_and_housing_left(equation, instant.time) / rise
+    if beside >= SETTLED_TO:
+        return beside
+    slopes = equation.bearings.heat_slopes(instant)
     if slopes is None:
         return np.inf
     step = np.linalg.solve(equation.G - slopes, equation.C * equation(instant.time, y))
-    rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
-    return float(max(abs(step).max(), _shaft_and_housing_left(equation, instant.time)) / rise)
+    return max(float(abs(step).max()) / rise, beside)
 
 
 def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
