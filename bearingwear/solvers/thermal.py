@@ -176,6 +176,9 @@ def _search(
 
 
 PARTS_OF_BEARING = 3
+LOW_MARGIN = 1.5
+"""Thermal margin below which a design is warned of, a rule of thumb."""
+
 DIFFERENCES = (0.5, 5e-3)
 """Temperature steps to both sides of a derivative of the heat [K]: the second where no state is
 found beside the first. Narrow ones feel that the computed heat jumps by 3e-4 here and there, and

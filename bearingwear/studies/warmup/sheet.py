@@ -15,10 +15,8 @@ from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
+from bearingwear.solvers.thermal import LOW_MARGIN
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
-
-LOW_MARGIN = 1.5
-"""Thermal margin below which a design is warned of."""
 
 PART_WORDS = ("inner ring", "balls", "outer ring")
 _COLOURS = ("C3", "C1", "C0")
