@@ -89,8 +89,8 @@ def warm_up_figure(found: xr.Dataset) -> Figure:
         one, style = found.isel(side=k), ("-", "--")[k]
         for part, colour in enumerate(_COLOURS):
             temperature.plot(time, one["part_temperature"][:, part], style, color=colour)
-        preload.plot(time, one["residual_preload"], style, color="C0")
-        pressure.plot(time, 1e-9 * one["maximum_pressure"], style, color="C0")
+        preload.plot(time, one["residual_preload"], style, color="black")
+        pressure.plot(time, 1e-9 * one["maximum_pressure"], style, color="black")
     for panel, words in zip(
         panels[0], ("temperature (°C)", "preload (N)", "contact pressure (GPa)"), strict=True
     ):
