@@ -7,7 +7,7 @@ from operator import itemgetter
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import COVERED, Bare
-from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED
+from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED, Nearby
 from bearingwear.solvers.bearing_states import states_of
 from bearingwear.solvers.condition import (
     Accuracy,
@@ -124,10 +124,17 @@ def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | On
 
 
 def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
-    """Bearings of `worn_bearings` with their grooves at another speed or temperature."""
+    """Bearings of `worn_bearings` with their grooves at another speed or temperature.
+
+    Their rotor starts where it stood last: even wear says little of where it is.
+    """
     each = zip(bearings.sides, scene.one_of_alike.sides, strict=True)
     sides = [_wrapped(innermost(side).elsewhere(one)) for side, one in each]
-    return _arranged(scene, bearings, sides)
+    arranged = _arranged(scene, bearings, sides)
+    if isinstance(bearings, OnRotor) and isinstance(arranged, OnRotor):
+        losses, place = bearings.nearby.last
+        arranged.nearby = Nearby(place=place, losses=losses)
+    return arranged
 
 
 def _arranged(scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]) -> Alone | OnRotor:

@@ -124,6 +124,23 @@ def test_worn_grooves_are_solved_at_other_speeds():
     assert state[STIFFNESS] == pytest.approx(last[STIFFNESS], rel=0.03)
 
 
+def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
+    """The rotor starts where it stood: where even wear puts it, bearing 2 carries nothing."""
+    plain = bearingwear.new(
+        bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
+        speed=18000.0, preload=120.0, preload_method="fixed_position",
+    )  # fmt: skip
+    keys = {"arrangement.kind": "rigid_pair", "arrangement.external_axial_N": 40.0}
+    warm = {"inner_ring_C": 30.0, "balls_C": 28.0, "outer_ring_C": 25.0}
+    scene = plain.with_(keys | {"temperature": warm | {"shaft_C": 30.0, "housing_C": 25.0}})
+    held = held_by(scene, "fixed_position", 300.0)
+    worn = worn_states(worn_life_with_stiffness(held, quick=False))
+    slow, resting = (worn(as_mounted(at_share(held, share))) for share in (0.0625, 0.0))
+    for one, other in zip(slow, resting, strict=True):
+        assert one.status == other.status == OK
+        assert other["residual_preload"] == pytest.approx(one["residual_preload"], rel=0.02)
+
+
 @pytest.fixture(scope="module")
 def pair():
     """Two bearings under a force that lifts one off at rest, not at speed."""
