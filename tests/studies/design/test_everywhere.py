@@ -83,6 +83,21 @@ def test_slip_that_peaks_between_rest_and_speed_is_found_worn():
     assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=0.02)
 
 
+def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
+    """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.46."""
+    plain = bearingwear.new(
+        bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
+        speed=18000.0, preload=120.0,
+    )  # fmt: skip
+    held = held_by(plain, "fixed_position", 250.0)
+    point = followed_point(held, DesignLimits(gyroscopic_slip_share=0.36))
+    worn = worn_states(worn_life_with_stiffness(held, quick=False))
+    shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
+    most = max(worn(at_share(held, share))[0]["gyroscopic_slip_share"].max() for share in shares)
+    assert most > 0.355
+    assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=5e-3)
+
+
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
     held = held_by(spindle, "fixed_position", 17.5)
     alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
