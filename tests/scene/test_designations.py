@@ -223,7 +223,7 @@ def test_a_class_of_preload_without_a_rule_is_named():
 def test_the_orientation_of_a_pair_stands_in_the_file(text, sides):
     written, told = scene_text("a", None, None, {}, designation=text)
     assert f"# arrangement: {{kind: spring_pair, orientation: {sides}," in written
-    assert any("the scene has one, see its arrangement" in line for line in told)
+    assert any("one bearing of it, and `arrangement` as a comment" in line for line in told)
 
 
 @pytest.mark.parametrize(

@@ -91,9 +91,9 @@ class Letters(NamedTuple):
         clauses = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
         if self.pair:
             meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
-            pair_note = (
-                "" if meaning.startswith("one") else "; the scene has one, see its arrangement"
-            )
+            pair_note = "; the scene holds one bearing of it, and `arrangement` as a comment"
+            if meaning.startswith("one"):
+                pair_note = ""
             clauses.append(f"{self.pair}: {meaning}{pair_note}")
         if self.load:
             clauses.append(f"{self.load}: class of preload")
