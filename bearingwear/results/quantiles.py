@@ -60,6 +60,9 @@ BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 WITHIN_BATCH, OF_BATCH = "  scatter within a batch", "  uncertainty of the batch"
 """Labels of its two parts."""
 
+MEDIAN_BATCH = {"L10 of the median batch": 0.1, "L50 of the median batch": 0.5}
+"""Probabilities of the quantiles that scatter alone makes, by their labels."""
+
 BY_WEAR = f"  {BEARINGS_BETWEEN}, wear only"
 """Label of `band_by_wear`."""
 
@@ -228,7 +231,7 @@ def causes_sentence(scene: Mapping[str, Any]) -> str:
         causes.append(_cause_words(key))
     sentences = []
     if of_batch and of_bearing:
-        sentences.append("L10 and L50 refer to the median batch.")
+        sentences.append("L10 and L50 are those of wear within the median batch, not of fatigue.")
     if of_bearing:
         sentences.append(f"Scatter within a batch: {', '.join(of_bearing)}.")
     if of_batch:
@@ -275,7 +278,7 @@ def spread_at(uncertainty: xr.Dataset) -> Spread | None:
         label: ", ".join(_error_text(uncertainty, inputs, p) for p in INTERVAL)
         for label, inputs in inputs_of.items()
     }
-    probabilities = {"L10": 0.1, "L50": 0.5} if has_scatter else {}
+    probabilities = MEDIAN_BATCH if has_scatter else {}
     errors |= {
         label: _error_text(uncertainty, SCATTER_ONLY, p) for label, p in probabilities.items()
     }

@@ -201,7 +201,9 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     known = spread_of([spread], mine, "constant_force", 0.08, RECOMMENDED)
     assert rows["90 % of bearings (h)"][0] == known.bearings.text
     assert {f"{name} (h)": Rough(hours).text for name, hours in known.quantiles.items()} == {
-        name: row[0] for name, row in rows.items() if name in ("L10 (h)", "L50 (h)")
+        name: row[0]
+        for name, row in rows.items()
+        if name in ("L10 of the median batch (h)", "L50 of the median batch (h)")
     }
 
 

@@ -150,7 +150,7 @@ def test_the_answer_is_that_of_the_file(small_project):
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
         text = text_to_error(one.hours, one.error * one.hours)
-        assert row["life (h)"] == text and "L10 (h)" not in row
+        assert row["life (h)"] == text and "L10 of the median batch (h)" not in row
     assert "9 balls of 2 mm" in plain(found.facts["bearing"])
 
 
@@ -171,12 +171,12 @@ def test_lives_stand_with_their_spread(small_project, sure):
 
     found = answered(lives, [spread])
     row = row_of(found, "constant force", "0.08")
-    assert (row["L10 (h)"], row["L50 (h)"]) == ("4", "6")
+    assert (row["L10 of the median batch (h)"], row["L50 of the median batch (h)"]) == ("4", "6")
     assert row["90 % of bearings (h)"] == "2 to 10" == row["scatter within a batch (h)"]
     assert row["uncertainty of the batch (h)"] == "3 to 12"
     row = row_of(found, "fixed position", "0.08")
-    assert (row["L10 (h)"], row["L50 (h)"]) == ("24", "26")
-    assert row_of(found, "fixed position", "0.02")["L10 (h)"] == "–"
+    assert (row["L10 of the median batch (h)"], row["L50 of the median batch (h)"]) == ("24", "26")
+    assert row_of(found, "fixed position", "0.02")["L10 of the median batch (h)"] == "–"
 
 
 def test_no_spread_is_invented(small_project, sure, capsys):

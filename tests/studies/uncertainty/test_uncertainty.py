@@ -17,6 +17,7 @@ from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BATCH_ONLY,
+    MEDIAN_BATCH,
     SCATTER_ONLY,
     load_quantiles,
     spread_at,
@@ -135,7 +136,7 @@ def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
     assert_allclose(found.bearings, ends, rtol=0.01)
     assert_allclose(found.scatter if scatters else found.unknown, ends, rtol=0.01)
     assert (found.unknown if scatters else found.scatter) is None
-    assert list(found.quantiles) == (["L10", "L50"] if scatters else [])
+    assert list(found.quantiles) == (list(MEDIAN_BATCH) if scatters else [])
     assert main(["show", str(path)]) == 0
     assert ("L10" in capsys.readouterr().out) == scatters
     assert main(["plot", str(path), "-o", str(tmp_path / "a.svg")]) == 0

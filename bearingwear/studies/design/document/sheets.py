@@ -61,6 +61,7 @@ from bearingwear.studies.design.document.words import (
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
     active_limit_words,
+    ending_measure,
     limit_text,
 )
 from bearingwear.studies.design.document.worst_conditions import (
@@ -270,12 +271,19 @@ def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None])
         longest = float(np.nanmax(lives))
         relative = tuple(life / longest for life in lives)
         rows.append(Row("  relative, whatever K_s/H", "", relative, "relative_life"))
+    rows.append(Row("  ends by", "", _endings(recommendation), "end_criterion"))
     if any(spreads.values()):
         rows += spread_rows([*spreads.values()])
     else:
         rows += by_wear_row(scene, lives)
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
     return [*rows, Row("  its numerical error", "%", errors, "life_error_estimate")]
+
+
+def _endings(recommendation: xr.Dataset) -> tuple[str, ...]:
+    """Returns the criterion that ends the life of each method, in words."""
+    endings = (ending_measure(point) for _, point in methods(recommendation))
+    return tuple(ending.words if ending else "" for ending in endings)
 
 
 def _lives_to_error(recommendation: xr.Dataset) -> tuple[float, ...]:
