@@ -103,6 +103,11 @@ def by_differences(function, c, steps) -> np.ndarray:
     return np.array(out)
 
 
+def numbers_in(text: str) -> list[float]:
+    """Returns the numbers in a text, in their order; digits within a name are none."""
+    return [float(number) for number in re.findall(r"(?<![\w.-])-?\d+(?:\.\d+)?(?:e-?\d+)?", text)]
+
+
 def without_waits(text: str) -> str:
     """Output without the lines that say how long a slow machine has been at work."""
     return re.sub(r"^.*\brunning for \d+ s.*\n", "", text, flags=re.M)

@@ -93,23 +93,23 @@ def test_rules(drive, factor):
     assert Drive(torque_Nm=1.0, **drive).margin(0.1) == pytest.approx(1.0 / (0.1 * factor) - 1.0)
 
 
-def test_a_cold_corner_that_stalls_is_found(scene, corners):
+def test_only_the_cold_corner_stalls_with_a_weak_drive(scene, corners):
     """The drive turns the bearing in every corner but the cold one with much friction."""
-    torques = sorted(one.torque for one in corners)
+    torques = sorted(corner.torque for corner in corners)
     weak = scene.with_({"drive.torque_Nm": 0.5 * (torques[-1] + torques[-2])})
-    found = torque_corners(weak)
-    assert [one.stalls for one in found].count(True) == 1
-    worst = worst_corner(found)
+    of_weak_drive = torque_corners(weak)
+    assert [corner.stalls for corner in of_weak_drive].count(True) == 1
+    worst = worst_corner(of_weak_drive)
     assert worst.stalls and worst.case == "cold"
-    assert (
-        margin_document(weak, found).heading[1].startswith("the drive stalls: the resisting torque")
-    )
+    document = margin_document(weak, of_weak_drive)
+    assert "stalls" in document.heading[1] and "cold" in document.heading[1]
+    assert [row.note for row in document.blocks[0].rows].count("stalls") == 1
 
 
 @pytest.mark.parametrize(("torque", "status"), [(1.0, 0), (1e-9, 4)])
 def test_the_exit_status_says_whether_the_margin_is_sufficient(capsys, torque, status):
     assert main(["margin", str(scene_file("gyro_s1")), "--drive", str(torque)]) == status
-    assert ("the drive stalls" in capsys.readouterr().out) == (status == 4)
+    assert ("stalls" in capsys.readouterr().out) == (status == 4)
 
 
 def test_interval_of_the_friction(scene):
@@ -185,12 +185,9 @@ def test_a_corner_that_is_not_computed_is_named(filmed, monkeypatch):
         missing[is_early] = {one.wear for one in corners if one.why}
         assert all(math.isnan(one.torque) == bool(one.why) for one in corners)
         sheet = margin_document(scene, corners)
-        assert sheet.heading[1].startswith("torque margin unknown; it is at most")
-        assert "sufficient" not in " ".join(sheet.heading)
-        notes = [row.note for row in sheet.blocks[0].rows]
-        assert sum("not computed (wear life: the iteration" in note for note in notes) == 3 * len(
-            missing[is_early]
-        )
+        assert "unknown" in sheet.heading[1] and "sufficient" not in " ".join(sheet.heading)
+        unsolved = [row for row in sheet.blocks[0].rows if row.note.startswith("not computed (")]
+        assert len(unsolved) == 3 * len(missing[is_early])
     assert missing == {False: {"worn"}, True: {"worn", "film worn off"}}
 
 

@@ -145,9 +145,10 @@ def test_spindle_bearings_with_numbers_of_deep_groove_ones(text, angle, deep_gro
 def test_ceramic_balls_reach_the_scene():
     text, told = scene_text("a", None, None, {}, designation="HCB71910-C-T-P4S")
     assert checked_scene(text).bearing.ball_material == "silicon_nitride"
-    assert "ball_material: silicon_nitride  # from the designation (HCB)" in text
+    assert re.search(r"^ *ball_material: silicon_nitride +# .*HCB", text, re.MULTILINE)
     assert not any(line.startswith("bearing.ball_material") for line in told)
-    assert any("HCB: silicon nitride balls" in line for line in told)
+    (line,) = [line for line in told if line.startswith("designation: ")]
+    assert "HCB" in line and "silicon nitride" in line
     with pytest.raises(SceneError, match="--ball-material: got bearing_steel, .* because of HCB"):
         scene_text("a", None, None, {}, "bearing_steel", designation="HCB71910-C-T-P4S")
 
@@ -214,7 +215,7 @@ def test_the_robust_series_of_nsk(text, angle, balls, pair):
 def test_a_class_of_preload_without_a_rule_is_named():
     _, told = scene_text("a", None, None, {}, designation="7010CDBELP4")
     (line,) = [line for line in told if line.startswith("designation")]
-    assert "no rule for class EL, so that of light is taken; --preload states yours" in line
+    assert "class EL" in line and "light" in line and "--preload" in line
 
 
 @pytest.mark.parametrize(
@@ -223,7 +224,7 @@ def test_a_class_of_preload_without_a_rule_is_named():
 def test_the_orientation_of_a_pair_stands_in_the_file(text, sides):
     written, told = scene_text("a", None, None, {}, designation=text)
     assert f"# arrangement: {{kind: spring_pair, orientation: {sides}," in written
-    assert any("the scene has one, see its arrangement" in line for line in told)
+    assert sum("arrangement" in line for line in told) == 1
 
 
 @pytest.mark.parametrize(

@@ -192,22 +192,21 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
     path = tmp_path / "my-spindle.yaml"
     assert new(path, "7008C") == 0
     lines = told(capsys).splitlines()
-    assert any(line.startswith("solved and verified: ") for line in lines)
+    assert any(line.startswith("solved and verified") for line in lines)
     commands = [shlex.split(line)[1:] for line in lines if line.startswith("  bearingwear ")]
     *short, study = commands
-    known = ["check", "solve", "life", "uncertainty", "recommend"]
-    assert [argv[0] for argv in short] == known
+    assert [argv[0] for argv in short] == ["check", "solve", "life", "uncertainty", "recommend"]
     assert study[:2] == ["study", str(path)]  # tests/workflow/test_own.py types that
     for argv in short:
         assert main(argv) == 0, argv
     assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
-    assert "cannot be solved (undetermined)" in told(capsys)
+    assert "undetermined" in told(capsys)
 
 
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(PROJECT.__dict__, "code_folder", str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
-    assert "the first solve must compile" in told(capsys)
+    assert "not solved" in told(capsys) and not (tmp_path / "empty").exists()
 
 
 @pytest.mark.parametrize(
@@ -267,8 +266,8 @@ def test_small_bearings_have_uncertain_grooves(argv, is_small, grooves, tmp_path
     """Those without an ISO designation are instrument bearings: Dynaroll prints 0.56 +-0.03."""
     assert new(tmp_path / "a.yaml", *argv) == 0
     lines = told(capsys)
-    assert ("makers of small bearings use 0.52 to 0.58" in lines) == is_small
-    assert ("Dynaroll: 0.56 +-0.03" in lines) == (grooves[0] == 0.57)
+    assert ("0.52 to 0.58" in lines) == is_small
+    assert ("Dynaroll" in lines) == (grooves[0] == 0.57)
     scene = load_scene(tmp_path / "a.yaml")
     assert (scene.bearing.inner_groove_factor, scene.bearing.outer_groove_factor) == grooves
     for race in ("inner", "outer"):
@@ -286,7 +285,7 @@ def test_fits_are_written_with_the_range_of_their_class(size, ends, gap):
     """ISO 286 and ISO 492, entered once more: 10 x 26, 40 x 68 and 100 x 150 mm."""
     text, _ = scene_text("mine", None, None, {}, designation=size)
     (line,) = re.findall("^fits: .*", text, re.MULTILINE)
-    assert f"assumed: no interference; a shaft js4 in a bore of class P4 gives {ends} um" in line
+    assert f"{ends} um" in line and "js4" in line and "P4" in line
     scene = scene_from_dict(data_of(text, "mine"), "mine")
     assert scene.fits.shaft_interference_um == 0.0
     assert scene.fits.housing_interference_um == -gap

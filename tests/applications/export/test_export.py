@@ -93,7 +93,7 @@ def test_bearings_in_tandem_are_one_side(found, pair):
 
 def test_a_run_in_time_has_no_stiffness_to_export(pair):
     loaded = {"operation.radial_load_N": [0.0, 60.0], "arrangement.kind": "single"}
-    with pytest.raises(NotExported, match="set model.fidelity to race_control"):
+    with pytest.raises(NotExported, match=r"model\.fidelity .*race_control"):
         StiffnessOverSpeed.of(pair.with_(loaded), [1000.0])
 
 
@@ -108,7 +108,7 @@ def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
     ):
         with pytest.raises(SceneError, match=text):
             call()
-    with pytest.raises(NotExported, match=r"^1000 r/min: undetermined: without friction, "):
+    with pytest.raises(NotExported, match="^1000 r/min: undetermined: "):
         StiffnessOverSpeed.of(pair.with_({"friction.ball_race": 0.0}), [1000.0])
     scene, out = str(files / "pair.yaml"), str(files / "a.json")
     assert main(["export", scene, "--speeds", "1000,2000", "-o", out]) == 2
