@@ -70,7 +70,7 @@ def test_new_is_that_of_the_command(tmp_path):
     )
     typed = bearingwear.load(tmp_path / "mine.yaml")
     assert made.description.startswith(typed.description)
-    assert "operation.shaft_speed_rpm: 19000, one million mm r/min" in made.description
+    assert "operation.shaft_speed_rpm: 19000" in made.description  # an assumed value
     assert made.to_dict() | {"description": typed.description} == typed.to_dict()
 
 
@@ -130,7 +130,7 @@ def test_save_knows_a_scene_from_a_dataset(tmp_path):
 
 def test_coordinates_by_name(scene):
     case = bearingwear.solve(scene)
-    assert case.attrs["message"] == "solved and verified"
+    assert case.status == "ok"
     inner, outer = (float(case.contact_load.sel(race=r).item()) for r in ("inner", "outer"))
     assert 0.0 < inner < outer  # by the centrifugal force
     spin = case.ball_angular_velocity.sel(axis="tangential")
@@ -154,10 +154,10 @@ def test_files_of_the_command_and_back(command, scene, tmp_path):
 def test_what_is_not_solved_warns(scene):
     slippery = scene.with_({"friction.ball_race": 0.0})
     for function in (bearingwear.solve, bearingwear.life):
-        with pytest.warns(UserWarning, match="^gyro_s1: undetermined: without friction") as told:
+        with pytest.warns(UserWarning, match="^gyro_s1: undetermined: ") as told:
             made = function(slippery)
         assert told[0].filename == __file__
-        assert made.attrs["message"].startswith("without friction")
+        assert made.attrs["message"] in str(told[0].message)
         assert made.status == "undetermined"
     with warnings.catch_warnings():
         warnings.simplefilter("error")

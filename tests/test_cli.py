@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import ROOT, only_line, step, without_waits
+from support import ROOT, numbers_in, only_line, step, without_waits
 
 from bearingwear import cli, console
 from bearingwear.application import applications
@@ -21,6 +21,7 @@ from bearingwear.cli import _parsed, main
 from bearingwear.kernels import status as code
 from bearingwear.lives import life as life_model
 from bearingwear.results.netcdf import load
+from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
@@ -157,9 +158,12 @@ def test_life(tmp_path, capsys):
     assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
     err = without_waits(err)
-    assert out == "" and err.startswith("warning: a wear depth of 0.49") and err.count("\n") == 2
-    assert "\nwarning: temperature is neglected" in err
+    warned = err.splitlines()
+    assert out == "" and all(line.startswith("warning: ") for line in warned)
     life = load(tmp_path / "life.nc")
+    sentences = [warning["sentence"] for warning in warnings_in(life.attrs)]
+    assert len(warned) == len(sentences) == 2
+    assert all(text in line for text, line in zip(sentences, warned, strict=True))
     assert int(life["status"]) == code.OK
     assert life["life"].dims == () and float(life["life"]) > 0.0
     assert life.attrs["wear_counts"] == "ball_and_races"
@@ -183,10 +187,11 @@ def test_failed_life(tmp_path, monkeypatch):
 def test_check(capsys):
     assert main(["check", str(SCENE)]) == 0
     out, err = capsys.readouterr()
-    assert "gyro_s1 would be solved with the steady model" in out.splitlines()[0] and not err
+    title, *_ = out.splitlines()
+    assert "gyro_s1" in title and "steady model" in title and not err
     assert main(["check", str(SCENE), "--set", "operation.radial_load_N=[0, 1]"]) == 0
     out = capsys.readouterr().out
-    assert "solved with the dynamic model" in out and "radial load" in out
+    assert "dynamic model" in out and "radial load" in out
 
 
 def process(stdout, *argv, unbuffered=""):
@@ -490,7 +495,7 @@ def test_recommend(capsys):
         main(["recommend", str(SCENE), *limits, "--json", "--set", "friction.ball_race=0.05"]) == 0
     )
     data = json.loads(capsys.readouterr().out)
-    assert data["limits"][0] == "axial stiffness of one bearing at least 4 N/um"
+    assert [numbers_in(limit) for limit in data["limits"]] == [[4.0], [50.0]]  # N/um, mW
     assert list(data["none_because"]) == ["fixed_position"]
     assert {row["name"] for row in data["quantities"]} >= {"preload", "life", "axial_stiffness"}
 
@@ -498,10 +503,11 @@ def test_recommend(capsys):
 def test_warnings_are_printed_once(capsys):
     worn = ["solve", str(SCENE), "--set", "wear.ball_diameter_loss_um=0.3"]
     assert main(worn) == 0
-    told, error = capsys.readouterr()
-    assert told.count("gap between ball and groove") == 1 and error == ""
+    output, error = capsys.readouterr()
+    assert output.count("warning: ") == 1 and error == ""
     assert main([*worn, "--quiet"]) == 0
-    assert capsys.readouterr().err.startswith("warning: a wear depth of 0.3 um")
+    output, error = capsys.readouterr()
+    assert output == "" and error.count("warning: ") == 1 and 0.3 in numbers_in(error)
 
 
 def test_a_new_folder_is_told(tmp_path, capsys):
@@ -540,18 +546,17 @@ def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
     assert not told and error.endswith(f"{scene}: no life could be computed (see {file})\n")
 
 
-def test_recommend_says_where_nothing_could_be_solved(capsys):
+def test_recommend_fails_where_nothing_could_be_solved(capsys):
+    """With status 3, and with 4 where a requirement could have been met."""
     without_friction = ["recommend", str(SCENE), "--set", "friction.ball_race=0"]
     assert main(without_friction) == 3
-    told, error = capsys.readouterr()
-    assert (told, without_waits(error)) == (
-        "",
-        f"{SCENE}: no life could be computed at any preload\n",
-    )
+    output, error = capsys.readouterr()
+    (line,) = without_waits(error).splitlines()
+    assert output == "" and line.startswith(f"{SCENE}: no life")
     assert main([*without_friction, "--pressure", "2"]) == 4
-    told, error = capsys.readouterr()
-    assert error.endswith(f"{SCENE}: no preload satisfies all requirements\n")
-    assert "no life could be computed" in told
+    output, error = capsys.readouterr()
+    *_, line = error.splitlines()
+    assert line.startswith(f"{SCENE}: no preload") and "no life" in output
 
 
 @pytest.mark.parametrize(

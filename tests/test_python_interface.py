@@ -103,7 +103,7 @@ def test_recommend(scene, requirements, capsys, tmp_path):
 
 
 def test_a_requirement_that_no_preload_satisfies(scene, capsys):
-    with pytest.warns(UserWarning, match="gyro_s1: no preload satisfies all requirements"):
+    with pytest.warns(UserWarning, match="gyro_s1: no preload"):
         made = bearingwear.recommend(scene, stiffness=900)
     assert not made.preload.notnull().any()
     with pytest.raises(TypeError, match="recommend: got 'stifness', expected .*stiffness"):

@@ -297,11 +297,11 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
     "settings, fidelity, why",
     [
         ([], "steady", "pure thrust load"),
-        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load, so no steady state"),
-        (["operation.rotating_load_N=1"], "dynamic", "rotating load, so no steady state"),
-        (["operation.tilt_mrad=1"], "dynamic", "tilt, so no steady state"),
-        ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "unequal ball diameters"),
-        (["model.cage_results=true"], "dynamic", "cage motion and wear"),
+        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load"),
+        (["operation.rotating_load_N=1"], "dynamic", "rotating load"),
+        (["operation.tilt_mrad=1"], "dynamic", "tilt"),
+        ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "ball diameters"),
+        (["model.cage_results=true"], "dynamic", "cage"),
         (["model.fidelity=dynamic"], "dynamic", "requested"),
         (["operation.tilt_mrad=1", "model.fidelity=race_control"], "race_control", "requested"),
         (["operation.tilt_mrad=1", "operation.shaft_speed_rpm=0"], "race_control", "at rest"),
@@ -349,11 +349,10 @@ def test_what_does_not_apply(settings, fidelity, problem):
 
 def test_limits_of_the_cage_need_its_wear():
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
-    assert (
-        "not evaluated: guide_clearance_mm" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
-    )
-    in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
-    assert not any("not evaluated" in reason for reason in in_time.reasons)
+    scene = load_scene(S1, [limit])
+    assert "guide_clearance_mm" in choice_for_life(scene).reasons[-1]
+    in_time = choice_for_life(scene, "dynamic")
+    assert not any("guide_clearance_mm" in reason for reason in in_time.reasons)
     alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
     assert choice_for_life(alone, "dynamic").fidelity == "dynamic"
     with pytest.raises(NotAvailable, match="only guide_clearance_mm,.* expected.*fidelity dynamic"):
@@ -363,8 +362,8 @@ def test_limits_of_the_cage_need_its_wear():
 def test_limits_of_slip_need_a_balance_of_friction():
     radial = "operation.radial_load_N=[0, 1]"
     scene = load_scene(S1, [radial])
-    told = choice_for_life(scene, "race_control").reasons[-1]
-    assert told == "end-of-life criteria not evaluated: gyroscopic_slip_share, skid_ratio"
+    last_reason = choice_for_life(scene, "race_control").reasons[-1]
+    assert re.findall(r"\w+_\w+", last_reason) == ["gyroscopic_slip_share", "skid_ratio"]
     alone = load_scene(S1, [radial, "wear.end_of_life={skid_ratio: 0.1}"])
     with pytest.raises(NotAvailable, match="only skid_ratio,.* expected.*fidelity auto"):
         choice_for_life(alone, "race_control")

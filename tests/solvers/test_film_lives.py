@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.stats import chi2
-from support import benchmark, scene_file
+from support import benchmark, numbers_in, scene_file
 
 from bearingwear.cli import main
 from bearingwear.document.rows import TABLE_TESTS
@@ -248,17 +248,15 @@ def test_wear_by_a_table_in_a_dynamic_case(scene):
         history = dynamic.values[f"history_{name}"].mean(axis=0)
         # pressures of the means by their axes, of the history by their loads
         assert_allclose(history, dynamic.values[name], rtol=0.02)
-    assert (
-        "wear of films: by their lives in tests (850 to 2000 MPa, 23 to 120 degC)"
-        in (dynamic.attrs["modelled"])
-    )
+    _, _, of_films = dynamic.attrs["modelled"].partition("wear of films: ")
+    assert numbers_in(of_films)[:4] == [850, 2000, 23, 120]  # MPa and degC of the tests
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"operation.preload_N": 15.0}, ""),
-        ({"operation.preload_N": 1.0}, "peak pressure of"),
+        ({"operation.preload_N": 1.0}, "pressure"),
         ({"operation.preload_N": 15.0} | warm(180.0), "temperature of 180 degC"),
         ({"operation.preload_N": 15.0} | warm(20.0), ""),
         ({"operation.preload_N": 90.0}, "shorter life"),
@@ -280,12 +278,11 @@ def test_coefficients_are_those_of_the_row_whose_life_is_one():
     assert in_vacuum == pytest.approx(benchmark("film_tests").bound(), rel=0.02)
 
 
-def test_sheets_say_what_the_tests_of_films_found():
+def test_sheets_have_the_factors_of_the_tests_of_films():
     tests = benchmark("film_tests")
     lasted = tests.SEEN / tests.revolutions(tests.nasa_bearing())
     measured, computed = tests.wear_over_warmth()
-    assert f"at least {lasted:.0f} times as long" in TABLE_TESTS
-    assert f"too large by a factor of {computed / measured:.2g} " in TABLE_TESTS
+    assert numbers_in(TABLE_TESTS) == [round(lasted), float(f"{computed / measured:.2g}")]
 
 
 def test_films_scatter_as_those_of_gears():

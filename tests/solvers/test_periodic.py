@@ -94,11 +94,9 @@ def test_where_none_is_found(scene, monkeypatch):
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
     asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage
     failed = solve(asked)
-    assert failed.status == "not_converged" and "no periodic motion" in failed.attrs["residual"]
+    assert failed.status == "not_converged" and "periodic" in failed.attrs["residual"]
     marched = solve(scene("gyro_s1", RADIAL).without_cage)
-    assert marched.status == "ok" and marched.attrs["start"] == (
-        "the steady state under pure thrust"
-    )
+    assert marched.status == "ok" and "steady state" in marched.attrs["start"]
 
 
 def test_a_run_goes_on_from_a_periodic_motion(scene, found):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import numbers_in
 
 from bearingwear.kernels.layout import PSI
 from bearingwear.results.warnings import warnings_in
@@ -97,7 +98,7 @@ def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
     for one, expected in ((with_cage, False), (with_cage.without_cage, True)):
         result = solve(one)
         assert result.values["spacing_growth_per_turn"] > 0.0
-        assert "even ball spacing grow" in result.attrs["settled"]
+        assert "spacing" in result.attrs["settled"]
         told = {warning["id"] for warning in warnings_in(result.attrs)}
         assert ("motion_unstable" in told) == expected
 
@@ -106,10 +107,8 @@ def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
     """By auto, which says why; it is kept, and warned of, where it is asked for."""
     monkeypatch.setattr(Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, other=0.1))
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
-    assert (
-        "not used, because it is unstable: disturbances grow by a factor of e in 10 turns"
-        in marched.attrs["start"]
-    )
+    assert "unstable" in marched.attrs["start"]
+    assert 10.0 in numbers_in(marched.attrs["start"])  # turns for growth by a factor of e
     assert marched.values["simulated_turns"] == 1.0
     assert "disturbance_growth_per_turn" not in marched.values
     kept = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}))

@@ -97,7 +97,7 @@ def test_what_is_found_is_what_is_given(scene):
     again = solve(scene("gyro_s1", HELD | given)).values
     assert_allclose(again["residual_preload"], found.values["residual_preload"], rtol=1e-12)
     assert '"thermal"' in found.attrs["scene"] and '"temperature"' not in found.attrs["scene"]
-    assert "temperature: computed for rings and balls" in found.attrs["modelled"]
+    assert "temperature: computed" in found.attrs["modelled"]
 
 
 def test_few_solves_do(scene):
@@ -157,10 +157,9 @@ def test_warm_seizure_is_named(scene, tmp_path, capsys):
     argv += [f"--set={key}={value}" for key, value in (HELD | SEIZES).items()]
     assert main(argv) == 3
     printed = capsys.readouterr()
-    assert printed.out.count("warning: the temperature of the cage (phenolic) is") == 1
-    told = printed.err.splitlines()
-    assert len(told) == 1
-    assert "warm_seizure" in told[-1] and "seizes" in told[-1]
+    assert printed.out.count("cage (phenolic)") == 1
+    (line,) = printed.err.splitlines()
+    assert "warm_seizure" in line
 
 
 @pytest.mark.parametrize("fidelity", [None, "race_control", "dynamic"])
@@ -222,4 +221,4 @@ def test_a_life_in_time_is_warmed_at_each_step(scene):
     (warm,), (seized,) = (wearing.state(wearing.start) for wearing in wearings)
     assert warm.status == code.OK and seized.status == code.WARM_SEIZURE
     assert_allclose(warm["part_temperature"], steady, rtol=1e-6)
-    assert seized.answer.residual.startswith("not converged after")
+    assert seized.answer.residual.startswith("not converged")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file
+from support import ROOT, numbers_in, scene_file
 
 import bearingwear
 from bearingwear.lives.life import life
@@ -169,8 +169,8 @@ def test_absurd_scenes(spindle, name):
 def test_a_warning_names_the_pair(spindle):
     rigid = {"operation.preload_method": "fixed_position", "arrangement.kind": "rigid_pair"}
     scene = variant(spindle, rigid)
-    said = {one["id"]: one["sentence"] for one in warnings_of(scene, choice(scene))}
-    assert "the preload set at rest (rigid pair) by" in said["temperature_left_out"]
+    sentences = {one["id"]: one["sentence"] for one in warnings_of(scene, choice(scene))}
+    assert "rigid pair" in sentences["temperature_left_out"]
 
 
 @pytest.mark.parametrize(
@@ -234,7 +234,7 @@ def test_a_cage_of_phenolic_bears_no_heat(scene):
         found = scene("gyro_s1", hot | {"cage.material": material})
         told = {one["id"]: one["sentence"] for one in warnings_of(found, choice(found))}
         assert ("temperature_beyond_practice" in told) == expected
-        assert not expected or "the cage (phenolic)" in told["temperature_beyond_practice"]
+        assert not expected or "phenolic" in told["temperature_beyond_practice"]
 
 
 def test_nothing_skids_at_rest(spindle):
@@ -341,8 +341,8 @@ def test_friction_that_is_rounded_away(scene):
     result = solve(slow)
     (told,) = warnings_in(result.attrs)
     assert told["id"] == "slip_rounded" and told["excess"] > 10.0
-    said = re.search(r"^set friction.slip_regularisation_m_s to (\S+) or less$", told["advice"])
-    better = float(said[1])
+    assert "friction.slip_regularisation_m_s" in told["advice"]
+    (better,) = numbers_in(told["advice"])
     finer = solve(replace(slow, friction=replace(slow.friction, slip_regularisation_m_s=better)))
     assert ids(finer) == set()
     # what the advice gives is right: two hundredths of the slip do not change it any more
@@ -354,7 +354,7 @@ def test_friction_that_is_rounded_away(scene):
     assert finer.values["shaft_torque_error_estimate"] < 0.01
     lost = 1.0 - result.values["shaft_torque"] / right
     assert_allclose(result.values["torque_lost_to_regularisation"], lost, rtol=1e-3)
-    assert f"the torque by {100.0 * lost:.3g} %" in told["sentence"]
+    assert float(f"{100.0 * lost:.3g}") in numbers_in(told["sentence"])
     assert "torque_lost_to_regularisation" not in finer.values
 
 
@@ -383,7 +383,7 @@ def test_python_warns(spindle):
         found = bearingwear.solve(scene)
     assert len(caught) == 1 and caught[0].filename == __file__
     assert json.loads(found.attrs["warnings"])[0]["id"] == "pressure_above_practice"
-    with pytest.warns(UserWarning, match="end-of-life criterion met when new"):
+    with pytest.warns(UserWarning, match="criterion .*when new"):
         bearingwear.life(variant(spindle, STEEP))
 
 
@@ -395,6 +395,7 @@ def test_gathered_at_their_worst():
     told = {"warnings": merged_warnings([small, {}, large, small])}
     (one,) = warnings_in(told)
     assert one["cases"] == 3 and one["sentence"] == "large"
-    assert warning_lines(told) == ["warning: 3 cases, at worst: large; a"]
+    (line,) = warning_lines(told)
+    assert numbers_in(line) == [3.0] and line.endswith("large; a")
     again = merged_warnings([told, told])
     assert warnings_in({"warnings": again})[0]["cases"] == 6

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from support import numbers_in
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.studies import answers as module
@@ -97,7 +98,5 @@ def test_progress_has_a_line_every_few_seconds(monkeypatch):
 
     found = list(module.with_progress(every_2_seconds(), 5, "sweep", lines.append))
     assert [answer["point"] for answer in found] == [0, 1, 2, 3, 4]
-    assert lines == [
-        "sweep: 2 of 5 points, about 6 s left",
-        "sweep: 4 of 5 points, about 2 s left",
-    ]
+    assert all(line.startswith("sweep: ") for line in lines)
+    assert [numbers_in(line) for line in lines] == [[2, 5, 6], [4, 5, 2]]  # points, all, s left

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
-from support import ROOT
+from support import ROOT, numbers_in
 
 import bearingwear
 from bearingwear import SceneError
@@ -39,7 +39,6 @@ def test_a_point_is_what_solve_finds(coarse):
     made = bearingwear.sweep(coarse, {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}, workers=1)
     assert made.total_qv.dims == ("preload_N", "friction")
     assert made.preload_N.attrs["units"] == "N" and "preload" in made.preload_N.attrs["long_name"]
-    assert made.attrs["message"] == "all points solved and verified"
     alone = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
     point = made.sel(preload_N=7, friction=0.05, race="inner")
     for name in ("contact_load", "qv", "total_qv", "status"):
@@ -62,12 +61,12 @@ def test_processes_find_the_same(coarse):
 def test_warnings_of_a_sweep_are_counted(coarse):
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     for workers in (1, 2):
-        with pytest.warns(UserWarning, match="2 cases, at worst: a wear depth of 0.7 um") as told:
+        with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as told:
             made = bearingwear.sweep(coarse, losses, workers=workers)
         assert len(told) == 1 and told[0].filename == __file__
         (worn,) = json.loads(made.attrs["warnings"])
         assert worn["id"] == "groove_worn" and worn["cases"] == 2
-        assert worn["sentence"].startswith("a wear depth of 0.7 um")
+        assert numbers_in(worn["sentence"])[0] == 0.7
 
 
 def test_file_of_a_sweep(coarse, tmp_path):
@@ -81,7 +80,7 @@ def test_file_of_a_sweep(coarse, tmp_path):
 
 def test_a_point_that_fails(coarse):
     """Without friction the balls may spin in any way."""
-    with pytest.warns(UserWarning, match="1 of 2 points were not solved: undetermined 1") as told:
+    with pytest.warns(UserWarning, match="1 of 2 points .*undetermined 1") as told:
         made = bearingwear.sweep(coarse, {FRICTION: [0.0, 0.08]}, workers=1)
     assert told[0].filename == __file__
     assert made.status.values.tolist() == ["undetermined", "ok"]
@@ -110,7 +109,7 @@ def test_nothing_is_solved_before_all_is_checked(coarse, changes, said, monkeypa
 
 def test_a_model_that_cannot_solve_a_point(coarse):
     rotating = "operation.rotating_load_N"
-    with pytest.warns(UserWarning, match="points were not solved: none 1 .gyro_s1: "):
+    with pytest.warns(UserWarning, match="1 of 2 points .*none 1 .gyro_s1: "):
         made = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
     assert made.status.values.tolist() == ["ok", "none"]
     assert np.isfinite(made.total_qv).values.tolist() == [True, False]
@@ -129,7 +128,7 @@ def test_workers_and_what_are_checked(coarse):
 def test_a_combination_that_makes_no_bearing_leaves_the_others(coarse, workers):
     """The largest of these balls do not fit side by side."""
     axes = {"bearing.ball_count": [8, 10], "bearing.ball_diameter_mm": [1.9, 2.3]}
-    with pytest.warns(UserWarning, match="points were not solved: none"):
+    with pytest.warns(UserWarning, match="1 of 4 points .*none 1"):
         made = bearingwear.sweep(coarse, axes, workers=workers)
     assert (made.status == "ok").values.tolist() == [[True, True], [True, False]]
     assert np.isnan(made.total_qv[1, 1]) and np.isfinite(made.total_qv).sum() == 3
@@ -282,7 +281,7 @@ import bearingwear
 def main():
     scene = bearingwear.example().with_({"model.strips": 8})
     found = bearingwear.sweep(scene, {"operation.preload_N": [5, 7, 9, 11]}, workers=2)
-    print(found.attrs["message"])
+    print(*found.status.values)
 
 """
 
@@ -298,7 +297,7 @@ def run_script(folder, text):
 def test_where_processes_start_anew(tmp_path):
     guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
     done = run_script(tmp_path, SCRIPT + guard)
-    assert done.stdout == "all points solved and verified\n", done.stderr
+    assert done.stdout == "ok ok ok ok\n", done.stderr
 
 
 UNGUARDED = """

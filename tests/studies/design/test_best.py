@@ -1,9 +1,11 @@
 """The sweep for the best preload, on lives that are written down, with what deceives a search."""
 
+import json
 import math
 
 import numpy as np
 import pytest
+from support import numbers_in
 
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -167,11 +169,12 @@ def test_no_preload_within_the_limits_is_explained(scene):
     made = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
     assert made.found() is None
     why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
-    assert why.startswith("axial stiffness of one bearing at least 20 N/µm, at best 15.4 at 9060 N")
+    assert why.startswith("axial stiffness of one bearing")
+    assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, and at best at 9060 N
     made = MadeUp(scene, lambda p: 0.0)
     assert made.found() is None
     why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
-    assert why == "an end-of-life criterion is met when the bearing is new"
+    assert "criterion" in why and "new" in why
     made = MadeUp(scene, lambda p: math.nan)
     assert made.found() is None
     why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
@@ -187,10 +190,8 @@ def test_requirements_that_cannot_be_met_together_are_named():
         return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT_LIFE)
 
     why = why_none([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
-    assert why == (
-        "each requirement can be satisfied individually, but not all of them together: axial "
-        "stiffness of one bearing at least 3.5 N/µm, but 3 at 3 N"
-    )
+    assert "individually" in why and "axial stiffness of one bearing" in why
+    assert numbers_in(why) == [3.5, 3, 3]  # N/um required, but 3 at 3 N
 
 
 def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
@@ -206,8 +207,8 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
 
     order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
     why = why_none(order, limits, has_cases=False)
-    assert why.startswith("each requirement can be satisfied individually")
-    assert "stiffness" not in why and why.endswith("but 30 at 4 N")
+    assert "individually" in why and "stiffness" not in why
+    assert numbers_in(why)[-2:] == [30, 4]  # % of the preload kept, at 4 N
 
 
 def test_the_stiffness_at_which_the_other_method_is_better(scene):
@@ -254,7 +255,9 @@ def test_a_required_life_decides_what_is_feasible():
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
     found = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=20.0, life_h=1e4))
     assert found["life"].isnull().all()
-    assert "wear life at least 10000 h, at best" in found.attrs["none_because"]
+    reasons = json.loads(found.attrs["none_because"])
+    assert len(reasons) == 2
+    assert all("wear life" in why and 10000.0 in numbers_in(why) for why in reasons.values())
 
 
 @pytest.mark.parametrize("counts", [1, pytest.param(2, marks=pytest.mark.long)])

@@ -95,9 +95,8 @@ def test_the_worst_case_is_named(found):
     k = int(np.flatnonzero(np.isfinite(found["preload"]))[0])
     worst = json.loads(found.attrs[WORST_CASES])[k]
     assert worst["opening_acceleration"] == "cold" and worst["torque_margin"] == "hot"
-    said = " ".join(as_text(preload_document(found)).split())
-    assert "Requirements of the machine" in said and "worst corner: hot, new" in said
-    assert "Launch, 30 g axial, 30 g radial" in said
+    text = " ".join(as_text(preload_document(found)).split())
+    assert "worst corner: hot, new" in text and "Launch, 30 g axial, 30 g radial" in text
     asked = json.loads(found.attrs[MACHINE])[k]
     least = min(one["margin"] for one in asked["corners"])
     assert float(found["torque_margin"][k]) == pytest.approx(least, rel=1e-6)

@@ -138,15 +138,15 @@ def files_in(folder):
     return {name: folder / f"{name}.nc" for name in FILES}
 
 
-def test_a_method_without_a_preload_within_the_limits_is_called_so(folder, tmp_path):
+def test_a_method_without_a_preload_has_no_status_of_a_solve(folder, tmp_path):
     """Its status is -1, which must not be read as the last of the names."""
     design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
     parts = [folder / f"{method}.nc" for method in METHODS]
     write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 40.0}), design)
     write_dataset(recommendation_of(scene_file("gyro_s1"), design), file)
     assert load(file)["status"].values.tolist() == [-1, -1]
-    several = as_text(sheet(file))
-    assert "nothing to solve" in several and "jammed" not in several
+    text = as_text(sheet(file))
+    assert "nothing to solve" in text and STATUS_NAMES[-1] not in text
 
 
 def test_single_files_are_drawn(folder, tmp_path):
@@ -187,7 +187,7 @@ def test_figures_and_tables_are_drawn(folder):
     tables = [folder / "map.csv", folder / "design.md"]
     assert step("studies.design.document.sheets.tables", *tables, **files) == 0
     text = (folder / "design.md").read_text()
-    assert "What would change the choice" in text and "limited by" in text
+    assert text.count("\n| ") > 20 and "nan" not in text
     assert len((folder / "map.csv").read_text().splitlines()) == 11
     assert step(f"{draw}.other", folder / "x.svg", **files) == 2
     wrong = dict(zip(FILES, reversed(files.values()), strict=True))
@@ -233,19 +233,18 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
         return out.read_text()
 
     text = table(*cases)
-    assert "The dynamic model agrees with the steady values of the map within" in text
     assert text.count("| no |") == 4 and "| yes |" not in text
     for steady, dynamic in zip(map(load, cases[::2]), map(load, cases[1::2]), strict=True):
         assert_allclose(dynamic["total_qv"], steady["total_qv"], rtol=1e-9)
     # and the table sees where it does not
     beyond = 1.0 + 2.0 * float(load(cases[0])["qv_error_estimate"]) + 0.01
     text = table(*cases[:-1], changed(cases[-1], tmp_path / "qv.nc", total_qv=beyond))
-    assert "agrees only partly with the steady values of the map" in text
-    assert "Differences beyond the error estimates: QV of the bearing, +" in text
     assert text.count("| yes |") == 1
+    (row,) = (line for line in text.splitlines() if "| yes |" in line)
+    assert "QV" in row
     failed = changed(cases[-1], tmp_path / "failed.nc", status=NOT_CONVERGED)
     text = table(*cases[:-1], failed)
-    assert "Not solved: dynamic at" in text and "not converged" in text
+    assert "not converged" in text
     capsys.readouterr()
     for wrong in ([*cases[:-1]], [recommendation], [*cases, folder / "design.nc"]):
         given = {"recommendation": recommendation, "cases": wrong}
@@ -290,8 +289,7 @@ def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
     for other in (design, folder / "recommendation.nc"):
         assert step(quantiles, out, recommendation=other, **given) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 5 and "requires a recommendation file" in lines[3]
-    assert lines[4] == "the recommendation belongs to another scene"
+    assert len(lines) == 5 and "recommendation file" in lines[3] and "another scene" in lines[4]
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):

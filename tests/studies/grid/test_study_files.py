@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from support import only_line, scene_file, step, step_arguments
+from support import numbers_in, only_line, scene_file, step, step_arguments
 
 from bearingwear.cli import main
 from bearingwear.kernels.status import OK
@@ -84,7 +84,7 @@ def test_warnings_are_gathered_once_with_the_cases_counted(folder):
     assert len({one["id"] for one in told}) == len(told)
     assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
     largest = float(cases["ball_diameter_loss"].max())
-    assert worn["sentence"].startswith(f"a wear depth of {largest:g} um is ")
+    assert numbers_in(worn["sentence"])[0] == pytest.approx(largest)
     (worn,) = (one for one in warnings_in(lives.attrs) if one["id"] == "groove_worn")
     assert worn["cases"] == int((lives["status"] == OK).sum())
 
@@ -366,7 +366,7 @@ def test_tables(folder, tmp_path):
     summary = outputs[1].read_text()
     assert summary.count("µm: undetermined") == 6
     # an edited description makes no result anew, and the summary would keep the old one
-    assert summary.startswith("# gyro_s1\n\n## Effect of wear\n")
+    assert summary.startswith("# gyro_s1\n\n## ")
 
 
 FIGURES = {

@@ -123,7 +123,8 @@ def test_a_wrong_number_is_seen():
     assert violations(scene, "steady", values) == []
     spoilt = values | {"residual_preload": 1.001 * values["residual_preload"]}
     assert violations(scene, "steady", spoilt)
-    assert violations(scene, "steady", values | {"total_qv": np.nan}) == ["total_qv is not finite"]
+    (violation,) = violations(scene, "steady", values | {"total_qv": np.nan})
+    assert violation.startswith("total_qv ")
     assert violations(scene, "steady", values | {"power_balance_error": 1e-4})
 
 
@@ -224,7 +225,7 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     assert run("run.random_scenes", solved, more, plan=FILE) == 0
     found = load(solved)
     assert found.attrs["seed"] == 3 and found.sizes["trial"] == 2
-    found["violations"] = ("trial", np.array(["", "friction heat exceeds mu QV"], dtype=object))
+    found["violations"] = ("trial", np.array(["", "a violation"], dtype=object))
     found["status"][:] = code.OK
     write_dataset(found, solved)
     assert run("gather.counted_ends", counts, paths=[solved]) == 0
@@ -234,7 +235,8 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     verdict = tmp_path / "verdict.txt"
     assert run("tables.wrong_answers", verdict, counts=counts) == 3
     assert not verdict.exists()
-    assert "incorrect results: 1 (first: friction heat exceeds mu QV)" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "results: 1 " in error and "a violation" in error
     assert run("run.random_scenes", solved, {"name": "few"}, plan=FILE) == 2
     assert "scene_classes: got few, expected steady" in only_line(capsys)
 

@@ -277,32 +277,29 @@ def test_thickness_is_that_of_a_film_that_has_one():
 
 
 @pytest.mark.parametrize(
-    "name, settings, said",
+    "name, settings, source",
     [
-        (
-            "gyro_s1",
-            [],
-            "spread for steel/steel, dry, from archard, dry_steel: K_s/H by",
-        ),
-        ("mos2_gyro", FILM, "spread for steel/steel, film mos2 (no source for other films), from"),
-        ("turbopump", ["model.contact=hertz"], "spread assumed, because no source covers"),
+        ("gyro_s1", [], "archard, dry_steel"),
+        ("mos2_gyro", FILM, "film mos2"),
+        ("turbopump", ["model.contact=hertz"], "spread assumed"),
     ],
 )
 def test_a_scene_without_distributions_takes_those_of_the_table(
-    name, settings, said, tmp_path, capsys
+    name, settings, source, tmp_path, capsys
 ):
+    """The sheets of the spread and of the life name the rows of the table."""
     plain = load_scene(scene_file(name), settings).to_dict()
     plain.pop("uncertainty", None)
     path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
     bearingwear.save(scene_from_dict(plain), path)
     assert main(["uncertainty", str(path), "-o", str(out), "--samples", "8"]) == 0
-    shown, told = capsys.readouterr()
-    assert said in shown and said in told and "90 % of bearings" in shown
+    output, errors = (" ".join(text.split()) for text in capsys.readouterr())
+    assert source in output and source in errors
     # the sheet of the life has the interval beside it, and the band by wear that holds without
     assert main(["life", str(path), "-o", str(tmp_path / "life.nc")]) == 0
-    shown = capsys.readouterr().out
-    assert "scatter within a batch" in shown and shown.count(said) == 2
+    output = " ".join(capsys.readouterr().out.split())
+    assert "within a batch" in output and output.count(source) == 2
     out.unlink()
     assert main(["show", str(tmp_path / "life.nc")]) == 0
-    shown = capsys.readouterr().out
-    assert "90 % of bearings, wear only" in shown and said in shown
+    output = " ".join(capsys.readouterr().out.split())
+    assert "wear only" in output and output.count(source) == 1
