@@ -37,7 +37,7 @@ def solve(output, *more) -> int:
 # solve
 
 
-def test_solve(tmp_path, capsys):
+def test_solve_prints_the_sheet_that_its_file_has(tmp_path, capsys):
     assert solve(tmp_path / "new" / "case.nc") == 0
     sheet, err = capsys.readouterr()
     assert err.endswith("new: new folder\n")  # before it, that kernels are compiled
@@ -109,14 +109,14 @@ __main__.run_program()
 
 
 @pytest.mark.parametrize(
-    "arguments, number, said",
+    "arguments, number, problem",
     [
         (["write"], signal.SIGTERM, "terminated\n"),
         (["write"], signal.SIGINT, "interrupted\n"),
         (["solve", str(SCENE)], signal.SIGINT, "interrupted\n"),
     ],
 )
-def test_an_interrupt_at_a_bad_moment(arguments, number, said, tmp_path):
+def test_an_interrupt_at_a_bad_moment(arguments, number, problem, tmp_path):
     """While numba is imported, and while a file is half written."""
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
@@ -125,7 +125,7 @@ def test_an_interrupt_at_a_bad_moment(arguments, number, said, tmp_path):
         capture_output=True,
         text=True,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", said)
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", problem)
     assert os.listdir(tmp_path) == []
 
 
@@ -153,7 +153,7 @@ def test_an_interrupt_while_python_ends():
 # life
 
 
-def test_life(tmp_path, capsys):
+def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
@@ -184,7 +184,7 @@ def test_failed_life(tmp_path, monkeypatch):
 # check, show, help
 
 
-def test_check(capsys):
+def test_check_names_the_model_and_why_without_a_solve(capsys):
     assert main(["check", str(SCENE)]) == 0
     out, err = capsys.readouterr()
     title, *_ = out.splitlines()
@@ -280,7 +280,7 @@ def test_the_name_of_a_study_comes_first(option, capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "problem"),
     [
         (["-o", "x.nc", "b\nc"], "-o: got 2 files, expected one, or --each KEY=VALUE,VALUE..."),
         (["--each", "friction.ball_race=0.1,0.2", "-o", "x.nc"], "--each: got friction.ball_race="),
@@ -288,10 +288,10 @@ def test_the_name_of_a_study_comes_first(option, capsys):
         (["--each", "friction.bal=1", "-o", "x.nc"], "--set friction.bal: got an unknown key"),
     ],
 )
-def test_values_and_files_belong_together(given, said, tmp_path, monkeypatch, capsys):
+def test_values_and_files_belong_together(given, problem, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["solve", str(SCENE), *given]) == 2
-    assert only_line(capsys).startswith(said)
+    assert only_line(capsys).startswith(problem)
     assert os.listdir() == []
 
 
@@ -308,7 +308,7 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
         assert alone.read_bytes() == Path(file).read_bytes()
     assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
     assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
-    # a failure is recorded, or said by the exit status
+    # a failure is recorded, or told by the exit status
     unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each]
     assert main(unsolved) == 3 and main([*unsolved, "--record-failures"]) == 0
     assert capsys.readouterr().err.count("undetermined") == 4
@@ -324,8 +324,8 @@ def test_every_command_has_a_handler():
     (choices,) = (action.choices for action in command_parser()._actions if action.choices)
     handlers = {name: function(parser.get_default("run")) for name, parser in choices.items()}
     functions = inspect.getmembers(commands, inspect.isfunction)
-    own = {name for name, made in functions if made.__module__ == commands.__name__}
-    of_applications = {one.command for one in applications()}
+    own = {name for name, value in functions if value.__module__ == commands.__name__}
+    of_applications = {application.command for application in applications()}
     assert {name for name in own if not name.startswith("_")} == set(choices) - of_applications
     assert all(handlers[name] is getattr(commands, name) for name in set(choices) - of_applications)
 
@@ -346,7 +346,7 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
 
 
 @pytest.mark.parametrize(
-    ("run", "said"),
+    ("run", "problem"),
     [
         (
             "studies.grid.gather.nothing",
@@ -358,9 +358,9 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
         ),
     ],
 )
-def test_a_step_that_is_not_there(run, said, tmp_path, capsys):
+def test_a_step_that_is_not_there(run, problem, tmp_path, capsys):
     assert step(run, tmp_path / "a.nc") == 2
-    assert only_line(capsys).startswith(said)
+    assert only_line(capsys).startswith(problem)
     assert os.listdir(tmp_path) == []
 
 
@@ -440,8 +440,8 @@ def test_output_replaces_no_file_marked_read_only(command, tmp_path, capsys):
     kept.chmod(0o444)
     capsys.readouterr()
     assert main([command, str(SCENE), "-o", str(kept)]) == 2
-    said = f"{kept}: got a read-only file, expected a different file name"
-    assert only_line(capsys).strip() == said
+    problem = f"{kept}: got a read-only file, expected a different file name"
+    assert only_line(capsys).strip() == problem
     assert kept.read_bytes() == before
 
 
@@ -489,13 +489,13 @@ def test_plot_in_any_order_of_arguments(tmp_path, capsys):
         assert "result files, expected one (FILE.nc)" in capsys.readouterr().err
 
 
-def test_recommend(capsys):
+def test_recommend_prints_limits_and_results_as_json(capsys):
     limits = ["--bearing-stiffness", "4", "--power", "0.05"]
     assert (
         main(["recommend", str(SCENE), *limits, "--json", "--set", "friction.ball_race=0.05"]) == 0
     )
     data = json.loads(capsys.readouterr().out)
-    assert [numbers_in(limit) for limit in data["limits"]] == [[4.0], [50.0]]  # N/um, mW
+    assert [numbers_in(limit) for limit in data["limits"]] == [[4.0], [0.05]]  # N/um, W
     assert list(data["none_because"]) == ["fixed_position"]
     assert {row["name"] for row in data["quantities"]} >= {"preload", "life", "axial_stiffness"}
 
@@ -542,8 +542,8 @@ def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
     text = SCENE.read_text(encoding="utf-8")
     scene.write_text(text.replace("preload_N: 7.0", "preload_N: 1.0e+6"), encoding="utf-8")
     assert main(["uncertainty", str(scene), "--samples", "4", "-o", str(file)]) == 3
-    told, error = capsys.readouterr()
-    assert not told and error.endswith(f"{scene}: no life could be computed (see {file})\n")
+    output, error = capsys.readouterr()
+    assert not output and error.endswith(f"{scene}: no life could be computed (see {file})\n")
 
 
 def test_recommend_fails_where_nothing_could_be_solved(capsys):
@@ -560,7 +560,7 @@ def test_recommend_fails_where_nothing_could_be_solved(capsys):
 
 
 @pytest.mark.parametrize(
-    "arguments, said",
+    "arguments, problem",
     [
         (["--stiffness", "0"], "argument --stiffness: got '0', expected a number > 0"),
         (
@@ -573,16 +573,16 @@ def test_recommend_fails_where_nothing_could_be_solved(capsys):
         ),
     ],
 )
-def test_recommend_refuses_in_one_line(capsys, arguments, said):
+def test_recommend_refuses_in_one_line(capsys, arguments, problem):
     assert main(["recommend", str(SCENE), *arguments]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert said in line
+    assert problem in line
 
 
 def test_every_exit_status_is_documented():
     text = (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
-    told = {int(status) for status in re.findall(r"^\| (\d+) \|", text, re.M)}
+    documented = {int(status) for status in re.findall(r"^\| (\d+) \|", text, re.M)}
     known = {console.SUCCESS, console.BAD_INPUT, console.NOT_SOLVED, console.INFEASIBLE}
-    assert told == known | {cli.FULL_DISK, cli.INTERRUPTED}
+    assert documented == known | {cli.FULL_DISK, cli.INTERRUPTED}
     epilog = command_parser().epilog
-    assert all(re.search(rf"\b{status}\b", epilog) for status in told)
+    assert all(re.search(rf"\b{status}\b", epilog) for status in documented)

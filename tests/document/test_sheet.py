@@ -126,10 +126,10 @@ def test_with_and_without_a_file(command, tmp_path, capsys):
 
 def test_formats_for_programs(tmp_path, capsys):
     file = tmp_path / "x.nc"
-    found = json.loads(printed(capsys, "solve", SCENE, "-o", file, "--json"))
-    assert json.loads(printed(capsys, "show", file, "--json")) == found
-    assert (found["scene"], found["fidelity"], found["status"]) == ("gyro_s1", "steady", "ok")
-    shown = {row["name"]: row for row in found["quantities"]}
+    data = json.loads(printed(capsys, "solve", SCENE, "-o", file, "--json"))
+    assert json.loads(printed(capsys, "show", file, "--json")) == data
+    assert (data["scene"], data["fidelity"], data["status"]) == ("gyro_s1", "steady", "ok")
+    shown = {row["name"]: row for row in data["quantities"]}
     with netCDF4.Dataset(file) as case:
         stiffness, pressure = float(case["axial_stiffness"][...]), case["maximum_pressure"][0]
     assert shown["axial_stiffness"]["unit"] == "N/um"
@@ -162,9 +162,9 @@ def test_an_unverified_number_is_not_printed(monkeypatch, scene):
     """The file keeps what was found, for whoever looks for the reason; the sheet does not."""
     monkeypatch.setattr(thrust_problem, "FRICTION_TOLERANCE", 1e-5)
     changes = {"model.quadrature": "gauss", "bearing.bore_mm": 5.0, "operation.preload_N": 0.1}
-    found = solve(scene("gyro_s1", changes), "steady")
-    assert found.status == "unverified" and "total_qv" in found.values
-    document = sheet_of_result(found)
+    result = solve(scene("gyro_s1", changes), "steady")
+    assert result.status == "unverified" and "total_qv" in result.values
+    document = sheet_of_result(result)
     assert [row.name for block in document.blocks for row in block.rows] == ["growth_at_speed"]
     assert document.facts["warnings"] == []
 

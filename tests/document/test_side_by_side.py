@@ -19,7 +19,7 @@ SECOND = Block("contact", ("inner", "outer"), (Row("pressure", "MPa", (713.0, 98
 
 def test_the_larger_unit_is_that_of_both():
     for order, sign in (((FIRST, SECOND), 1), ((SECOND, FIRST), -1)):
-        (both,) = side_by_side([[one] for one in order])
+        (both,) = side_by_side([[item] for item in order])
         assert both.columns == ("1: inner", "1: outer", "2: inner", "2: outer")
         (row,) = both.rows
         values = [0.862, 1.05, 0.713, 0.987]
@@ -29,8 +29,8 @@ def test_the_larger_unit_is_that_of_both():
 
 def test_limits_that_differ_stand_beside_the_row():
     other = Block("bearing", (), (Row("preload", "N", (100.0,), limit=24.0),))
-    one = Block("bearing", (), (Row("preload", "N", (160.0,), limit=48.0),))
-    (both,) = side_by_side([[one], [other]])
+    first = Block("bearing", (), (Row("preload", "N", (160.0,), limit=48.0),))
+    (both,) = side_by_side([[first], [other]])
     assert both.columns == ("bearing 1", "bearing 2")
     assert both.rows == (Row("preload", "N", (160.0, 100.0), limits=(48.0, 24.0)),)
     sheet = Document(blocks=(both,))

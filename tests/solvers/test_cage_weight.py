@@ -57,8 +57,8 @@ def test_free_cage_falls(scene):
 
 @jit
 def force_of(cage, mass, approach, speed):
-    found = pocket_force(cage, mass, approach, 1.0, -speed)
-    return found.elastic, found.normal
+    result = pocket_force(cage, mass, approach, 1.0, -speed)
+    return result.elastic, result.normal
 
 
 @pytest.mark.parametrize(("restitution", "share"), [(0.2, 0.822), (0.5, 0.957), (0.8, 0.995)])

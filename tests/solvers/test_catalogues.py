@@ -77,9 +77,9 @@ def groups(catalogues):
         ("starting torque of a 108H pair", "NASA", 3),
     ],
 )
-def test_group(groups, name, source, count):
+def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
     """Every row is judged, and the mean square of all."""
-    (group,) = [one for one in groups if (one.name, one.source) == (name, source)]
+    (group,) = [item for item in groups if (item.name, item.source) == (name, source)]
     assert len(group.rows) == count
     misprints = ["KH 61903 E M, axial rigidity"] if name.endswith("KH") else []
     assert group.rms > group.allowed if group.fails else group.rms <= group.allowed

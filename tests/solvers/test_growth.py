@@ -59,17 +59,17 @@ def static_preload(scene) -> float:
 def test_a_program_written_apart(scene, changes, preload, static, angles, qv):
     """Temperature and growth of gyro_s1 at fixed position, to the digits it gives."""
 
-    def said(value: float, text: str) -> bool:
+    def rounds_to(value: float, text: str) -> bool:
         digits = len(text.partition(".")[2])
         return abs(value - float(text)) <= 0.51 * 10.0**-digits
 
     grown = scene("gyro_s1", PAPER | changes)
-    found, mounted = solve(grown).values, solve(scene("gyro_s1", PAPER)).values
-    assert said(found["residual_preload"], preload)
-    assert said(static_preload(grown), static)
-    assert said(found["total_qv"] / mounted["total_qv"], qv)
-    for value, text in zip(np.degrees(found["contact_angle"][0]), angles or (), strict=False):
-        assert said(value, text)
+    values, mounted = solve(grown).values, solve(scene("gyro_s1", PAPER)).values
+    assert rounds_to(values["residual_preload"], preload)
+    assert rounds_to(static_preload(grown), static)
+    assert rounds_to(values["total_qv"] / mounted["total_qv"], qv)
+    for value, text in zip(np.degrees(values["contact_angle"][0]), angles or (), strict=False):
+        assert rounds_to(value, text)
 
 
 def ring(inside=2e-3, outside=3e-3, omega=1e4) -> Ring:
@@ -113,25 +113,25 @@ def test_two_rings_of_one_material(scene, hole):
     """p = E I (b^2 - a^2)(a^2 - c^2)/(4 a^3 (b^2 - c^2)), at rest."""
     still = {"operation.shaft_speed_rpm": 0.0, "fits.shaft_bore_mm": hole}
     still |= SEATED | {"fits.shaft_interference_um": 2.0}
-    found = growth_of(scene("gyro_s1", still)).inner
+    ring = growth_of(scene("gyro_s1", still)).inner
     a, b, c, E, tight = 2e-3, track(scene, -1.0), 0.5e-3 * hole, 208e9, 2e-6
     p = E * tight * (b**2 - a**2) * (a**2 - c**2) / (4.0 * a**3 * (b**2 - c**2))
-    assert_allclose(found.pressure, p, rtol=1e-10)
-    assert_allclose(found.fit, 2.0 * p * a**2 * b / (E * (b**2 - a**2)), rtol=1e-10)
+    assert_allclose(ring.pressure, p, rtol=1e-10)
+    assert_allclose(ring.fit, 2.0 * p * a**2 * b / (E * (b**2 - a**2)), rtol=1e-10)
 
 
 def test_a_tight_ring_on_a_full_shaft_is_a_full_disc(scene):
     """It grows by rotation as the disc does, and by the fit as I a/(2 b)."""
-    found = fitted(scene, shaft_interference_um=4.0).inner
+    ring = fitted(scene, shaft_interference_um=4.0).inner
     a, b, omega = 2e-3, track(scene, -1.0), 1000.0 * math.pi
     disc = 7800.0 * omega**2 * b**3 * 0.7 / (4.0 * 208e9)
-    assert_allclose(found.speed + found.fit, disc + 4e-6 * a / (2.0 * b), rtol=1e-10)
+    assert_allclose(ring.speed + ring.fit, disc + 4e-6 * a / (2.0 * b), rtol=1e-10)
 
 
 def test_an_outer_ring_in_a_thick_housing(scene):
     """Of one material the track closes by I a/(2 b)."""
-    found = fitted(scene, housing_interference_um=3.0).outer
-    assert_allclose(found.fit, -1.5e-6 * track(scene, 1.0) / 6.5e-3, rtol=1e-10)
+    ring = fitted(scene, housing_interference_um=3.0).outer
+    assert_allclose(ring.fit, -1.5e-6 * track(scene, 1.0) / 6.5e-3, rtol=1e-10)
 
 
 def test_a_fit_that_speed_takes(scene):
@@ -165,11 +165,11 @@ def test_a_fit_follows_the_warmth_of_shaft_and_housing(scene):
 
 def test_nothing_given_changes_no_bit(scene):
     for name in ("gyro_s1", "turbopump", "turbine", "bearing218"):
-        made = scene(name)
-        assert parameters.geometry(made) == mounted_geometry(made)
+        changed_scene = scene(name)
+        assert parameters.geometry(changed_scene) == mounted_geometry(changed_scene)
     for changes in ({"temperature.reference_C": 35.0}, {"fits.shaft_interference_um": 0.0}):
-        made = scene("gyro_s1", changes)
-        assert parameters.geometry(made) == mounted_geometry(made)
+        changed_scene = scene("gyro_s1", changes)
+        assert parameters.geometry(changed_scene) == mounted_geometry(changed_scene)
 
 
 ALIKE = {f"temperature.{part}_C": 120.0 for part in

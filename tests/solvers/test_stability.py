@@ -45,7 +45,7 @@ def test_known_multipliers(largest, others):
     assert_allclose(growth.other, np.log(others) / turns, rtol=1e-12)
 
 
-def test_next_to_the_thrust_alone(scene):
+def test_a_small_radial_load_settles_like_the_steady_state(scene):
     """Hardly any load: balls return as the steady state's linear motion has it, and stay apart."""
     nearly = scene("gyro_s1", RADIAL | {"operation.radial_load_N": [0.0, -1e-3]}).without_cage
     system, motion = motion_of(nearly)
@@ -95,12 +95,12 @@ def test_uneven_spacing_grows_in_a_march_as_stated(scene):
 
 def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
     with_cage = scene("turbine", TURBINE)
-    for one, expected in ((with_cage, False), (with_cage.without_cage, True)):
-        result = solve(one)
+    for variant, expected in ((with_cage, False), (with_cage.without_cage, True)):
+        result = solve(variant)
         assert result.values["spacing_growth_per_turn"] > 0.0
         assert "spacing" in result.attrs["settled"]
-        told = {warning["id"] for warning in warnings_in(result.attrs)}
-        assert ("motion_unstable" in told) == expected
+        warning_ids = {warning["id"] for warning in warnings_in(result.attrs)}
+        assert ("motion_unstable" in warning_ids) == expected
 
 
 def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):

@@ -24,10 +24,10 @@ def test_axes_and_rows_make_the_datasets_of_python(tmp_path):
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
     typed = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1, "-o", tmp_path / "axes.nc"]
     assert sweep(*typed) == 0
-    made = bearingwear.load(tmp_path / "axes.nc")
+    dataset = bearingwear.load(tmp_path / "axes.nc")
     expected = bearingwear.sweep(scene, axes, workers=1)
     del expected.attrs["message"]
-    xr.testing.assert_identical(made, expected)
+    xr.testing.assert_identical(dataset, expected)
 
     table = tmp_path / "rows.csv"
     table.write_text(

@@ -83,9 +83,9 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved):
     assert run.jobs["solve"] == 4 + 1
     results = project.results()
     for scene in ("gyro_s1", "gyro_s1_drag"):
-        made = {f"{scene}/{name}" for name in ("study.nc", "wear_life.nc")}
-        made |= {f"{scene}/tables/{name}" for name in ("cases.csv", "summary.md")}
-        assert made <= set(results)
+        expected = {f"{scene}/{name}" for name in ("study.nc", "wear_life.nc")}
+        expected |= {f"{scene}/tables/{name}" for name in ("cases.csv", "summary.md")}
+        assert expected <= set(results)
     for folder, names in FIGURES_OF_THE_SMALL_STUDY.items():
         for suffix in ("svg", "png"):
             there = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}

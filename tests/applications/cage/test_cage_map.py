@@ -97,10 +97,10 @@ def circle(rate, centre=0.0, radius=1.0):
 @pytest.mark.parametrize("turned", [0.0, 2.0])
 def test_motions(place, power, motion, whirl, turned):
     """Made-up paths, and the same turned about the axis and in other units."""
-    found = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
-    assert found.motion == motion
-    assert found.whirl == pytest.approx(whirl, abs=0.02)
-    assert found.offset == pytest.approx(1e-6 * np.abs(place).mean())
+    path_of_cage = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
+    assert path_of_cage.motion == motion
+    assert path_of_cage.whirl == pytest.approx(whirl, abs=0.02)
+    assert path_of_cage.offset == pytest.approx(1e-6 * np.abs(place).mean())
 
 
 def test_what_drifts():
@@ -189,8 +189,8 @@ def test_figure_table_and_page_show_a_map(small, tmp_path):
 def test_a_cage_of_the_map_is_that_of_its_scene(plan, small):
     """A point's file says which scene its runs solved."""
     path, _ = small
-    one = next(path.parent.glob("g9.81*-mu0.02.nc"))
-    scene = json.loads(ensemble.load(one).attrs["scene"])
+    file = next(path.parent.glob("g9.81*-mu0.02.nc"))
+    scene = json.loads(ensemble.load(file).attrs["scene"])
     changed = variant(scene_file(plan["scene"]), {"friction.cage": 0.02})
     assert scene["friction"] == changed.to_dict()["friction"]
     assert scene["operation"]["gravity_m_s2"] == [0.0, 0.0, -9.81]

@@ -54,9 +54,9 @@ def rows_of(table) -> dict[str, Row]:
 def test_the_answer_is_that_of_the_files(files, tmp_path):
     path = tmp_path / "answer.json"
     assert step("studies.design.document.sheets.design_answer", path, **files) == 0
-    answer, found = load_document(path), load(files["recommendation"])
-    spring = float(found["life"][0])
-    preload = float(found["preload"][0])
+    answer, dataset = load_document(path), load(files["recommendation"])
+    spring = float(dataset["life"][0])
+    preload = float(dataset["preload"][0])
     assert "(constant force)" in answer.title
     assert numbers_in(answer.title) == [preload, 3.0, 30000.0]
     assert numbers_in(answer.heading[1]) == [30000.0, 0.08]
@@ -70,8 +70,8 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
         "system_axial_stiffness", short=True
     )
     now, other_better = rows_of(tables["lead"])[f"limits.{STIFFNESS}"].values
-    k = found["change"].attrs["flag_meanings"].split().index(f"limits.{STIFFNESS}")
-    assert now == "3" and other_better == f"above {digits(float(found['other_better_above'][k]))}"
+    k = dataset["change"].attrs["flag_meanings"].split().index(f"limits.{STIFFNESS}")
+    assert now == "3" and other_better == f"above {digits(float(dataset['other_better_above'][k]))}"
     assert len(tables["charted"].table[1]) == 2 * load(files["design"]).sizes["preload"]
     lines = [line for block in answer.blocks if block.place != "strip" for line in block.lines]
     assert len(lines) <= 3
@@ -89,9 +89,9 @@ def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
 
 def headline(files, change):
     """Title of an answer of which `change` alters the recommendation."""
-    design, found = load(files["design"]), load(files["recommendation"])
-    change(found, design)
-    return preload_document(found, design).title.replace("\N{NO-BREAK SPACE}", " ")
+    design, dataset = load(files["design"]), load(files["recommendation"])
+    change(dataset, design)
+    return preload_document(dataset, design).title.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_the_headline_states_what_less_preload_would_gain(files):
@@ -119,43 +119,43 @@ def test_the_headline_states_what_less_preload_would_gain(files):
 
 def test_a_fixed_position_is_set_by_an_offset(files):
     """Both bearings of the pair approach under the preload; at speed it is another."""
-    design, found = load(files["design"]), load(files["recommendation"])
-    found["life"][1] = 2.0 * float(found["life"][0])
-    answer, preload = preload_document(found, design), float(found["preload"][1])
+    design, dataset = load(files["design"]), load(files["recommendation"])
+    dataset["life"][1] = 2.0 * float(dataset["life"][0])
+    answer, preload = preload_document(dataset, design), float(dataset["preload"][1])
     sentences = sentences_of(answer)
-    scene = scene_from_dict(json.loads(found.attrs["scene"]))
+    scene = scene_from_dict(json.loads(dataset.attrs["scene"]))
     offset = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
     assert f"offset of {offset:.3g} µm" in sentences["lead"]
     assert "residual preload" in sentences["verdict"]  # which ends it
     assert numbers_in(sentences["verdict"])[-1] == 40.0
     assert "at speed" not in answer.title
-    found["residual_preload_at_start"][1] = 3.0 * preload
-    assert f"({digits(3.0 * preload)} N at speed)" in preload_document(found, design).title
+    dataset["residual_preload_at_start"][1] = 3.0 * preload
+    assert f"({digits(3.0 * preload)} N at speed)" in preload_document(dataset, design).title
 
 
 def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):
     """Title, offset and tolerance have the recommended preload; both ends are solved once more."""
-    found = load(files["recommendation"])
-    name, best, life = recommended_points(found)[0]
+    dataset = load(files["recommendation"])
+    name, best, life = recommended_points(dataset)[0]
     low, high = float(best["least_preload"]), float(best["most_preload"])
     assert low <= float(best["preload"]) <= high and low < high
-    scene, limits = scene_from_dict(json.loads(found.attrs["scene"])), limits_of(found)
+    scene, limits = scene_from_dict(json.loads(dataset.attrs["scene"])), limits_of(dataset)
     for preload in (low, high):
         point = followed_point(held_by(scene, name, preload), limits)
         assert min(map(float, limit_margins(point, limits))) >= 0.0
         assert point["life"] / 3600.0 >= SIMILAR * life
     text = f"{float(best['preload']):.7g} N"
-    answer = preload_document(found)
+    answer = preload_document(dataset)
     assert text in answer.title
     specified, plus, minus, least, most, share = numbers_in(sentences_of(answer)["lead"])[:6]
     assert specified == float(best["preload"]) and share == 100.0 * SIMILAR
     assert [digits(least), digits(most)] == [digits(low), digits(high)]
     assert [specified + plus, specified - minus] == pytest.approx([most, least])
     # a spacer that is off by its tolerance stays within the range
-    found["life"][1] = 2.0 * float(found["life"][0])
-    preload = float(found["preload"][1])
-    found["least_preload"][1], found["most_preload"][1] = preload, 1.5 * preload
-    sentence = sentences_of(preload_document(found))["lead"]
+    dataset["life"][1] = 2.0 * float(dataset["life"][0])
+    preload = float(dataset["preload"][1])
+    dataset["least_preload"][1], dataset["most_preload"][1] = preload, 1.5 * preload
+    sentence = sentences_of(preload_document(dataset))["lead"]
     offset, plus, minus = re.search(r"(\S+) µm.*\+(\S+)/−(\S+) µm", sentence).groups()
     most = 2e6 * float(solve(held_by(scene, "fixed_position", 1.5 * preload)).values[PLACE])
     middle = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
@@ -165,15 +165,15 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
 
 def test_hours_of_a_calibrated_scene_are_stated(files):
     """With the interval that the tests leave; hours of another scene only compare designs."""
-    design, found = load(files["design"]), load(files["recommendation"])
-    scene = json.loads(found.attrs["scene"])
+    design, dataset = load(files["design"]), load(files["recommendation"])
+    scene = json.loads(dataset.attrs["scene"])
     scene["uncertainty"] = {"wear_coefficient": {"distribution": "lognormal", "factor": 1.5}}
-    life = float(found["life"].max())
+    life = float(dataset["life"].max())
     ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]
     calibration = {"calibrated": {"tests": "mine.csv", "sha256": 64 * "0", "rows": 2}}
     for is_calibrated, block in ((False, {}), (True, calibration)):
-        found.attrs["scene"] = json.dumps(scene | block)
-        sentences = sentences_of(preload_document(found, design))
+        dataset.attrs["scene"] = json.dumps(scene | block)
+        sentences = sentences_of(preload_document(dataset, design))
         assert f"{ends[0]} to {ends[1]} h" in sentences["verdict"]
         assert ("comparison" in sentences["lead"]) != is_calibrated
         assert ("2 tests (mine.csv)" in sentences["lead"]) == is_calibrated
@@ -184,14 +184,14 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     path, own = tmp_path / "spread.nc", tmp_path / "own.nc"
     scene, settings = small_project / "mine.yaml", {"samples": 16, "seed": 1}
     run = "studies.uncertainty.quantiles"
-    given = {"scene": scene, "recommendation": files["recommendation"]}
-    assert step(f"{run}.recommended_life_quantiles", path, settings=settings, **given) == 0
+    inputs = {"scene": scene, "recommendation": files["recommendation"]}
+    assert step(f"{run}.recommended_life_quantiles", path, settings=settings, **inputs) == 0
     assert step(f"{run}.uncertain_lives", own, settings=settings, scene=scene) == 0
-    spread, found = load(path), load(files["recommendation"])
+    spread, dataset = load(path), load(files["recommendation"])
     preloads = spread["preload"].values.ravel().tolist()
-    assert preloads == found["preload"].values.tolist()
+    assert preloads == dataset["preload"].values.tolist()
     nominal = spread["nominal_life"].values.ravel()
-    assert nominal == pytest.approx(found["life"].values, rel=0.02)
+    assert nominal == pytest.approx(dataset["life"].values, rel=0.02)
     median = spread["life_quantile"].isel(uncertain_inputs=0, preload_method=0)
     median = median.squeeze("preload_choice")
     at_own = load(own)["life_quantile"].isel(uncertain_inputs=0)
@@ -212,14 +212,14 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
 def test_where_no_preload_is_taken_no_life_is_sampled(files, small_project, tmp_path):
     """A study whose limits nothing keeps to still ends with its answer."""
     none, path, answer = (tmp_path / name for name in ("none.nc", "spread.nc", "answer.json"))
-    found = load(files["recommendation"])
+    dataset = load(files["recommendation"])
     for name in ("life", "preload"):
-        found[name][...] = np.nan
-    found.to_netcdf(none)
-    given = {"scene": small_project / "mine.yaml", "recommendation": none}
+        dataset[name][...] = np.nan
+    dataset.to_netcdf(none)
+    inputs = {"scene": small_project / "mine.yaml", "recommendation": none}
     run = "studies.uncertainty.quantiles.recommended_life_quantiles"
-    assert step(run, path, settings={"samples": 16, "seed": 1}, **given) == 0
+    assert step(run, path, settings={"samples": 16, "seed": 1}, **inputs) == 0
     assert load(path).sizes["preload_method"] == 0
-    given = {"design": files["design"], "recommendation": none, "spread": path}
-    assert step("studies.design.document.sheets.design_answer", answer, **given) == 0
+    inputs = {"design": files["design"], "recommendation": none, "spread": path}
+    assert step("studies.design.document.sheets.design_answer", answer, **inputs) == 0
     assert load_document(answer).title.startswith("mine: no preload")

@@ -97,7 +97,7 @@ def test_warnings_are_those_of_the_cases_that_have_them(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
     (warning,) = stated_warnings(both)
     assert warning["id"] == "high" and "slow, fast" in warning["sentence"]
-    assert "temperature_left_out" in [one["id"] for one in stated_warnings(alone)]
+    assert "temperature_left_out" in [item["id"] for item in stated_warnings(alone)]
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
@@ -107,15 +107,15 @@ def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
     assert "neglected" not in line  # a case has temperatures
     assert "; 18000 r/min;" in bearing_line(scene.to_dict())
     speeds = {
-        name: one["operation"]["shaft_speed_rpm"] for name, one in scenes_by_case(data).items()
+        name: value["operation"]["shaft_speed_rpm"] for name, value in scenes_by_case(data).items()
     }
     assert speeds == {"nominal": 18000.0, "slow": 500.0, "fast": 24000.0}
 
 
 def test_a_method_without_a_preload_is_named_in_its_heading(scene):
-    found = found_for(scene, active=ACTIVE[NO_PRELOAD])
-    found = found.assign(life=("preload_method", [np.nan]))
-    found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})
-    assert "fixed position" not in none_title(found)
-    found["life"][...] = 1.0
-    assert none_title(found).endswith("fixed position")
+    recommended = found_for(scene, active=ACTIVE[NO_PRELOAD])
+    recommended = recommended.assign(life=("preload_method", [np.nan]))
+    recommended.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})
+    assert "fixed position" not in none_title(recommended)
+    recommended["life"][...] = 1.0
+    assert none_title(recommended).endswith("fixed position")

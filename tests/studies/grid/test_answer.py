@@ -120,7 +120,7 @@ def sure(small_project, tmp_path):
 def row_of(found, method, friction):
     """Cells of a life by the names of their columns."""
     heads, lines = dataset_table(found).table
-    (row,) = [one for one in lines if one[:2] == [friction, method]]
+    (row,) = [line for line in lines if line[:2] == [friction, method]]
     return dict(zip(heads, row, strict=True))
 
 
@@ -144,27 +144,27 @@ def test_the_answer_is_that_of_the_file(small_project):
     lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
     low = {life.method: life.hours for life in lives if life.friction == 0.02}
     ratio = low["constant_force"] / low["fixed_position"]
-    found = load_document(small_project / LIVES_ANSWER)
-    sentences = plain(" ".join(text for _, texts in points(found) for text in texts))
+    document = load_document(small_project / LIVES_ANSWER)
+    sentences = plain(" ".join(text for _, texts in points(document) for text in texts))
     comparison, _, _ = sentences.partition("; ")
     assert {float(f"{ratio:.2g}"), 0.02} <= {*numbers_in(comparison)}
     assert "gyroscopic slip share" in sentences and 50.0 in numbers_in(sentences)
-    assert "not computed" in plain(dataset_table(found).lines[0])  # of the spread
+    assert "not computed" in plain(dataset_table(document).lines[0])  # of the spread
     for life_of_method in lives:
         method, friction = life_of_method.method, life_of_method.friction
-        row = row_of(found, method.replace("_", " "), f"{friction:g}")
+        row = row_of(document, method.replace("_", " "), f"{friction:g}")
         hours = life_of_method.hours
         text = text_to_error(hours, life_of_method.error * hours)
         assert row["life (h)"] == text and "L10 (h)" not in row
-    assert "9 balls of 2 mm" in plain(found.facts["bearing"])
+    assert "9 balls of 2 mm" in plain(document.facts["bearing"])
 
 
 def test_lives_stand_with_their_spread(small_project, sure):
     lives, spread = sure
     # at the scene's own preload; methods by rows of ten
     written, table = lives.parent / "a.csv", lives.parent / "summary.md"
-    given = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
-    assert step("studies.grid.tables.study_tables", written, table, **given) == 0
+    inputs = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
+    assert step("studies.grid.tables.study_tables", written, table, **inputs) == 0
     text = table.read_text().replace("\N{NO-BREAK SPACE}", " ").partition("## Wear life\n\n")[2]
     heads, _, *rows = (line.split(" | ") for line in text.partition("\n\n")[0].splitlines())
     column = heads.index("90 % of bearings (h)")
@@ -174,14 +174,14 @@ def test_lives_stand_with_their_spread(small_project, sure):
     assert rows["constant force", "0.02"] == "–"
     assert "bearingwear uncertainty" in table.read_text()  # the command for the others
 
-    found = answered(lives, [spread])
-    row = row_of(found, "constant force", "0.08")
+    document = answered(lives, [spread])
+    row = row_of(document, "constant force", "0.08")
     assert (row["L10 (h)"], row["L50 (h)"]) == ("4", "6")
     assert row["90 % of bearings (h)"] == "2 to 10" == row["scatter within a batch (h)"]
     assert row["uncertainty of the batch (h)"] == "3 to 12"
-    row = row_of(found, "fixed position", "0.08")
+    row = row_of(document, "fixed position", "0.08")
     assert (row["L10 (h)"], row["L50 (h)"]) == ("24", "26")
-    assert row_of(found, "fixed position", "0.02")["L10 (h)"] == "–"
+    assert row_of(document, "fixed position", "0.02")["L10 (h)"] == "–"
 
 
 def test_no_spread_is_invented(small_project, sure, capsys):
@@ -193,9 +193,9 @@ def test_no_spread_is_invented(small_project, sure, capsys):
     other.attrs["scene"] = json.dumps(scene)
     path.unlink()
     other.to_netcdf(path)
-    found = answered(lives, [path])
-    assert "90 % of bearings (h)" not in row_of(found, "constant force", "0.08")
-    assert "bearingwear uncertainty" in dataset_table(found).lines[0]
+    document = answered(lives, [path])
+    assert "90 % of bearings (h)" not in row_of(document, "constant force", "0.08")
+    assert "bearingwear uncertainty" in dataset_table(document).lines[0]
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
     for place in (lives, folder / "wear_life.nc"):

@@ -101,8 +101,8 @@ def make(folder, grid, fidelity, failed=(), **changes):
     paths = []
     for case_id, case in grid.cases().items():
         status = NOT_CONVERGED if case_id in failed else 0
-        made = made_up_case(case, fidelity=fidelity, status=status, **changes)
-        made.to_netcdf(folder / f"{case_id}.nc")
+        case_file = made_up_case(case, fidelity=fidelity, status=status, **changes)
+        case_file.to_netcdf(folder / f"{case_id}.nc")
         paths.append(folder / f"{case_id}.nc")
     return paths
 
@@ -132,17 +132,13 @@ def both(folder):
 # gathering and verdict
 
 
-def test_gathered_without_histories(folder):
+def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
     gathered = load(folder / "dynamic.nc")
     assert gathered.attrs["fidelity"] == "dynamic"
     assert gathered.sizes["ball"] == 9
     assert not {"time", "state", "edge"} & set(gathered.dims)
     assert "final_time" not in gathered and "history_ball_wear_rate" not in gathered
-    assert list(gathered["cage_wear_rate"].dims) == [
-        "preload_method",
-        "friction",
-        "ball_diameter_loss",
-    ]
+    assert gathered["cage_wear_rate"].dims == ("preload_method", "friction", "ball_diameter_loss")
     failed = gathered.sel(preload_method=1, ball_diameter_loss=0.7)
     assert np.all(failed["status"] == NOT_CONVERGED) and np.all(np.isnan(failed["cage_wear_rate"]))
 
@@ -257,20 +253,20 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "problem"),
     [
         ("", "expected a table with the header part,time_s,wear_rate_m3_s"),
         ("part,time_s,wear_rate_m3_s\nball,1,2\n", "got ball,1,2, expected ball_1 or cage"),
         ("part,time_s,wear_rate_m3_s\ncage,1,x\n", "got cage,1,x, expected"),
     ],
 )
-def test_a_broken_reference_is_refused(folder, text, said, tmp_path, capsys):
+def test_a_broken_reference_is_refused(folder, text, problem, tmp_path, capsys):
     file = tmp_path / "values.csv"
     file.write_text(text)
-    given = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}
-    assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
+    inputs = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}
+    assert step(AVERAGE, tmp_path / "a.svg", **inputs) == 2
     error = only_line(capsys)
-    assert error.startswith(f"{file}: ") and said in error
+    assert error.startswith(f"{file}: ") and problem in error
     file.unlink()
-    assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
+    assert step(AVERAGE, tmp_path / "a.svg", **inputs) == 2
     assert capsys.readouterr().err.startswith(f"{file}: cannot be read")

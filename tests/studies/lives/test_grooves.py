@@ -20,9 +20,9 @@ def test_a_life_with_worn_grooves_has_their_depth_in_sheet_figure_and_file(tmp_p
     assert main(["plot", str(file), "-o", str(tmp_path / "life.svg")]) == 0
     drawn = (tmp_path / "life.svg").read_text()
     assert "inner groove" in drawn
-    made = load(file)
-    assert made["groove_depth"].dims == ("groove_state", "race", "arc")
-    assert made["groove_depth"].sizes["groove_state"] >= 3  # of as few steps as a short life has
+    dataset = load(file)
+    assert dataset["groove_depth"].dims == ("groove_state", "race", "arc")
+    assert dataset["groove_depth"].sizes["groove_state"] >= 3  # of as few steps as a short life has
 
 
 def test_what_cannot_follow_grooves_is_refused_in_one_line(tmp_path, capsys):
