@@ -21,7 +21,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
 
 from bearingwear.arguments import command_parser
-from bearingwear.console import BAD_INPUT, SUCCESS, UsageError, one_line
+from bearingwear.console import (
+    BAD_INPUT,
+    NOT_SOLVED,
+    SUCCESS,
+    ProcessEnded,
+    UsageError,
+    one_line,
+)
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
@@ -176,8 +183,12 @@ def _run(args: argparse.Namespace) -> int:
         elif at_fault:
             problem = f"--set {problem}"
         else:
-            problem = f"{args.scene}: {problem}"
+            file = args.name if args.command == "study" else args.scene
+            problem = f"{file}: {problem}"
         sys.stderr.write(one_line(problem))
+    except ProcessEnded as error:
+        sys.stderr.write(one_line(str(error)))
+        return NOT_SOLVED
     except (SceneError, CaseFileError, OutputError, UsageError) as error:
         for one in (error, *getattr(error, "further", ())):
             sys.stderr.write(one_line(str(one)))

@@ -316,10 +316,12 @@ def warmup(args: argparse.Namespace) -> int:
     """Computes a warm-up and writes a file."""
     args.output = output_of(args, "-warmup.nc")
     scene = given_scene(args)
+    from bearingwear.scene.warmth import check_heat_capacities
     from bearingwear.solvers.warmup.transient import course_of, ramp
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
 
+    check_heat_capacities(scene.one_of_alike.sides, args.scene)
     check_output(args.output, args.scene)
     with ProgressLines(args.scene):
         seconds = scene.start_s if args.seconds is None else args.seconds

@@ -26,6 +26,10 @@ class UsageError(ValueError):
     """A command that cannot be carried out as it was typed; its text is one line."""
 
 
+class ProcessEnded(RuntimeError):
+    """A process that ended before it answered; its text is one line."""
+
+
 def printable(text: str) -> str:
     """A text whose control characters are question marks; a no-break space is none."""
     return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else "?" for c in text)

@@ -65,13 +65,22 @@ SIZES = [
     Size(100, 500, 10_000),
 ]
 # Runs a command and writes status, CPU time and largest memory into a file. A process of its own,
-# since a child's largest memory begins with that of the process it was forked from.
-PROBE = (
-    "import os, sys; pid = os.fork(); "
-    "pid or os.execv(sys.argv[2], sys.argv[2:]); "
-    "_, status, used = os.wait4(pid, 0); "
-    "open(sys.argv[1], 'w').write(f'{status} {used.ru_utime + used.ru_stime} {used.ru_maxrss}')"
-)
+# since a child's largest memory begins with that of the process it was forked from. It adopts and
+# waits for processes that outlive their parents (PR_SET_CHILD_SUBREAPER): jobs are forks of one.
+PROBE = """
+import ctypes, os, resource, sys
+ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)
+pid = os.fork()
+pid or os.execv(sys.argv[2], sys.argv[2:])
+_, status = os.waitpid(pid, 0)
+try:
+    while True:
+        os.wait()
+except ChildProcessError:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+with open(sys.argv[1], "w") as file:
+    file.write(f"{status} {used.ru_utime + used.ru_stime} {used.ru_maxrss}")
+"""
 
 
 @dataclass(frozen=True)

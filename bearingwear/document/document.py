@@ -72,6 +72,7 @@ class Block:
     # for each row.
     axes: int = 0
     place: str = ""  # one of `PLACES`
+    notes: str = ""  # head of the column of notes
 
     @property
     def heads(self) -> tuple[str, ...]:
@@ -101,7 +102,8 @@ class Block:
             for row, texts, note in zip(self.rows, cells, notes, strict=True)
         ]
         width = max((len(line) for line in lines), default=0)
-        return ["", *self.columns, *[""] * (width - 1 - len(self.columns))], lines
+        heads = ["", *self.columns, *[""] * (width - 1 - len(self.columns))]
+        return [*heads[:-1], self.notes] if any(notes) else heads, lines
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from bearingwear.document.document import VARIABLES, Block, Document, Row, quant
 from bearingwear.document.rows import counted_words, film_lines, stored_scene, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ASSUMED_SPREAD,
     BY_WEAR,
@@ -192,9 +193,10 @@ def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]
     scene_friction = stored_scene(file)["friction"].get("ball_race")
     choices = values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
     for mu, method in itertools.product(frictions or [scene_friction], _preload_methods(file)):
-        point = f"{method}, mu {mu:g}" if frictions else method
+        words = method_words(stored_scene(file), method)
+        point = f"{words}, mu {mu:g}" if frictions else words
         for choice in choices:
-            preload = "own" if choice == GIVEN else "recommended"
+            preload = "preload of the scene" if choice == GIVEN else "recommended preload"
             yield _LifeWithSpread(
                 label=f"{point}, {preload}", method=method, friction=mu, preload_choice=choice
             )

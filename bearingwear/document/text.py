@@ -50,7 +50,9 @@ def _quantity_lines(block: Block) -> list[str]:
     lines = []
     for part in _column_slices(widths, WIDTH - 2 - label_width - UNIT_WIDTH):
         if block.title:
-            lines.append(line(block.title, block.unit, block.columns, part))
+            title = line(block.title, block.unit, block.columns, part)
+            is_last_part = part.stop >= len(widths)
+            lines.append(f"{title}  {block.notes}" if block.notes and is_last_part else title)
         for row, texts in zip(block.rows, cells, strict=True):
             if part.start and not texts[part]:
                 continue

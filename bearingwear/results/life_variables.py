@@ -55,10 +55,11 @@ DUTY = table(
     Variable("phase_time_share", _PHASE, "1", "share of a cycle taken by the phase, its starts and "
         "stops", comment=_OF_DUTY, label="share of time", shown="%"),
     Variable("phase_wear_share", _PHASE_SURFACE, "1", "share of the volume worn off a surface "
-        "during the phase, at its speed", comment=_OF_DUTY, label="share of wear", shown="%"),
+        "during the phase, its starts and stops", comment=_OF_DUTY, label="share of wear",
+        shown="%"),
     Variable("start_wear_share", _PHASE_SURFACE, "1", "share of the volume worn off a surface "
         "during the starts and stops of the phase", comment=_OF_DUTY,
-        label="wear at starts and stops", shown="%"),
+        label="  at starts and stops alone", shown="%"),
     Variable("phase_life", _PHASE, "h", "life in the condition of the phase alone",
         scale=HOURS_PER_SECOND, comment=_OF_DUTY, label="life"),
     Variable("phase_end_criterion", _PHASE, "", "first criterion met in the condition of the phase "

@@ -17,8 +17,6 @@ from bearingwear.solvers.condition import USABLE, Conditions, States
 from bearingwear.solvers.rotor import Alone, OnRotor, RotorState
 from bearingwear.solvers.state import State
 from bearingwear.solvers.thermal import (
-    DIFFERENCE,
-    ROUGH_DIFFERENCE,
     HeatFlow,
     Warmed,
     heat_of_parts,
@@ -100,7 +98,5 @@ def margin_values(
     parts = np.array(
         [(t.inner_ring_C, t.balls_C, t.outer_ring_C) for t in warmth if t], dtype=float
     )
-    is_rough = any(side.heat_error for side in bearings.sides)
-    step = ROUGH_DIFFERENCE if is_rough else DIFFERENCE
     known_networks = [network for network in networks if network]
-    return {"thermal_margin": thermal_margin(known_networks, heat_slopes(heats, parts, step))}
+    return {"thermal_margin": thermal_margin(known_networks, heat_slopes(heats, parts))}

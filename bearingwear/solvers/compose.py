@@ -8,7 +8,7 @@ from typing import NamedTuple
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import COVERED, Bare
-from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED
+from bearingwear.solvers.bearing.rotor_balance import ROTOR_BALANCED, Nearby
 from bearingwear.solvers.bearing_states import states_of
 from bearingwear.solvers.condition import (
     Accuracy,
@@ -135,12 +135,19 @@ def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | On
 
 
 def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
-    """Returns bearings of `worn_bearings` with their grooves at another speed or temperature."""
+    """Returns bearings of `worn_bearings` with their grooves at another speed or temperature.
+
+    Their rotor starts where it stood last: even wear says little of where it is.
+    """
     sides = [
         _with_wrappers(innermost(side).elsewhere(side_scene))
         for side, side_scene in zip(bearings.sides, scene.one_of_alike.sides, strict=True)
     ]
-    return _in_arrangement(scene, bearings, sides)
+    arranged = _in_arrangement(scene, bearings, sides)
+    if isinstance(bearings, OnRotor) and isinstance(arranged, OnRotor):
+        losses, place = bearings.nearby.last
+        arranged.nearby = Nearby(place=place, losses=losses)
+    return arranged
 
 
 def _in_arrangement(

@@ -22,6 +22,10 @@ UNKNOWN_PARTS = frozenset({"part_temperature", "thermal_growth"})
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment", "thermal_margin"})
 """Without load there is no friction to use, and where no heat grows there is no margin."""
 
+_STIFFNESS = "axial_stiffness"
+"""End of the names of stiffnesses, which need not be known between new and the end of life: a place
+nearby may have no state."""
+
 _OF_A_LIFE = frozenset({"life", "normalised_life", "loss_at_end"}) | {
     f"history_{name}" for name in {*HISTORY, "time"} - UNKNOWN_PARTS - MAY_BE_INFINITE
 }
@@ -95,6 +99,8 @@ def _required(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
         value = np.asarray(any_value)
         if value.dtype.kind != "f":
             continue
+        if is_life and name.endswith(_STIFFNESS):
+            value = value[..., [0, -1]]
         if name in MAY_BE_INFINITE:
             value = np.where(np.isposinf(value), 0.0, value)
         yield name, value

@@ -191,12 +191,13 @@ def _search(
 
 
 PARTS_OF_BEARING = 3
-DIFFERENCE = 5e-3
-"""Temperature step of a derivative of the heat [K]: a margin of 13.5 is 3e-4 off by truncation, and
-as much by the balance of worn grooves, which 1e-3 K felt four times as much."""
+LOW_MARGIN = 1.5
+"""Thermal margin below which a design is warned of, a rule of thumb."""
 
-ROUGH_DIFFERENCE = 0.5
-"""The same where the balance is rough and would hide the effect of a millikelvin [K]."""
+DIFFERENCES = (0.5, 5e-3)
+"""Temperature steps to both sides of a derivative of the heat [K]: the second where no state is
+found beside the first. Narrow ones feel that the computed heat jumps by 3e-4 here and there, and
+how roughly states on the way along a life are balanced."""
 
 PartHeats = Callable[[np.ndarray], np.ndarray | None]
 """Heat of all parts (parts,) [W] at temperatures (bearing, part) [degC]; None without a state."""
@@ -207,22 +208,26 @@ def heat_of_parts(heats: Sequence[HeatFlow]) -> np.ndarray:
     return np.concatenate([HEAT_TO_PARTS @ np.array(heat) for heat in heats])
 
 
-def heat_slopes(
-    heats: PartHeats, temperatures: np.ndarray, step: float = DIFFERENCE
-) -> np.ndarray | None:
+def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None:
     """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
-    base = heats(temperatures)
-    if base is None:
-        return None
-    slopes = np.empty((temperatures.size, temperatures.size))
+    for step in DIFFERENCES:
+        slopes = _central_slopes(heats, temperatures, step)
+        if slopes is not None:
+            return slopes
+    return None
+
+
+def _central_slopes(heats: PartHeats, temperatures: np.ndarray, step: float) -> np.ndarray | None:
+    """Returns these slopes by central differences; None without a state on either side."""
+    columns = []
     for k in range(temperatures.size):
-        warmer = temperatures.copy()
-        warmer.flat[k] += step
-        heat_there = heats(warmer)
-        if heat_there is None:
+        moved = np.zeros_like(temperatures)
+        moved.flat[k] = step
+        above, below = heats(temperatures + moved), heats(temperatures - moved)
+        if above is None or below is None:
             return None
-        slopes[:, k] = (heat_there - base) / step
-    return slopes
+        columns.append((above - below) / (2.0 * step))
+    return np.column_stack(columns)
 
 
 def all_conductances(networks: Sequence[Thermal]) -> np.ndarray:

@@ -15,7 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from bearingwear.console import LINE_EVERY
+from bearingwear.console import LINE_EVERY, ProcessEnded
 from bearingwear.studies.sampling import usable_cores
 
 _P = TypeVar("_P")
@@ -119,11 +119,13 @@ class Workers:
                 process.terminate()
         self._pool.shutdown(cancel_futures=True)
         if kind is not None and issubclass(kind, BrokenProcessPool):
-            raise RuntimeError(
-                f"{self._label}: a process ended unexpectedly. In a script, call this function "
-                "under `if __name__ == '__main__':` (processes are started by "
-                f"{multiprocessing.get_start_method()}), or set workers=1"
-            ) from None
+            problem = f"{self._label}: a process ended unexpectedly, as when memory runs out"
+            if multiprocessing.get_start_method() != "fork":
+                problem += (
+                    "; a script has to call this under `if __name__ == '__main__':`, "
+                    "or with workers=1"
+                )
+            raise ProcessEnded(problem) from None
 
 
 def points_at_once(count: int, workers: int) -> int:

@@ -164,6 +164,11 @@ def has_heat_capacities(scene: str) -> bool:
     return "heat_capacity_J_K" in (as_data(scene_file(scene))[0].get("thermal") or {})
 
 
+def has_duty(scene: str) -> bool:
+    """Whether the life of a scene is over a duty."""
+    return as_data(scene_file(scene))[0].get("duty") is not None
+
+
 def bearings_drawn(scene: str) -> Sequence[str]:
     """Returns suffixes for the names of a scene's figures, one for each bearing if two differ."""
     block = as_data(scene_file(scene))[0].get("arrangement")

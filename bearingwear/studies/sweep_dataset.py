@@ -76,7 +76,8 @@ class KeptVariables:
     def of_result(self, scene: Scene, result: Result) -> Answer:
         """Returns the answer at a point from a solve or a life of its scene."""
         values = {name: value for name, value in result.values.items() if self._has(name)}
-        attrs = {name: result.attrs[name] for name in ("fidelity", "warnings")}
+        names = ("fidelity", "warnings", "phases")
+        attrs = {name: result.attrs[name] for name in names if name in result.attrs}
         layout = {  # the part of the scene that decides the layout of a file
             "arrangement": scene.arrangement and {"kind": scene.arrangement.kind},
             "model": {"strips": scene.model.strips},
@@ -147,9 +148,12 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
     if kept.what == "life":
         refused["end_criterion"] = len(CRITERIA) - 1
     first_layout = next(answer["scene"] for answer in answers if "scene" in answer)
+    phases = {answer["attrs"].get("phases") for answer in answers if "attrs" in answer}
+    same = {"phases": name} if len(phases) == 1 and (name := phases.pop()) else {}
     results = []
     for answer in answers:
-        result = Result(answer.get("values", refused), dict(answer.get("attrs", {})))
+        attrs = {name: v for name, v in answer.get("attrs", {}).items() if name != "phases"}
+        result = Result(answer.get("values", refused), attrs | same)
         result.scene = answer.get("scene", first_layout)
         results.append(result)
     lengths = {NUMBERED: len(results)}

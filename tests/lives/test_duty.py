@@ -13,6 +13,7 @@ from support import numbers_in, only_line
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.document.document import load_document
 from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed, cycle_of, ramp_points
 from bearingwear.lives.duty.lives import DutyLife, hertzian_duty_life, worn_duty_life
@@ -29,8 +30,10 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.sides import SHARED
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
+from bearingwear.studies.design import map as design_map
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.lives.duty_report import duty_report
 from bearingwear.studies.sampling import scene_with_values
 
 HOUR = 3600.0
@@ -184,6 +187,58 @@ def test_hours_follow_from_the_histories_of_the_phases(scene, phases, method):
     T = sum(h for h, _ in rates)
     expected, _ = quad(lambda L: T / sum(h / slope(L) for h, slope in rates), 0.0, 0.15e-6)
     assert computed.last.time == pytest.approx(expected, rel=1e-3)
+
+
+def temperatures(inner_ring_C, balls_C, outer_ring_C):
+    return {
+        "temperature.inner_ring_C": inner_ring_C,
+        "temperature.balls_C": balls_C,
+        "temperature.outer_ring_C": outer_ring_C,
+    }
+
+
+@pytest.mark.parametrize(
+    ("changes", "phases", "loss_um"),
+    [
+        (POSITION, {"crawl": {"hours": 95.0}, "sprint": {"hours": 5.0}}, 0.15),
+        # until it is worn through, which depends on the way there
+        (POSITION | FILM, {"cold": {"hours": 3.0}, "warm": {"hours": 1.0}}, 0.01),
+        (
+            RIGID,
+            {"nominal": {"hours": 0.05, "starts": 1.0}, "crawl": {"hours": 0.2, "starts": 2.0}},
+            0.15,
+        ),
+    ],
+    ids=["seldom fast", "cold and warm with a film", "pair that starts"],
+)
+def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_um):
+    """As above, with each start as the mean over histories at many speeds."""
+    cases = {
+        "crawl": {"operation.shaft_speed_rpm": 3000.0},
+        "sprint": {"operation.shaft_speed_rpm": 42000.0},
+        "cold": {"operation.shaft_speed_rpm": 6000.0} | temperatures(-20.8, -20.4, -20.0),
+        "warm": temperatures(71.5, 71.0, 70.0),
+    }
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": loss_um}}
+    full = {"friction.slip_regularisation_m_s": 1e-4}
+    mix = {"cases": cases} | duty(phases, start_s=60.0, stop_s=120.0)
+    made = scene("gyro_s1", HERTZ | changes | end | full | mix)
+    parts = []
+    for name, phase in phases.items():
+        alone = made.in_cases[name]
+        parts.append((HOUR * phase["hours"], alone))
+        speeds = (np.arange(20) + 0.5) / 20.0 if "starts" in phase else ()
+        parts += [(phase["starts"] * 180.0 / 20.0, at_speed(alone, s)) for s in speeds]
+    slopes = []
+    for span, alone in parts:
+        own = surface_life(alone, solver_of(alone))
+        time_of_loss = CubicSpline([node.states[0].loss for node in own.nodes], own.times)
+        slopes.append((span, time_of_loss.derivative()))
+    T = sum(span for span, _ in parts)
+    losses = np.linspace(0.0, loss_um * 1e-6, 2001)
+    expected = np.trapezoid(T / sum(span / slope(losses) for span, slope in slopes), losses)
+    found, _ = even_life(made)
+    assert found.last.time == pytest.approx(expected, rel=1e-3)
 
 
 def test_any_phase_may_end_the_life(scene):
@@ -482,10 +537,11 @@ def test_shares_of_wear_and_time_are_whole(lived, contact, kind):
     result = lived(contact | kind)
     values = result.values
     assert result.status == "ok" and values["phase_time_share"].sum() == pytest.approx(1.0)
-    sums = (values["phase_wear_share"] + values["start_wear_share"]).sum(axis=-2)
-    assert_allclose(sums, 1.0, rtol=1e-12)
+    shares, of_starts = values["phase_wear_share"], values["start_wear_share"]
+    assert_allclose(shares.sum(axis=-2), 1.0, rtol=1e-12)
+    assert (0.0 <= of_starts).all() and (of_starts < shares).all() and of_starts.any()
     worn = values["history_phase_worn_share"]
-    assert_allclose(worn[..., -1, :].sum(axis=-1), 1.0, rtol=1e-12)
+    assert_allclose(worn[..., -1, :], shares[..., -1], rtol=1e-12)
     assert (np.diff(worn, axis=-2) >= 0.0).all()
     assert values["life_cycles"] == pytest.approx(values["life"] / (7.5 * HOUR + 80.0))
     assert result.attrs["ended_in"] == "phase idle" and values["ending_phase"] == 0
@@ -594,6 +650,26 @@ def test_the_sheet_and_the_figure_name_the_phases(scene, tmp_path, capsys):
     assert "phase_wear_share.all" not in capsys.readouterr().out
 
 
+def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
+    path = tmp_path / "gyro.yaml"
+    made = scene("gyro_s1", SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    bearingwear.save(made, path)
+    lived, stored, figure = duty_report(path)
+    (tmp_path / "duty.json").write_text(stored)
+    answer = load_document(tmp_path / "duty.json")
+    assert answer.facts["scene"] == made.name and "in phase idle" in answer.title
+    assert {"phases of the duty", "each phase alone, without starts"} <= {
+        block.title for block in answer.placed("open")
+    }
+    assert "phase idle meets its criterion" in str(answer.placed("lead"))
+    assert float(lived["life_cycles"]) > 0.0 and len(figure.axes) == 2
+    bare = {"cases": {"bare": {"friction.ball_race": 0.0}}}
+    phases = duty({"still": {"hours": 1.0, "case": "bare"}})
+    bearingwear.save(scene("gyro_s1", HERTZ | bare | phases), path)
+    _, stored, _ = duty_report(path)
+    assert "no life over the duty: in phase still" in stored
+
+
 def test_both_bearings_share_what_a_duty_asks_of_them():
     names = {f"worst_{name}" for name in WORST} & {*DUTY}
     assert names and names <= SHARED
@@ -613,6 +689,8 @@ def test_phases_have_names_in_python_and_files(scene, tmp_path):
         changed_scene.with_(duty({"fast": {"hours": 1.0}, "nominal": {"hours": 1.0}}))
     )
     assert other["phase"].values.tolist() == ["fast", "nominal"]
+    swept = bearingwear.sweep(changed_scene, {"operation.preload_N": [7.0, 8.0]}, what="life")
+    assert swept["phase"].values.tolist() == ["idle", "nominal"]
 
 
 def test_a_pair_with_a_duty_is_checked_and_solved(scene, tmp_path, capsys):
@@ -634,8 +712,16 @@ def test_requirements_hold_in_every_phase_along_one_life(scene):
     worst = values["worst_system_quasistatic_axial_stiffness"].min()
     assert point["system_quasistatic_axial_stiffness"] == pytest.approx(worst, rel=1e-3)
     assert set(point["points"]) == {"idle", "nominal"}
+    assert point["deciding"]["life"]["case"] == "idle"  # which ends it
     kept = values["worst_residual_preload"].min() / changed_scene.operation.preload_N
     assert point["preload_kept"] == pytest.approx(kept, rel=1e-3)
+
+
+def test_a_phase_that_is_not_solved_at_some_speed_leaves_no_preload(scene, monkeypatch):
+    made = scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    unsolved = {"status": code.NOT_CONVERGED, "unsolved": {"case": "nominal"}}
+    monkeypatch.setattr(design_map, "_everywhere", lambda *_, **__: dict(unsolved))
+    assert followed_point(made, DesignLimits())["status"] == code.NOT_CONVERGED
 
 
 def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):

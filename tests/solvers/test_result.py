@@ -59,6 +59,16 @@ def test_a_life_and_its_histories_are_looked_at(scene):
         assert not_finite(result.values | {name: spoilt}, result.scene) == [name]
 
 
+def test_a_stiffness_may_be_unknown_between_the_ends_of_a_life(scene):
+    found = life(scene("gyro_s1", FIXED | {"arrangement.kind": "rigid_pair"}))
+    for name in ("system_axial_stiffness", "system_quasistatic_axial_stiffness"):
+        name = f"history_{name}"
+        for k, unknown in ((2, []), (0, [name]), (-1, [name])):
+            spoilt = np.array(found.values[name])
+            spoilt[k] = math.nan
+            assert not_finite(found.values | {name: spoilt}, found.scene) == unknown
+
+
 def test_balls_that_do_not_orbit_have_no_quasistatic_matrix(scene):
     """Their answer across the axis is undefined; the file says nothing in place of NaN."""
 

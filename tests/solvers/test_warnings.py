@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, numbers_in, scene_file
+from support import ROOT, numbers_in, scene_file, warm_spindle
 
 import bearingwear
 from bearingwear.lives.life import life
@@ -24,6 +24,7 @@ from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.effects.table import EFFECTS, WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.solve import solve
+from bearingwear.solvers.thermal import LOW_MARGIN
 
 STEEL = {
     "youngs_modulus_GPa": 208, "poisson_ratio": 0.3, "density_kg_m3": 7800,
@@ -166,6 +167,14 @@ def test_absurd_scenes(spindle, name):
         assert warning["excess"] is None or warning["excess"] > 1.0
 
 
+def test_a_low_thermal_margin_is_warned_of():
+    for conductance, is_low in ((0.6, True), (2.0, False)):
+        key = "thermal.conductance_W_K.inner_ring_shaft"
+        result = solve(warm_spindle().with_({key: conductance, "model.contact": "hertz"}))
+        assert (float(result.values["thermal_margin"]) < LOW_MARGIN) == is_low
+        assert ("thermal_margin_low" in ids(result)) == is_low
+
+
 def test_a_warning_names_the_pair(spindle):
     rigid = {"operation.preload_method": "fixed_position", "arrangement.kind": "rigid_pair"}
     scene = variant(spindle, rigid)
@@ -285,6 +294,7 @@ def test_every_caution_is_tested_and_documented():
     of_lives_and_cages |= {"nothing_wears"}
     of_lives_and_cages |= {"film_worn"}  # tests/solvers/test_films.py
     of_lives_and_cages |= {"film_beyond_tests"}  # tests/solvers/test_film_lives.py
+    of_lives_and_cages |= {"thermal_margin_low"}  # below
     of_lives_and_cages |= {"motion_unstable"}  # tests/solvers/test_stability.py
     assert known - tested == of_lives_and_cages
 

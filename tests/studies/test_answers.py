@@ -6,8 +6,9 @@ import time
 
 import numpy as np
 import pytest
-from support import numbers_in
+from support import numbers_in, only_line, scene_file
 
+from bearingwear.cli import main
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.studies import answers as module
 from bearingwear.studies.answers import PROBLEM, REFUSED, Workers, answers_at
@@ -72,6 +73,15 @@ def test_a_fault_of_the_function_is_raised(workers):
 def test_a_process_that_is_killed_is_named():
     with pytest.raises(RuntimeError, match="sweep: a process ended unexpectedly"):
         list(answers_at(killed, [0, 1, 2], 2, progress=False))
+
+
+def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
+    def ended(args):
+        list(answers_at(killed, [0, 1, 2], 2, "uncertainty", progress=False))
+
+    monkeypatch.setattr("bearingwear.results.kinds.function", lambda name: ended)
+    assert main(["uncertainty", str(scene_file("gyro_s1"))]) == 3
+    assert only_line(capsys).startswith("uncertainty: a process ended unexpectedly")
 
 
 def test_who_needs_no_more_waits_for_no_process():

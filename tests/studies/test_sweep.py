@@ -321,7 +321,7 @@ list(answers_at(len, [[], []], 2))
 def test_a_script_without_its_guard_is_told(tmp_path):
     done = run_script(tmp_path, UNGUARDED)
     last = done.stderr.rstrip().splitlines()[-1]
-    assert last.startswith("RuntimeError: sweep: ") and "if __name__ == '__main__':" in last
+    assert "ProcessEnded: sweep: " in last and "if __name__ == '__main__':" in last
 
 
 def test_profiles_of_unlike_length_have_no_places():

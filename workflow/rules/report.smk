@@ -171,6 +171,33 @@ rule warmup:
         " seconds={params.seconds} -o {output} &> {log}"
 
 
+rule duty:
+    """The life of a scene over its duty: the share of each phase, and what ends it."""
+    input:
+        scene=ancient("config/scenes/{scene}.yaml"),
+        compiled=f"logs/compiled/{KERNELS}/worn",
+    output:
+        "results/{scene}/duty.nc",
+        "results/{scene}/duty.json",
+        report(
+            "results/{scene}/figures/duty.svg",
+            caption="../report/duty.rst",
+            category="{scene}",
+            labels={"result": "life over the duty"},
+        ),
+        "results/{scene}/figures/duty.png",
+    log:
+        "logs/duty/{scene}.log",
+    resources:
+        runtime=1,
+    params:
+        code=sources("bearingwear.studies.lives.duty_report"),
+        scene=scene_values(),
+    shell:
+        "bearingwear step bearingwear.studies.lives.duty_report.duty_report scene={input.scene}"
+        " -o {output} &> {log}"
+
+
 rule running_average:
     """Wear rates of a dynamic case as they settle."""
     input:
@@ -278,6 +305,7 @@ DATA = [
     *expand("results/{scene}/dynamic.nc", scene=DYNAMIC),
 ]
 BOTH = [scene for scene in DYNAMIC if scene in GRIDS]  # solved dynamically, too
+ON_DUTY = [scene for scene in GRIDS if configuration.has_duty(scene)]
 WARMING = [scene for scene in GRIDS if configuration.has_heat_capacities(scene)]
 TABLES = [
     *expand("results/{scene}/tables/summary.md", scene=GRIDS),
@@ -296,6 +324,7 @@ DRAWN = [
     ),
     *expand("results/{scene}/figures/dynamic.svg", scene=BOTH),
     *expand("results/{scene}/figures/warmup.svg", scene=WARMING),
+    *expand("results/{scene}/figures/duty.svg", scene=ON_DUTY),
     *(
         f"results/{scene}/figures/fig06_running_average-{case}.svg"
         for scene in FIGURES["running_averages"]
@@ -308,6 +337,7 @@ DRAWN = [
 # What the page says first: lives, preloads, and cages if these belong to the main study.
 ANSWERS = [
     *(["results/answer.json"] if GRIDS else []),
+    *expand("results/{scene}/duty.json", scene=ON_DUTY),
     *PRELOADS_SHOWN,
     *(CAGE_ANSWER if CAGE["in_main_study"] else []),
 ]

@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bearingwear.scene.accuracy import REGULARISATION
 from bearingwear.scene.duty import Duty, phase_cases
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import LEAST_REGULARISATION, regularisation_is_given
+from bearingwear.scene.slip import (
+    LEAST_REGULARISATION,
+    at_share,
+    regularisation_is_given,
+    with_regularisation,
+)
 
 NO_FORCE_N = 1e-9
 """External force that solves both bearings of a pair that is alike in one phase and not in another.
@@ -124,16 +128,12 @@ def at_speed(scene: Scene, share: float) -> Scene:
 
     A regularisation that the scene gives is scaled alike: its error depends on it over the slip.
     """
-    operation = scene.operation
-    changes = {
-        "operation.shaft_speed_rpm": share * operation.shaft_speed_rpm,
-        "operation.outer_speed_rpm": share * operation.outer_speed_rpm,
-        "operation.lowest_speed_rpm": 0.0,
-    }
-    if regularisation_is_given(scene):
-        scaled = share * scene.friction.slip_regularisation_m_s
-        changes[REGULARISATION] = max(scaled, LEAST_REGULARISATION)
-    return scene.with_(changes)
+    slower = at_share(scene, share)
+    if not regularisation_is_given(scene):
+        return slower
+    given = max(share * scene.friction.slip_regularisation_m_s, LEAST_REGULARISATION)
+    friction = replace(slower.friction, slip_regularisation_m_s=given)
+    return with_regularisation(replace(slower, friction=friction), is_given=True)
 
 
 def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:

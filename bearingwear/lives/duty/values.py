@@ -81,9 +81,12 @@ def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
             for states in states_of_cases
         ]
         if all(extremes):
-            values[f"worst_{name}"] = np.array(
-                [measure.extreme(np.array(along_life)) for along_life in extremes]
-            )
+            # what is not known between is what is known
+            known = [
+                [of_life[0], *(v for v in of_life[1:-1] if v == v), of_life[-1]]
+                for of_life in extremes
+            ]
+            values[f"worst_{name}"] = np.array([measure.extreme(np.array(of)) for of in known])
     preloads = [[state["residual_preload"] for state in states] for states in states_of_cases]
     values["history_phase_residual_preload"] = np.array(preloads).T
     return values
@@ -125,7 +128,7 @@ def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 
 def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
-    """Returns the shares of the wear by phase and surface, at speed and in starts, and over time.
+    """Returns shares of the wear by phase and surface, of starts and stops alone, and over time.
 
     worn: as of `worn_volumes`.
     """
@@ -135,7 +138,7 @@ def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
     by_phase = cycle.running + cycle.starting
     histories = np.einsum("pc,nc->np", by_phase, surfaces[..., -1])
     return {
-        "phase_wear_share": cycle.running @ surfaces[-1] / total,
+        "phase_wear_share": by_phase @ surfaces[-1] / total,
         "start_wear_share": cycle.starting @ surfaces[-1] / total,
         "history_phase_worn_share": histories / total[-1],
     }

@@ -27,6 +27,7 @@ from bearingwear.solvers.bearing.mounted import MM, UM, mounted_geometry
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding
 from bearingwear.solvers.effects.motion import rolling_rates
+from bearingwear.solvers.thermal import LOW_MARGIN
 
 USUAL_BORE = 1.75
 """Pitch diameter less bore, over ball diameter; assumed where no bore is given."""
@@ -40,6 +41,8 @@ WARMER = 5.0
 TRIED_UM = (5.0, 12.0)
 """Interference on the shaft [um] whose effect is reported where none is given: a light fit, and
 that of a fast spindle."""
+
+_NO_MARGIN = 1e-9
 
 _STILL, _COLD = RingGrowth(), Expansion()
 
@@ -311,6 +314,14 @@ def _growth_finding(e: Evidence, change: float) -> Finding:
     newtons = change * e.scene.operation.preload_N
     excess = abs(change) / MOST_LEFT_OUT
     return {"value": 100.0 * change, "newtons": newtons, "excess": excess, "held": preload_words}
+
+
+def thermal_margin_low(e: Evidence) -> Finding | None:
+    """A thermal network near the point from which on its temperatures run away."""
+    margin = e.state.values.get("thermal_margin")
+    if margin is None:
+        return None
+    return {"value": float(margin), "excess": LOW_MARGIN / max(float(margin), _NO_MARGIN)}
 
 
 def fit_lost(e: Evidence) -> Finding | None:

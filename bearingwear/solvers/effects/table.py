@@ -319,6 +319,13 @@ EFFECTS = (
         modelled=growth.temperature_sentences,
     ),
     Effect(
+        "thermal_margin_low",
+        growth.thermal_margin_low,
+        "the thermal margin is {value:.3g}: a little more heat or less cooling makes the "
+        "temperatures run away",
+        "cool better, reduce the preload or the speed, or use a spring",
+    ),
+    Effect(
         "fit_left_out",
         growth.fit_left_out,
         "no interference fit is included in the preload ({held}), {sizes}",

@@ -20,7 +20,7 @@ from bearingwear.scene.warmth import Thermal, check_heat_capacities
 from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
-from bearingwear.solvers.rotor import Alone, OnRotor
+from bearingwear.solvers.rotor import Alone, OnRotor, RotorState
 from bearingwear.solvers.thermal import (
     PARTS_OF_BEARING,
     HeatFlow,
@@ -129,6 +129,18 @@ class ThermalBearings:
 
         NoState: where they have no state.
         """
+        kept, found, heats = self._solved(time, share, temperatures)
+        states = states_of(kept, kept.start, found)
+        return Instant(time, share, temperatures, states, heats, found.stiffness)
+
+    def heat(self, time: float, share: float, temperatures: np.ndarray) -> np.ndarray:
+        """Heat of all parts (parts,) [W] there; a required thermal margin takes no solves here."""
+        _, _, heats = self._solved(time, share, temperatures)
+        return heat_of_parts(heats)
+
+    def _solved(
+        self, time: float, share: float, temperatures: np.ndarray
+    ) -> tuple[Alone | OnRotor, RotorState, tuple[HeatFlow, ...]]:
         whole = max(share, LINEAR_SHARE)
         networks = [network_at(network, time) for network in self.networks()]
         kept = kept_at(self._bearings(whole), temperatures, networks)
@@ -144,8 +156,7 @@ class ThermalBearings:
             raise NoState(found.status)
         self.near = list(found.sides)
         heats = tuple(HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, found))
-        states = states_of(kept, kept.start, found)
-        return Instant(time, share, temperatures, states, heats, found.stiffness)
+        return kept, found, heats
 
     def _bearings(self, share: float) -> Alone | OnRotor:
         if share != self._at[0]:
@@ -157,7 +168,7 @@ class ThermalBearings:
 
         def heats(temperatures: np.ndarray) -> np.ndarray | None:
             try:
-                return heat_of_parts(self.instant(instant.time, instant.share, temperatures).heats)
+                return self.heat(instant.time, instant.share, temperatures)
             except NoState:
                 return None
 
@@ -209,8 +220,9 @@ class HeatEquation:
 
     def __call__(self, time: float, y: np.ndarray) -> np.ndarray:
         """dT/dt (parts,) [K/s]."""
-        made = heat_of_parts(self.instant(time, y).heats)
-        return (made + self.beside(time) - self.G @ y) / self.C
+        temperatures = np.reshape(y, (-1, PARTS_OF_BEARING))
+        heat = self.bearings.heat(time, self.course.at(time), temperatures)
+        return (heat + self.beside(time) - self.G @ y) / self.C
 
 
 def network_at(network: Thermal, time: float) -> Thermal:
@@ -297,13 +309,20 @@ def _steps(
 
 
 def _distance_left(equation: HeatEquation, instant: Instant) -> float:
-    """Distance to the steady temperatures by one Newton step, over the rise so far [1]."""
-    y, slopes = instant.temperatures.ravel(), equation.bearings.heat_slopes(instant)
+    """Distance to the steady temperatures by one Newton step, over the rise so far [1].
+
+    That of shafts and housings alone, without further solves, while they are too far away.
+    """
+    y = instant.temperatures.ravel()
+    rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
+    beside = _shaft_and_housing_left(equation, instant.time) / rise
+    if beside >= SETTLED_TO:
+        return beside
+    slopes = equation.bearings.heat_slopes(instant)
     if slopes is None:
         return np.inf
     step = np.linalg.solve(equation.G - slopes, equation.C * equation(instant.time, y))
-    rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
-    return float(max(abs(step).max(), _shaft_and_housing_left(equation, instant.time)) / rise)
+    return max(float(abs(step).max()) / rise, beside)
 
 
 def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:

@@ -47,7 +47,7 @@ ROWS = 2  # more cells across, likewise
 LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
-MOST_ENDS, MOST_ROWS = 2.0 * CELLS_END, ROWS
+MOST_ENDS, MOST_ROWS = 3.0 * CELLS_END, 2 * ROWS
 """Cells at other speeds than that of the wear. Those of a contact under hardly any load grow
 without end, and their number with them: a state that needs more has none."""
 _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction

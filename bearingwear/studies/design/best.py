@@ -45,6 +45,7 @@ times longer the life has to become for the preload at its end to be taken."""
 
 _BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
 _FAR = 0.1  # of a requirement: so far beyond it on both sides, it is not met between them
+_ROUGH = 0.05  # of a requirement: so far beyond it, it may be a quick life that is wrong
 _EDGE = 5e-3  # width in log preload to which it is found where new bearings meet the requirements
 _PEAK, _NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
 _GAIN = 5e-3  # of the life, for which no exact life is solved
@@ -197,8 +198,8 @@ class PreloadSearch:
 
         is_last: whether no more lives are solved beside the best one.
         """
-        beside = self._beside_best(line)
-        if beside and not is_last:
+        beside = self._beside_best(line, is_last)
+        if beside:
             return beside
         lives = [best.life if (best := one.best(self.limits)) else 0.0 for one in self.lines]
         return self._at_ends(line) if line is self.lines[int(np.argmax(lives))] else []
@@ -280,8 +281,13 @@ class PreloadSearch:
             for p in [p for p in known if not line.grid[0] <= p <= line.grid[-1]]:
                 del known[p]
 
-    def _beside_best(self, line: PreloadLine) -> list[float]:
-        """The best preload and some between it and its neighbours, where a life may be longer."""
+    def _beside_best(self, line: PreloadLine, is_last: bool) -> list[float]:
+        """The best preload and some between it and its neighbours, where a life may be longer.
+
+        A neighbour that a quick life refuses by little is solved itself, as is one beside which
+        nothing else is solved.
+        is_last: whether no more lives are solved between them.
+        """
         line.lives = {p: one for p, one in line.lives.items() if self._counts(line, one)}
         best = line.best(self.limits)
         if best is None:
@@ -290,8 +296,14 @@ class PreloadSearch:
         order = line.in_order(self.limits)
         k = next(k for k, one in enumerate(order) if one.preload == best.preload)
         for beyond in (order[:k][::-1], order[k + 1 :]):
-            if beyond and self._may_gain(best, *beyond[:2]):
-                wanted.append(self._towards(best, beyond[0]))
+            if not beyond:
+                continue
+            near, margin = beyond[0], beyond[0].margins(self.limits).min()
+            may_gain = not is_last and self._may_gain(best, *beyond[:2])
+            if near.solved == QUICK_LIFE and margin < 0.0 and (margin > -_ROUGH or not may_gain):
+                wanted.append(near.preload)
+            elif may_gain:
+                wanted.append(self._towards(best, near))
         return sorted(
             set(wanted) - {p for p, one in line.lives.items() if one.solved == EXACT_LIFE}
         )

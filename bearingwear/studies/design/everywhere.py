@@ -52,7 +52,7 @@ at rest, over the full speed."""
 _NARROW = 1e-3  # of the full speed: speeds so close are one
 _WIDE, _CLOSE = 0.2, 0.02
 """Of the full speed: a span of three speeds round the worst that is halved, and what is no half;
-a quarter of both where a limit is just met or broken."""
+an eighth of both where a limit is just met or broken."""
 
 _AT_LIMIT = 0.1  # margin of a limit, up to which its place is found more closely
 _PEAK_HIDDEN = 0.2  # of the worst value: by how much a peak may exceed the speeds beside it
@@ -289,7 +289,7 @@ def _turn(
 ) -> float | None:
     """The share of the speed at which a parabola through three neighbours is worst, if it says
     that a quantity is worse there than anywhere known, by more than `SPEED_FOUND_TO`, or if they
-    are far from each other; None where the worst is found.
+    are far from each other and it is nearly as bad; None where the worst is found.
     """
     if len(known) < 3:
         return None
@@ -300,7 +300,7 @@ def _turn(
     margin = abs(one.margin(sign * least, limit))
     if margin > near:
         return None
-    wide, close = (_WIDE, _CLOSE) if margin > _AT_LIMIT else (_WIDE / 4.0, _CLOSE / 4.0)
+    wide, close = (_WIDE, _CLOSE) if margin > _AT_LIMIT else (_WIDE / 8.0, _CLOSE / 8.0)
     turns = [_vertex(x[k - 1 : k + 2], y[k - 1 : k + 2]) for k in range(1, len(x) - 1)]
     new = [turn for turn in turns if turn and np.abs(turn[0] - x).min() > _NARROW]
     place, value = min(new, key=lambda turn: turn[1], default=(math.nan, math.inf))

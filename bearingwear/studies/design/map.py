@@ -256,7 +256,12 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, An
             found["time_to_slip_limit"] = first
         each[name] = _everywhere(one, found, life, limits, exactly=not quick)
     worst = worst_point(each)
-    del worst[DECIDING]["life"]  # which is of all phases
+    if worst["status"] != OK:
+        return worst
+    del worst[DECIDING]["life"]  # which is of all phases, and ends in one of them or in all
+    if not over_duty.ends_in_all_cases:
+        ending = over_duty.cycle.cases[over_duty.ending_case]
+        worst[DECIDING]["life"] = {**each[ending][DECIDING]["life"], "case": ending}
     return worst
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
@@ -10,6 +12,7 @@ from bearingwear.studies.design.conditions import NEW, WARMING, OperatingConditi
 from bearingwear.studies.design.everywhere import OtherSpeeds, merged, state_extremes
 
 
+@functools.lru_cache(maxsize=64)  # new bearings are looked at by several kinds of lives
 def warm_up_extremes(scene: Scene, seconds: float) -> OtherSpeeds:
     """Extremes of new bearings from rest to the steady temperatures, or how they got lost.
 

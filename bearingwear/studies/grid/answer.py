@@ -121,6 +121,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
     preload = f"{scene['operation']['preload_N']:g} N"
     given_preload = f"the given preload of {preload}"
     nominal = " in the nominal case" if scene.get("cases") else ""
+    nominal = " over the duty" if scene.get("duty") else nominal
     headline = _headline(lives_here, _comparisons(lives_here))
     return Document(
         heading=(f"{name}: with {given_preload} for both methods{nominal}, {headline}",),

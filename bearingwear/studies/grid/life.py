@@ -19,7 +19,7 @@ from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import load_scene, variant
-from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.sides import OF_ARRANGEMENT
 from bearingwear.studies.dataset import stacked_dataset
 from bearingwear.studies.grid.gather import axis_coordinates
@@ -59,7 +59,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
             line = _with_arrangement_stiffness(line, scene.operation.preload_method)
             not_interpolated |= criteria.keys() - interpolable_criteria(criteria, line).keys()
             interpolated.append(
-                interpolated_life(_interpolable(line), criteria, scene.operation.preload_N)
+                interpolated_life(_interpolable(line, scene), criteria, scene.operation.preload_N)
             )
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
@@ -103,24 +103,22 @@ def _with_arrangement_stiffness(line: xr.Dataset, preload_method: str) -> xr.Dat
     return line
 
 
-def _interpolable(line: xr.Dataset) -> xr.Dataset:
+def _interpolable(line: xr.Dataset, scene: Scene) -> xr.Dataset:
     """Returns the cases between which a life can be interpolated.
 
-    Two bearings that differ wear at different rates, so only their first case is left, which gives
-    no life.
+    Two bearings that differ wear at different rates, and the cases are those of the nominal
+    condition, not of a duty: then only their first case is left, which gives no life.
     """
     bearing, cases = next(iter(datasets_by_bearing(line).items()))
-    return cases if bearing is None else cases.isel(ball_diameter_loss=slice(1))
+    has_life = bearing is None and scene.duty is None
+    return cases if has_life else cases.isel(ball_diameter_loss=slice(1))
 
 
 def _is_comparable(lives: xr.Dataset, not_interpolated: Collection[str]) -> xr.DataArray:
     """Whether each life with the solver in the loop could be interpolated between the cases.
 
-    The cases have Hertzian grooves, are those of the nominal condition, not of a duty, and do not
-    contain the criteria `not_interpolated`.
+    The cases have Hertzian grooves, and do not contain the criteria `not_interpolated`.
     """
-    if "phase_time_share" in lives:
-        return xr.zeros_like(lives["end_criterion"], dtype=bool)
     comparable = ~lives["end_criterion"].isin([CRITERIA.index(name) for name in not_interpolated])
     if "history_approach_loss" in lives:  # the life was computed with worn grooves
         is_worn = lives["history_approach_loss"].notnull()

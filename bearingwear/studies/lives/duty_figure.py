@@ -1,13 +1,16 @@
 """Figure of a life over a duty: worn volume and residual preload of each phase."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import SERIES, Figure, frame, new_figure, start_at_zero
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.words import scene_of
-from bearingwear.studies.lives.tables import ended_by
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
@@ -20,6 +23,11 @@ def duty_figure(life: xr.Dataset) -> Figure:
     for k, colour in enumerate(colours):
         preload = life["history_phase_residual_preload"].isel(phase=k).values
         preload_panel.plot(time, preload, color=colour, marker=".", markersize=3)
+    scene = scene_of(life)
+    end: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "color": "0.3"}
+    fraction = scene["wear"]["end_of_life"].get("preload_fraction")
+    if fraction is not None:
+        preload_panel.axhline(fraction * scene["operation"]["preload_N"], **end)
     worn_percent = 100.0 * life["history_phase_worn_share"].values
     wear_panel.stackplot(time, *worn_percent.T, colors=colours, alpha=0.8)
     preload_panel.set_ylabel("residual preload (N)")
@@ -28,21 +36,26 @@ def duty_figure(life: xr.Dataset) -> Figure:
         panel.set_xlabel("time of use (h)")
         panel.set_xlim(0.0, max(float(time[-1]), np.finfo(float).tiny))
         start_at_zero(panel)
-    keys = [
+    keys: list[Patch | Line2D] = [
         Patch(color=colour, label=f"{phase}: {100.0 * share:.3g} % of time, {worn:.3g} % of wear")
         for colour, phase, share, worn in zip(
             colours, phases, life["phase_time_share"].values, worn_percent[-1], strict=True
         )
     ]
-    frame(figure, _title(life), keys, columns=2)
+    if fraction is not None:
+        words = ENDS["preload_fraction"].words
+        keys.append(Line2D([], [], label=f"end of life by {words}, {100.0 * fraction:g} %", **end))
+    frame(figure, duty_message(life), keys, columns=2)
     return figure
 
 
-def _title(life: xr.Dataset) -> str:
-    """Returns the length of a life over a duty in words, and what ended it."""
-    scene = scene_of(life)
-    length = hours_in_words(scene, float(life["life"]))
+def duty_message(life: xr.Dataset) -> str:
+    """Returns the life over a duty and what ends it, as the message of a figure."""
+    scene, hours = scene_of(life), float(life["life"])
+    when = hours_in_words(scene, hours)
+    criterion = life["end_criterion"].attrs["flag_meanings"].split()[int(life["end_criterion"])]
+    end = ENDS[criterion].words if criterion in ENDS else "no criterion"
     return (
-        f"{scene['name']}: life over the duty {length}, {float(life['life_cycles']):.3g} cycles, "
-        f"ended by {ended_by(life)} in {life.attrs['ended_in']}"
+        f"{scene['name']}: life over the duty {when}, {float(life['life_cycles']):.3g} cycles, "
+        f"ended by {end} in {life.attrs['ended_in']}"
     )

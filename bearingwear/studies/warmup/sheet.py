@@ -15,14 +15,13 @@ from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
+from bearingwear.solvers.thermal import LOW_MARGIN
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
-
-LOW_MARGIN = 1.5
-"""Thermal margin below which a design is warned of."""
 
 PART_WORDS = ("inner ring", "balls", "outer ring")
 _COLOURS = ("C3", "C1", "C0")
 _LINE_STYLES = ("-", "--")  # of two bearings
+_LINEAR = 1.0  # s: the axis of time is linear at least up to here
 
 
 def warm_up_sheet(file: Any) -> Document:
@@ -94,20 +93,27 @@ def _ending_sentence(file: Any, ending: str) -> str:
 
 
 def warm_up_figure(warmup: xr.Dataset) -> Figure:
-    """Returns a figure of temperatures, preload and contact pressure over time."""
+    """Returns a figure of temperatures, preload and contact pressure over time.
+
+    The axis of time is logarithmic once the machine is at speed.
+    """
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
     time, bearings = warmup["time"].values, warmup.sizes["side"]
+    times, _ = np.reshape(np.atleast_1d(warmup.attrs["course"]), (2, -1))
+    at_speed = max(times[-1], _LINEAR)
     for k in range(bearings):
         bearing, style = warmup.isel(side=k), _LINE_STYLES[k]
         for part, colour in enumerate(_COLOURS):
             temperature.plot(time, bearing["part_temperature"][:, part], style, color=colour)
-        preload.plot(time, bearing["residual_preload"], style, color="C0")
-        pressure.plot(time, 1e-9 * bearing["maximum_pressure"], style, color="C0")
+        preload.plot(time, bearing["residual_preload"], style, color="black")
+        pressure.plot(time, 1e-9 * bearing["maximum_pressure"], style, color="black")
     for panel, words in zip(
         panels[0], ("temperature (°C)", "preload (N)", "contact pressure (GPa)"), strict=True
     ):
-        panel.set_xlabel("time (s)")
+        panel.set_xscale("symlog", linthresh=at_speed)
+        panel.set_xlim(left=0.0)
+        panel.set_xlabel(f"time (s), logarithmic from {plain(at_speed)} s")
         panel.set_ylabel(words)
     handles = [key(part, color=colour) for part, colour in zip(PART_WORDS, _COLOURS, strict=True)]
     if bearings > 1:

@@ -93,6 +93,21 @@ def test_slip_that_peaks_between_rest_and_speed_is_found_worn(given, preload):
     assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=0.02)
 
 
+def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
+    """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.46."""
+    plain = bearingwear.new(
+        bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
+        speed=18000.0, preload=120.0,
+    )  # fmt: skip
+    held = held_by(plain, "fixed_position", 250.0)
+    point = followed_point(held, DesignLimits(gyroscopic_slip_share=0.36))
+    worn = worn_states(worn_life_with_stiffness(held, quick=False))
+    shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
+    most = max(worn(at_share(held, share))[0]["gyroscopic_slip_share"].max() for share in shares)
+    assert most > 0.355
+    assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=5e-3)
+
+
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
     held = held_by(spindle, "fixed_position", 17.5)
     alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
@@ -132,6 +147,23 @@ def test_worn_grooves_are_solved_at_other_speeds():
     last = life.last.states[0]
     assert state["maximum_pressure"] == pytest.approx(last["maximum_pressure"], rel=0.02)
     assert state[STIFFNESS] == pytest.approx(last[STIFFNESS], rel=0.03)
+
+
+def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
+    """The rotor starts where it stood: where even wear puts it, bearing 2 carries nothing."""
+    plain = bearingwear.new(
+        bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
+        speed=18000.0, preload=120.0, preload_method="fixed_position",
+    )  # fmt: skip
+    keys = {"arrangement.kind": "rigid_pair", "arrangement.external_axial_N": 40.0}
+    warm = {"inner_ring_C": 30.0, "balls_C": 28.0, "outer_ring_C": 25.0}
+    scene = plain.with_(keys | {"temperature": warm | {"shaft_C": 30.0, "housing_C": 25.0}})
+    held = held_by(scene, "fixed_position", 300.0)
+    worn = worn_states(worn_life_with_stiffness(held, quick=False))
+    slow, resting = (worn(as_mounted(at_share(held, share))) for share in (0.0625, 0.0))
+    for one, other in zip(slow, resting, strict=True):
+        assert one.status == other.status == OK
+        assert other["residual_preload"] == pytest.approx(one["residual_preload"], rel=0.02)
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ from bearingwear.solvers.thermal import HeatFlow
 from bearingwear.solvers.warmup import transient
 from bearingwear.solvers.warmup.transient import SpeedCourse, ramp, warm_up
 from bearingwear.studies.warmup.result import warm_up_dataset
+from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
 
 
 @pytest.fixture(scope="module")
@@ -62,19 +63,62 @@ def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
         assert_allclose(instant.temperatures[0] - 20.0, expected, atol=1e-3 * rise)
 
 
-def test_the_plain_program_finds_the_same(spindle):
-    scene = spindle.with_(SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0})
-    warming = warm_up(scene, ramp(10.0), duration=30.0)
+WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "seconds"),
+    [
+        pytest.param(WARMED_FAST, 10.0, id="ramp"),
+        pytest.param(WARMED_FAST, 0.0, id="at once"),
+        pytest.param(
+            {"thermal.shaft_C": 40.0, "thermal.shaft_time_constant_s": 20.0}, 20.0, id="warm shaft"
+        ),
+        pytest.param(
+            WARMED_FAST | {"operation.preload_method": "constant_force"}, 5.0, id="constant force"
+        ),
+        pytest.param(
+            WARMED_FAST | {"bearing.contact_angle_deg": 25.0, "operation.preload_N": 300.0},
+            15.0,
+            id="25 degrees",
+        ),
+    ],
+)
+def test_the_plain_program_finds_the_same(spindle, changes, seconds):
+    scene = spindle.with_(changes)
+    warming = warm_up(scene, ramp(seconds), duration=30.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        coarse, fine = (benchmark("warmup").euler(scene, 10.0, 30.0, steps) for steps in (150, 300))
+        euler = benchmark("warmup").euler
+        coarse, fine = (euler(scene, seconds, 30.0, steps) for steps in (120, 240))
     last = warming.instants[-1]
     for k, name in enumerate(("inner", "balls", "outer")):
         # Euler's error is proportional to the step
         extrapolated = 2.0 * fine[name][-1] - coarse[name][-1]
         assert_allclose(last.temperatures[0, k] - 20.0, extrapolated - 20.0, rtol=1e-3)
-    extrapolated = 2.0 * fine["preload"][-1] - coarse["preload"][-1]
-    assert_allclose(last.states[0]["residual_preload"], extrapolated, rtol=1e-3)
+    for name, quantity in (("preload", "residual_preload"), ("pressure", "maximum_pressure")):
+        extrapolated = 2.0 * fine[name][-1] - coarse[name][-1]
+        assert_allclose(np.max(last.states[0][quantity]), extrapolated, rtol=1e-3)
+
+
+def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
+    """Preload of all ramps on a grid, by warm-ups with finer steps than those of the search."""
+    scene, limit = spindle.with_(SLOW_HOUSING), 220.0
+    ramps = np.geomspace(80.0, 400.0, 17)
+    peaks = [
+        max(one.states[0]["residual_preload"] for one in warm_up(scene, ramp(seconds)).instants)
+        for seconds in ramps
+    ]
+    expected = np.interp(-limit, -np.array(peaks), ramps)
+    shortest = shortest_ramp(scene, {"preload": limit})
+    assert np.all(np.diff(peaks) < 0.1) and 100.0 < expected < 300.0
+    assert expected <= shortest < 1.03 * expected
+
+
+def test_a_limit_that_no_ramp_or_every_ramp_keeps(spindle):
+    scene = spindle.with_(SLOW_HOUSING)
+    assert shortest_ramp(scene, {"preload": 1e4, "pressure": 5.0}) == 0.0
+    assert shortest_ramp(scene, {"preload": 100.0}) is None
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):

@@ -30,6 +30,7 @@ from bearingwear.studies.design.document.words import (
 from bearingwear.studies.design.document.worst_conditions import (
     life_condition_words,
     limit_met_words,
+    worst_condition,
 )
 
 TAKE = {
@@ -143,6 +144,8 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"
         text += f"; it ends when the {end.words} {reaches} {printed_unit(limit)}"
+        if scene.get("duty") and (ending := worst_condition(recommendation, point, "life")):
+            text += f" in the case {ending['case']}"
     return f"{text}."
 
 

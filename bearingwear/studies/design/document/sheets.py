@@ -224,7 +224,11 @@ def _recommended_block(recommendation: xr.Dataset, spreads: Mapping[str, Spread 
         *_worst_value_rows(recommendation),
     ]
     rows = [row._replace(note=_worst_note(recommendation, row.name)) for row in rows]
-    return Block("recommended", tuple(method_names(recommendation)), tuple(rows), place="open")
+    names = method_names(recommendation)
+    notes = "worst condition"
+    if any(" / " in row.note for row in rows):
+        notes += f" ({' / '.join(names)})"
+    return Block("recommended", tuple(names), tuple(rows), place="open", notes=notes)
 
 
 def _preload_rows(recommendation: xr.Dataset) -> list[Row]:

@@ -82,7 +82,7 @@ def deciding_by_method(recommendation: xr.Dataset) -> list[Mapping[str, Any]]:
     return deciding or [{} for _ in range(recommendation.sizes.get("preload_method", 1))]
 
 
-def _worst_condition(
+def worst_condition(
     recommendation: xr.Dataset, point: xr.Dataset, quantity: str
 ) -> Mapping[str, Any] | None:
     """Returns where a quantity of one method is the worst; None where that is not known.
@@ -113,7 +113,7 @@ def extreme_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extre
 
     Empty where that is not known.
     """
-    where = _worst_condition(recommendation, point, extreme)
+    where = worst_condition(recommendation, point, extreme)
     if where is None or not np.isfinite(where["value"]):
         return ""
     has_cases = _has_cases(recommendation)
@@ -127,7 +127,7 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
 
     Empty where that is not known.
     """
-    where = _worst_condition(recommendation, point, extreme)
+    where = worst_condition(recommendation, point, extreme)
     if where is None or not np.isfinite(where["value"]):
         return ""
     words = [where["case"]] if _has_cases(recommendation) else []
@@ -156,7 +156,7 @@ def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the speed, and the case if there are several, of a method's life; or the duty."""
     if scene_of(recommendation).get("duty"):
         return _OVER_DUTY
-    where = _worst_condition(recommendation, point, "life")
+    where = worst_condition(recommendation, point, "life")
     if where is None:
         return ""
     words = condition_words({**where, "wear": ""})
