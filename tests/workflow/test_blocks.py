@@ -232,13 +232,13 @@ def test_page_that_takes_minutes(run, page):
 def test_lines_stand_in_a_page_that_is_run(page, other):
     here, there = commands(ROOT / page), commands(ROOT / other)
     assert here and [line for line in there if line in here] == here
-    output = [
+    typed = [
         line for name, text in blocks(ROOT / other) if name == "text" for line in text.split("\n")
     ]
     shown = [
         line for name, text in blocks(ROOT / page) if name == "text" for line in text.split("\n")
     ]
-    assert set(shown) <= set(output)
+    assert set(shown) <= set(typed)
 
 
 def test_no_line_overwrites_what_another_one_made():

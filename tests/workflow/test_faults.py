@@ -67,10 +67,10 @@ def done(undisturbed, tmp_path):
 def wait(condition, seconds=120.0):
     """What a condition gives once it holds."""
     deadline = time.monotonic() + seconds
-    while not (inputs := condition()):
+    while not (answer := condition()):
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.02)
-    return inputs
+    return answer
 
 
 def finished(project):
@@ -350,8 +350,8 @@ def test_results_cannot_be_written(done, undisturbed):
     if unprivileged and shutil.which(unprivileged[0]) is None:
         pytest.skip("root may write everywhere, and there is no setpriv to take that right away")
     case = done.case(CASES[0])
-    for item in CASES[:2]:  # its line: Snakemake itself removes what is left of one
-        done.case(item).unlink()
+    for case in CASES[:2]:  # its line: Snakemake itself removes what is left of one
+        done.case(case).unlink()
     before = finished(done)
     case.parent.chmod(0o555)
     run = done.run(prefix=unprivileged)
