@@ -61,7 +61,7 @@ def make_small_study(folder: Path) -> None:
             write_result(solve(variant(scene, case.changes)), Path(path))
         study, lives, choice = f"{FOLDER}/study.nc", f"{FOLDER}/wear_life.nc", f"{CHOICE}/design.nc"
         taken = f"{CHOICE}/recommendation.nc"
-        both, one = {"friction": [0.02, 0.08]}, {"friction": 0.02}
+        both, alone = {"friction": [0.02, 0.08]}, {"friction": 0.02}
         design = {"design": choice, "recommendation": taken}
         tables = [f"{FOLDER}/tables/{name}" for name in ("cases.csv", "summary.md")]
         small_map = [choice, taken]
@@ -74,7 +74,7 @@ def make_small_study(folder: Path) -> None:
             step("studies.grid.tables.study_tables", *tables, study=study, lives=lives),
             step(f"{draw}.draw_wear", *figure[0], studies=[study], settings=both),
             step(f"{draw}.draw_life", *figure[1], lives=lives, settings=both),
-            step(f"{draw}.draw_overlay", *figure[2], studies=[study], settings=one),
+            step(f"{draw}.draw_overlay", *figure[2], studies=[study], settings=alone),
             step("studies.grid.answer.lives_answer", LIVES_ANSWER, lives=[lives]),
             step(f"{chosen}.recommend.small_map", *small_map, scene=scene, settings=settings),
             step(f"{chosen}.figures.draw.draw_design", *figure[3], **design),
@@ -95,8 +95,8 @@ def texts() -> list[str]:
 
 def page_command(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS, scenes=()) -> list[str]:
     """Arguments of `bearingwear` that write the page of files below the present folder."""
-    given = [*sections, "--answers", *answers, "--docs", *docs, "--scenes", *scenes, "-o", path]
-    return ["page", *map(str, given)]
+    inputs = [*sections, "--answers", *answers, "--docs", *docs, "--scenes", *scenes, "-o", path]
+    return ["page", *map(str, inputs)]
 
 
 def make_page(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS) -> str:

@@ -41,12 +41,12 @@ def warm_spindle() -> Scene:
     """A bearing of 40 mm bore in a rigid pair, with a thermal network and heat capacities."""
     conductances = {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0}
     capacities = {"inner_ring": 30.0, "balls": 12.0, "outer_ring": 40.0}
-    made = bearingwear.new(
+    scene = bearingwear.new(
         bore=40, outside=68, contact_angle=15, speed=12000, preload=140,
         preload_method="fixed_position",
     )  # fmt: skip
     network = {"conductance_W_K": conductances, "heat_capacity_J_K": capacities}
-    return made.with_({"thermal": network})
+    return scene.with_({"thermal": network})
 
 
 SLOW_HOUSING = {"thermal.housing_time_constant_s": 300.0, "thermal.housing_C": 35.0}
@@ -101,6 +101,11 @@ def by_differences(function, c, steps) -> np.ndarray:
         low, high = map(function, moved)
         out.append((high - low) / (2.0 * step))
     return np.array(out)
+
+
+def numbers_in(text: str) -> list[float]:
+    """Returns the numbers in a text, in their order; digits within a name are none."""
+    return [float(number) for number in re.findall(r"(?<![\w.-])-?\d+(?:\.\d+)?(?:e-?\d+)?", text)]
 
 
 def without_waits(text: str) -> str:

@@ -58,24 +58,24 @@ def test_another_accuracy_sets_its_keys():
     assert (mine.model.strips, mine.model.steady_starts) == (60, 2)
 
 
-def test_example():
+def test_the_example_is_the_scene_of_the_study():
     assert bearingwear.example() == bearingwear.load(S1)
 
 
 def test_new_is_that_of_the_command(tmp_path):
     argv = [str(tmp_path / "mine.yaml"), "--bore", "40", "--outside", "68", "--ball-diameter", "8"]
     assert main(["new", *argv, "--ball-material", "silicon_nitride"]) == 0
-    made = bearingwear.new(
+    changed_scene = bearingwear.new(
         bore=40, outside=68, ball_diameter=8, name="mine", ball_material="silicon_nitride"
     )
     typed = bearingwear.load(tmp_path / "mine.yaml")
-    assert made.description.startswith(typed.description)
-    assert "operation.shaft_speed_rpm: 19000, one million mm r/min" in made.description
-    assert made.to_dict() | {"description": typed.description} == typed.to_dict()
+    assert changed_scene.description.startswith(typed.description)
+    assert "operation.shaft_speed_rpm: 19000" in changed_scene.description  # an assumed value
+    assert changed_scene.to_dict() | {"description": typed.description} == typed.to_dict()
 
 
 @pytest.mark.parametrize(
-    ("numbers", "said"),
+    ("numbers", "problem"),
     [
         ({"bore": 40, "outside": 30}, "outside: got 30, expected a number > 40, the bore"),
         (
@@ -89,10 +89,10 @@ def test_new_is_that_of_the_command(tmp_path):
         ({}, "bore: got nothing, expected a designation"),
     ],
 )
-def test_new_refuses(numbers, said):
+def test_new_refuses(numbers, problem):
     with pytest.raises(bearingwear.SceneError) as error:
         bearingwear.new(**numbers)
-    assert str(error.value).startswith(said)
+    assert str(error.value).startswith(problem)
 
 
 def test_new_knows_its_arguments():
@@ -130,7 +130,7 @@ def test_save_knows_a_scene_from_a_dataset(tmp_path):
 
 def test_coordinates_by_name(scene):
     case = bearingwear.solve(scene)
-    assert case.attrs["message"] == "solved and verified"
+    assert case.status == "ok"
     inner, outer = (float(case.contact_load.sel(race=r).item()) for r in ("inner", "outer"))
     assert 0.0 < inner < outer  # by the centrifugal force
     spin = case.ball_angular_velocity.sel(axis="tangential")
@@ -143,10 +143,10 @@ def test_files_of_the_command_and_back(command, scene, tmp_path):
     first, second = tmp_path / "first.nc", tmp_path / "second.nc"
     settings = [f"{key}={value}" for key, value in COARSE.items()]
     assert main([command, str(S1), "-o", str(first), "--set", *settings]) == 0
-    made = getattr(bearingwear, command)(scene)
+    result = getattr(bearingwear, command)(scene)
     read = bearingwear.load(first)
-    assert made.attrs.pop("wall_time_s") > 0.0
-    xr.testing.assert_identical(made, read)
+    assert result.attrs.pop("wall_time_s") > 0.0
+    xr.testing.assert_identical(result, read)
     bearingwear.save(read, second)
     xr.testing.assert_identical(netcdf.load(first), netcdf.load(second))
 
@@ -154,11 +154,11 @@ def test_files_of_the_command_and_back(command, scene, tmp_path):
 def test_what_is_not_solved_warns(scene):
     slippery = scene.with_({"friction.ball_race": 0.0})
     for function in (bearingwear.solve, bearingwear.life):
-        with pytest.warns(UserWarning, match="^gyro_s1: undetermined: without friction") as told:
-            made = function(slippery)
-        assert told[0].filename == __file__
-        assert made.attrs["message"].startswith("without friction")
-        assert made.status == "undetermined"
+        with pytest.warns(UserWarning, match="^gyro_s1: undetermined: ") as caught:
+            result = function(slippery)
+        assert caught[0].filename == __file__
+        assert result.attrs["message"] in str(caught[0].message)
+        assert result.status == "undetermined"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         bearingwear.solve(scene)
@@ -174,8 +174,8 @@ def test_plot(scene, tmp_path):
     before = dict(matplotlib.rcParams)
     drawn, read = bearingwear.plot(case), bearingwear.plot(tmp_path / "case.nc")
     assert drawn.get_suptitle() == read.get_suptitle() != ""
-    for one, other in zip(drawn.axes, read.axes, strict=True):
-        for line, same in zip(one.lines, other.lines, strict=True):
+    for axes, other in zip(drawn.axes, read.axes, strict=True):
+        for line, same in zip(axes.lines, other.lines, strict=True):
             np.testing.assert_array_equal(line.get_xydata(), same.get_xydata())
     assert dict(matplotlib.rcParams) == before
     life = bearingwear.life(scene)

@@ -59,8 +59,8 @@ def test_the_citation_is_that_of_this_version():
 @pytest.mark.parametrize("term", ["requirement", "end-of-life criterion"])
 def test_the_report_page_defines_a_term_as_the_glossary_does(term):
     glossary = " ".join((DOCS / "glossary.md").read_text(encoding="utf-8").split())
-    _, found, after = glossary.partition(f"**{term.capitalize()}**: ")
-    assert found
+    _, result, after = glossary.partition(f"**{term.capitalize()}**: ")
+    assert result
     assert GLOSSARY[term].lower().startswith(after.partition(".")[0].lower())
 
 
@@ -75,9 +75,9 @@ def test_every_page_is_in_the_navigation():
         ]
 
     site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
-    made = {"reference/keys.md", "reference/commands.md", "contributing.md", "changelog.md"}
+    generated = {"reference/keys.md", "reference/commands.md", "contributing.md", "changelog.md"}
     pages = {page.relative_to(DOCS).as_posix() for page in PAGES}
-    assert sorted(leaves(site["nav"])) == sorted(pages | made)
+    assert sorted(leaves(site["nav"])) == sorted(pages | generated)
 
 
 @pytest.mark.long

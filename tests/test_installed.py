@@ -61,7 +61,7 @@ def test_example_and_catalogue_come_along(installed, tmp_path):
     script = "import bearingwear as b; made = b.new(designation='7010C', maker='NSK'); "
     script += "print(b.__file__, b.example().name, made.bearing.ball_count)"
     done = run([installed, "-c", script], tmp_path)
-    file, *found = done.stdout.split()
+    file, *result = done.stdout.split()
     assert Path(file).is_relative_to(installed.parents[1]), done.stderr
-    assert found == ["gyro_s1", "19"]
+    assert result == ["gyro_s1", "19"]
     assert Path(file).with_name("py.typed").exists()  # types: tests/user_types.py

@@ -64,11 +64,11 @@ def states(measure: Measure, ratio: float) -> State:
 
 def ended_by(name: str):
     """A scene whose life has one end."""
-    made = load_scene(scene_file("mos2_gyro" if name == "film_worn_share" else "gyro_s1"))
-    made = replace(made, operation=replace(made.operation, preload_N=PRELOAD))
+    scene = load_scene(scene_file("mos2_gyro" if name == "film_worn_share" else "gyro_s1"))
+    scene = replace(scene, operation=replace(scene.operation, preload_N=PRELOAD))
     if name == "cage_film_worn_share":
-        made = replace(made, cage=replace(made.cage, film=Film(thickness_um=10.0)))
-    return replace(made, wear=replace(made.wear, end_of_life=EndOfLife(**{name: LIMIT})))
+        scene = replace(scene, cage=replace(scene.cage, film=Film(thickness_um=10.0)))
+    return replace(scene, wear=replace(scene.wear, end_of_life=EndOfLife(**{name: LIMIT})))
 
 
 class File:
@@ -149,12 +149,12 @@ def test_an_end_is_a_key(name):
 
 @of_ends
 def test_an_end_has_a_margin(name):
-    made = ended_by(name)
-    criteria = Criteria(made)
+    scene = ended_by(name)
+    criteria = Criteria(scene)
     for ratio, sign in ((0.9, 1.0), (1.1, -1.0)):
-        found = criteria.margins([states(ENDS[name], ratio)])
+        computed = criteria.margins([states(ENDS[name], ratio)])
         k = CRITERIA.index(name)
-        assert np.isinf(np.delete(found, k)).all() and np.sign(found[k]) == sign
+        assert np.isinf(np.delete(computed, k)).all() and np.sign(computed[k]) == sign
     assert np.isinf(criteria.margins([State(OK, {})])).all()
 
 
@@ -169,7 +169,7 @@ def test_an_end_has_its_history(name):
 def test_an_end_has_a_mark_of_its_own(name):
     mark, words = END_MARKS[name]
     assert mark and MarkerStyle(mark).get_marker() == mark and ENDS[name].short in words
-    assert [one for one, _ in END_MARKS.values()].count(mark) == 1
+    assert [value for value, _ in END_MARKS.values()].count(mark) == 1
 
 
 @of_ends
@@ -178,7 +178,9 @@ def test_an_interpolated_life_knows_it(name):
     criteria = {name: 0.35 if name == LOSS else LIMIT}
     nearer = np.linspace(-0.5, 0.5, len(losses))  # the limit is met half way
     values = at(measure, 1.0) * (1.0 + (-nearer if measure.falls else nearer))
-    columns = {one: ("ball_diameter_loss", values) for one in measure.variables if name != LOSS}
+    columns = {
+        variable: ("ball_diameter_loss", values) for variable in measure.variables if name != LOSS
+    }
     line = xr.Dataset(
         {
             "status": ("ball_diameter_loss", np.zeros(len(losses), int)),
@@ -188,9 +190,9 @@ def test_an_interpolated_life_knows_it(name):
         | columns,
         {"ball_diameter_loss": losses},
     )
-    found = interpolated_life(line, criteria, PRELOAD)
-    assert CRITERIA[int(found["interpolated_end_criterion"])] == name
-    assert float(found["interpolated_loss_at_end"]) == pytest.approx(0.35e-6, rel=1e-6)
+    interpolated = interpolated_life(line, criteria, PRELOAD)
+    assert CRITERIA[int(interpolated["interpolated_end_criterion"])] == name
+    assert float(interpolated["interpolated_loss_at_end"]) == pytest.approx(0.35e-6, rel=1e-6)
     if name not in (LOSS, "preload_fraction"):
         without = line.drop_vars(list(columns))
         assert (
@@ -203,7 +205,10 @@ def test_an_interpolated_life_knows_it(name):
 @of_ends
 def test_an_end_has_a_row_of_a_life(name):
     measure = ENDS[name]
-    arrays = {f"history_{one}": [at(measure, 0.5), at(measure, 1.0)] for one in measure.variables}
+    arrays = {
+        f"history_{variable}": [at(measure, 0.5), at(measure, 1.0)]
+        for variable in measure.variables
+    }
     plain = {"wear": {"end_of_life": {name: LIMIT}}, "operation": {"preload_N": PRELOAD}}
     (row,) = _criterion_rows(File(arrays, name), plain)
     assert (row.label, row.unit, row.note) == (measure.short, measure.unit, "reached first")
@@ -220,12 +225,12 @@ def test_what_ended_a_life_is_said(name):
     measure = ENDS[name]
     end = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
-    values |= {f"history_{one}": np.array([end]) for one in measure.variables}
-    said = measure.limit_text(LIMIT)
+    values |= {f"history_{variable}": np.array([end]) for variable in measure.variables}
+    limit = measure.limit_text(LIMIT)
     ended = end_attribute(ended_by(name), values)
     kinds = measure.kinds
     assert ended["ended_by"] in [
-        f"{kind} {measure.words} {said}, criterion {said}".strip() for kind in kinds
+        f"{kind} {measure.words} {limit}, criterion {limit}".strip() for kind in kinds
     ]
 
 
@@ -239,7 +244,7 @@ def test_a_case_beyond_an_end_is_marked(name):
         for ratio, note in ((0.9, ""), (1.1, "violated")):
             file = File({variable: [at(measure, ratio)]}, "none", plain)
             row = row_of(variable, [at(measure, ratio)], variable_limits(file)[variable])
-            assert [one.note for one in rows_with_violations([row], file)] == [note]
+            assert [violation.note for violation in rows_with_violations([row], file)] == [note]
     end = measure.file_limit(LIMIT, PRELOAD)
     held = criteria_of_case(ended_by(name), dict.fromkeys(measure.variables, end))
     assert measure.margin(held[name][0], LIMIT) == pytest.approx(0.0)
@@ -255,7 +260,7 @@ def test_a_limit_is_a_key_and_an_option(name):
     assert DesignLimits(**{name: LIMIT}).given == {name: LIMIT}
     args = command_parser().parse_args(["recommend", "a.yaml", measure.option, str(LIMIT)])
     assert getattr(args, name) == LIMIT
-    assert sum(one.option == measure.option for one in MEASURES) == 1
+    assert sum(item.option == measure.option for item in MEASURES) == 1
 
 
 @of_limits
@@ -271,23 +276,23 @@ def test_a_limit_is_in_words_and_letters(name):
 @of_limits
 def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
     monkeypatch.setattr("bearingwear.studies.design.everywhere.lowest_frequency", lambda *_: np.nan)
-    measure, made = LIMITED[name], ended_by("skid_ratio")
+    measure, result = LIMITED[name], ended_by("skid_ratio")
     if measure.of_life:
         assert set(measure.extremes) <= POINT.keys()
         return
     along = [states(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
-    found = gone_through(made, along)
-    assert set(measure.extremes) <= POINT.keys() and set(found) <= POINT.keys()
+    computed = gone_through(result, along)
+    assert set(measure.extremes) <= POINT.keys() and set(computed) <= POINT.keys()
     worst = at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
     for variable in measure.extremes:
-        assert found[variable] == pytest.approx(worst)
-    (left,) = limit_margins(found, DesignLimits(**{name: LIMIT}, at_speed_only=True))
+        assert computed[variable] == pytest.approx(worst)
+    (left,) = limit_margins(computed, DesignLimits(**{name: LIMIT}, at_speed_only=True))
     assert left == pytest.approx(measure.margin(worst, LIMIT)) and left < 0.0
 
 
 @of_all
 def test_the_worse_bearing_of_a_pair_counts(measure, monkeypatch):
-    lowest = lambda _, both: min(one["lowest_frequency"] for one in both)  # noqa: E731
+    lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
     monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
     near, far = states(measure, 1.2), states(measure, 0.3)

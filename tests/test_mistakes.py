@@ -146,10 +146,12 @@ def with_line(text, line):
     if "{" in line:
         return re.sub(rf"{key}: .*", line, text, count=1)
     begins = {match.start() for match in re.finditer(r"^#.*$", text, re.M)}
-    found = next(
-        one for one in inline.finditer(text) if text.rfind("\n", 0, one.start()) + 1 not in begins
+    result = next(
+        item
+        for item in inline.finditer(text)
+        if text.rfind("\n", 0, item.start()) + 1 not in begins
     )
-    return text[: found.start()] + line + " " + text[found.end() :]
+    return text[: result.start()] + line + " " + text[result.end() :]
 
 
 def refused(argv, capsys):
@@ -163,28 +165,28 @@ def refused(argv, capsys):
 def test_sixty_mistakes(scene, tmp_path, capsys):
     wrong = []
 
-    def expect(what, said, line):
-        if said not in line:
-            wrong.append(f"{what}: {said!r} is not in {line!r}")
+    def expect(what, problem, line):
+        if problem not in line:
+            wrong.append(f"{what}: {problem!r} is not in {line!r}")
 
-    for text, said in REFUSED_OF_NEW.items():
-        expect(text, said, refused(["new", "x.yaml", *typed(text)], capsys))
+    for text, problem in REFUSED_OF_NEW.items():
+        expect(text, problem, refused(["new", "x.yaml", *typed(text)], capsys))
     for text, (angle, balls) in DESIGNATIONS.items():
         bearing = checked_scene(scene_text("x", None, None, {}, designation=text)[0]).bearing
         if (bearing.contact_angle_deg, bearing.ball_material) != (angle, balls):
             wrong.append(f"{text}: {bearing.contact_angle_deg} {bearing.ball_material}")
     file = tmp_path / "x.yaml"
-    for line, said in REFUSED_IN_A_SCENE.items():
+    for line, problem in REFUSED_IN_A_SCENE.items():
         file.write_text(with_line(scene, line), encoding="utf-8")
-        expect(line, said, refused(["check", "x.yaml"], capsys))
+        expect(line, problem, refused(["check", "x.yaml"], capsys))
     for block in BLOCKS:
         file.write_text(re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene, flags=re.M))
         expect(block, f"{block}: got nothing, expected", refused(["check", "x.yaml"], capsys))
-    for line, said in DOUBTED.items():
+    for line, problem in DOUBTED.items():
         file.write_text(with_line(scene, line), encoding="utf-8")
         assert main(["check", "x.yaml"]) == 0, line
-        expect(line, said, " ".join(capsys.readouterr().out.split()))
-    for text, said in REFUSED_COMMANDS.items():
-        expect(text, said, refused(typed(text), capsys))
+        expect(line, problem, " ".join(capsys.readouterr().out.split()))
+    for text, problem in REFUSED_COMMANDS.items():
+        expect(text, problem, refused(typed(text), capsys))
     assert not wrong, "\n".join(wrong)
     assert len(REFUSED_OF_NEW) + len(REFUSED_IN_A_SCENE) + len(DOUBTED) > 60

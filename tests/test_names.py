@@ -64,8 +64,8 @@ def test_no_public_name_has_two_meanings():
 def lines_of(function: ast.FunctionDef) -> int:
     """Lines of a function without its docstring."""
     first = function.body[0]
-    told = ast.get_docstring(function) is not None
-    docstring = (first.end_lineno or 0) - first.lineno + 1 if told else 0
+    has_docstring = ast.get_docstring(function) is not None
+    docstring = (first.end_lineno or 0) - first.lineno + 1 if has_docstring else 0
     return (function.end_lineno or 0) - function.lineno + 1 - docstring
 
 

@@ -232,7 +232,7 @@ def test_a_study_anywhere(command, folder_of_a_user):
     else:
         run_by, words = (), ["-P", "-m", "snakemake", "--snakefile", ROOT / "Snakefile"]
     done = run(folder, *run_by, sys.executable, *words, "-j2", **environment)
-    said = done.stdout + done.stderr
-    assert done.returncode == 0 and "Traceback" not in said, said
+    output = done.stdout + done.stderr
+    assert done.returncode == 0 and "Traceback" not in output, output
     assert list((folder / "results").rglob("*.svg"))
     assert imported(folder) == []

@@ -11,7 +11,7 @@ from bearingwear.provenance import PACKAGE, SOLVER, result_hash, sources, source
 OURS = "bearingwear.", "kerneljit.", "workflow."
 
 
-def found(*modules) -> set[str]:
+def source_files(*modules) -> set[str]:
     """Files from the package, or from `workflow`, on."""
     folders = PACKAGE, ROOT / "workflow"
     return {
@@ -23,7 +23,7 @@ def found(*modules) -> set[str]:
 
 
 def test_sources_of_the_solver():
-    solver = found(*SOLVER)
+    solver = source_files(*SOLVER)
     assert {"scene/read.py", "scene/accuracy.py", "lives/life.py", "results/netcdf.py"} <= solver
     assert {path for path in solver if path.startswith("kernels/")}
     assert not [path for path in solver if path.startswith(("studies/", "page/", "plotting/"))]
@@ -31,11 +31,13 @@ def test_sources_of_the_solver():
 
 
 def test_data_belong_to_the_module_that_names_them():
-    assert "page/page.html" in found("bearingwear.page.page")
-    assert "plotting/style.mplstyle" in found("bearingwear.studies.grid.figures.draw")
-    assert "scene/new/new_scene.yaml.j2" in found("bearingwear.scene.new.scene_file")
+    assert "page/page.html" in source_files("bearingwear.page.page")
+    assert "plotting/style.mplstyle" in source_files("bearingwear.studies.grid.figures.draw")
+    assert "scene/new/new_scene.yaml.j2" in source_files("bearingwear.scene.new.scene_file")
     # a warning compares the speed with the limit of the bearing's maker
-    assert [p for p in found(*SOLVER) if not p.endswith(".py")] == ["scene/new/catalogue.csv"]
+    assert [p for p in source_files(*SOLVER) if not p.endswith(".py")] == [
+        "scene/new/catalogue.csv"
+    ]
 
 
 @pytest.fixture(autouse=True)
@@ -77,7 +79,7 @@ def test_what_solves_changes_with_all_sources_of_the_solver():
         assert result_hash(module) == sources_hash(module, *SOLVER)
     for module in ("bearingwear.studies.grid.figures.draw", "bearingwear.studies.grid.gather"):
         assert result_hash(module) == sources_hash(module)
-    assert "results/netcdf.py" not in found("bearingwear.studies.solve")  # why it is added
+    assert "results/netcdf.py" not in source_files("bearingwear.studies.solve")  # why it is added
 
 
 CACHED = (

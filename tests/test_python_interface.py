@@ -26,7 +26,7 @@ def scene():
 @pytest.fixture(scope="module")
 def rotor(tmp_path_factory):
     """A scene file of a rotor on a pair, with a drive, a launch and a cold case."""
-    made = bearingwear.new("7008C", preload=140, preload_method="fixed_position").with_(
+    changed_scene = bearingwear.new("7008C", preload=140, preload_method="fixed_position").with_(
         {
             "arrangement": {
                 "kind": "rigid_pair",
@@ -41,7 +41,7 @@ def rotor(tmp_path_factory):
         }
     )
     path = tmp_path_factory.mktemp("rotor") / "rotor.yaml"
-    bearingwear.save(made, path)
+    bearingwear.save(changed_scene, path)
     return path
 
 
@@ -80,32 +80,32 @@ def test_nothing_else_is_listed():
 
 
 def test_case_of_a_scene(rotor, tmp_path):
-    made = bearingwear.load(rotor).case("cold")
-    assert made.friction.ball_race == 0.1 and made.cases is None
+    scene = bearingwear.load(rotor).case("cold")
+    assert scene.friction.ball_race == 0.1 and scene.cases is None
     solve = ["solve", str(rotor), "--case", "cold", "--quiet", "-o", str(tmp_path / "cold.nc")]
     assert main(solve) == 0
-    assert bearingwear.load(tmp_path / "cold.nc").equals(bearingwear.solve(made))
+    assert bearingwear.load(tmp_path / "cold.nc").equals(bearingwear.solve(scene))
     with pytest.raises(bearingwear.SceneError, match="^case: got hot, expected nominal, cold$"):
         bearingwear.load(rotor).case("hot")
 
 
 @pytest.mark.parametrize("requirements", [{"stiffness": 3}, {}])
-def test_recommend(scene, requirements, capsys, tmp_path):
+def test_recommend_is_that_of_the_command(scene, requirements, capsys, tmp_path):
     asked = [text for name, value in requirements.items() for text in (f"--{name}", value)]
     sheet = printed(capsys, "recommend", S1, "--set", "model.accuracy=draft", *asked)
-    made = bearingwear.recommend(scene, **requirements)
-    plainly_read(made, tmp_path)
+    dataset = bearingwear.recommend(scene, **requirements)
+    plainly_read(dataset, tmp_path)
     if requirements:
-        assert json.loads(as_json(bearingwear.show(made))) == sheet
-        assert made.preload.sel(preload_method="constant_force") > 0.0
+        assert json.loads(as_json(bearingwear.show(dataset))) == sheet
+        assert dataset.preload.sel(preload_method="constant_force") > 0.0
     else:
-        assert made.attrs["kind"] == "design map" and made.sizes["preload"] > 5
+        assert dataset.attrs["kind"] == "design map" and dataset.sizes["preload"] > 5
 
 
 def test_a_requirement_that_no_preload_satisfies(scene, capsys):
-    with pytest.warns(UserWarning, match="gyro_s1: no preload satisfies all requirements"):
-        made = bearingwear.recommend(scene, stiffness=900)
-    assert not made.preload.notnull().any()
+    with pytest.warns(UserWarning, match="gyro_s1: no preload"):
+        dataset = bearingwear.recommend(scene, stiffness=900)
+    assert not dataset.preload.notnull().any()
     with pytest.raises(TypeError, match="recommend: got 'stifness', expected .*stiffness"):
         bearingwear.recommend(scene, stifness=3)
     with pytest.raises(bearingwear.SceneError) as error:
@@ -113,77 +113,77 @@ def test_a_requirement_that_no_preload_satisfies(scene, capsys):
     assert "got -3, expected a number" in str(error.value)
 
 
-def test_uncertainty(scene, tmp_path):
-    made = bearingwear.uncertainty(scene, samples=8, seed=2)
+def test_uncertainty_is_that_of_the_command(scene, tmp_path):
+    dataset = bearingwear.uncertainty(scene, samples=8, seed=2)
     options = "--set", "model.accuracy=draft", "--samples", "8", "--seed", "2"
     path = tmp_path / "draft.yaml"
     bearingwear.save(scene, path)
-    as_command(made, tmp_path, "uncertainty", path, *options[2:])
+    as_command(dataset, tmp_path, "uncertainty", path, *options[2:])
 
 
-def test_launch(rotor, capsys, tmp_path):
+def test_launch_is_that_of_the_command(rotor, capsys, tmp_path):
     sheet = printed(capsys, "launch", rotor)
-    made = bearingwear.launch(rotor)
-    plainly_read(made, tmp_path)
-    assert json.loads(as_json(bearingwear.show(made))) == sheet
+    dataset = bearingwear.launch(rotor)
+    plainly_read(dataset, tmp_path)
+    assert json.loads(as_json(bearingwear.show(dataset))) == sheet
     factors = {"um": 1e6, "mrad": 1e3, "GPa": 1e-9, "N": 1.0, "": 1.0}
     compared = 0
     for row in sheet["quantities"]:
         place, _, state = row["block"].partition(", ")
         if row["name"].endswith("_g"):
-            values = made[f"{row['name'][:-2]}_acceleration"] / GRAVITY
-            given = named(values)
+            values = dataset[f"{row['name'][:-2]}_acceleration"] / GRAVITY
+            by_name = named(values)
         elif row["block"].startswith(("rotor", "bearing")):
-            values = made[row["name"]].sel(state=state) * factors[row["unit"]]
+            values = dataset[row["name"]].sel(state=state) * factors[row["unit"]]
             if place.startswith("bearing"):
                 values = values.sel(bearing=int(place.split()[1]))
-            given = named(values)
+            by_name = named(values)
         else:
             continue
-        assert row["values"] == pytest.approx(given, rel=1e-9, abs=1e-9)
-        compared += len(given)
+        assert row["values"] == pytest.approx(by_name, rel=1e-9, abs=1e-9)
+        compared += len(by_name)
     assert compared > 60
     harder = bearingwear.launch(rotor, axial=90.0)
-    assert harder.axial_force.values[0, 0] == pytest.approx(1.5 * made.axial_force.values[0, 0])
+    assert harder.axial_force.values[0, 0] == pytest.approx(1.5 * dataset.axial_force.values[0, 0])
     with pytest.raises(bearingwear.SceneError, match="arrangement.rotor_mass_kg: got nothing"):
         bearingwear.launch(S1)
 
 
-def test_margin(rotor, capsys, tmp_path):
+def test_margin_is_that_of_the_command(rotor, capsys, tmp_path):
     sheet = printed(capsys, "margin", rotor, "--drive", "0.5")
-    made = bearingwear.margin(rotor, drive=0.5)
-    plainly_read(made, tmp_path)
-    assert json.loads(as_json(bearingwear.show(made))) == sheet
-    assert len(sheet["quantities"]) == made.sizes["corner"] > 6
-    for row, k in zip(sheet["quantities"], range(made.sizes["corner"]), strict=True):
-        one = made.isel(corner=k)
-        assert row["name"].startswith(f"{one.case.item()}, {one.wear.item()}, friction ")
+    dataset = bearingwear.margin(rotor, drive=0.5)
+    plainly_read(dataset, tmp_path)
+    assert json.loads(as_json(bearingwear.show(dataset))) == sheet
+    assert len(sheet["quantities"]) == dataset.sizes["corner"] > 6
+    for row, k in zip(sheet["quantities"], range(dataset.sizes["corner"]), strict=True):
+        point = dataset.isel(corner=k)
+        assert row["name"].startswith(f"{point.case.item()}, {point.wear.item()}, friction ")
         unit = {"N m": 1.0, "N mm": 1e3, "mN m": 1e3}[[*row["values"]][0].removeprefix("torque, ")]
-        given = [unit * one.torque, unit * one.required_torque, 100.0 * one.torque_margin]
-        assert [*row["values"].values()] == pytest.approx([*map(float, given)], rel=1e-9)
-        needed = 0.5 / (1.0 + one.torque_margin)
-        assert math.isclose(one.required_torque, needed, rel_tol=1e-12)
+        numbers = [unit * point.torque, unit * point.required_torque, 100.0 * point.torque_margin]
+        assert [*row["values"].values()] == pytest.approx([*map(float, numbers)], rel=1e-9)
+        needed = 0.5 / (1.0 + point.torque_margin)
+        assert math.isclose(point.required_torque, needed, rel_tol=1e-12)
     with pytest.raises(bearingwear.SceneError, match="gyro_s1: drive: got nothing, expected"):
         bearingwear.margin(S1)
 
 
-def test_calibrate(tmp_path, capsys):
+def test_calibrate_is_that_of_the_command(tmp_path, capsys):
     spread = {"wear_coefficient": 3.0, "wear_scatter": 1.3}
-    given = {
+    inputs = {
         f"uncertainty.{name}": {"distribution": "lognormal", "factor": factor}
         for name, factor in spread.items()
     }
     base, tests = tmp_path / "base.yaml", tmp_path / "tests.csv"
-    bearingwear.save(bearingwear.load(S1).with_(DRAFT | given), base)
+    bearingwear.save(bearingwear.load(S1).with_(DRAFT | inputs), base)
     tests.write_text("life_h\n1.2\n1.6\n")
-    made = bearingwear.calibrate(base, tests)
+    dataset = bearingwear.calibrate(base, tests)
     assert main(["calibrate", str(base), str(tests), "-o", str(tmp_path / "new.yaml")]) == 0
-    xr.testing.assert_identical(bearingwear.load(tmp_path / "new.nc"), made.data)
-    assert bearingwear.load(tmp_path / "new.yaml") == made.scene
-    plainly_read(made.data, tmp_path)
+    xr.testing.assert_identical(bearingwear.load(tmp_path / "new.nc"), dataset.data)
+    assert bearingwear.load(tmp_path / "new.yaml") == dataset.scene
+    plainly_read(dataset.data, tmp_path)
 
 
-def test_cage(tmp_path, monkeypatch):
+def test_cage_is_that_of_the_command(tmp_path, monkeypatch):
     """Of runs whose work is made up from what they draw: that they are solved, other tests see."""
 
     def made_up(scene, start, least_turns, most_turns):
@@ -191,24 +191,24 @@ def test_cage(tmp_path, monkeypatch):
         return dict.fromkeys(MEANS, 0.5) | work | {"status": 0, "motion": 1, "centre": [0.0, 1.0]}
 
     monkeypatch.setattr(ensemble, "cage_run", made_up)
-    made = bearingwear.cage(S1, runs=60, within=0.2, seed=3, turns=50)
+    dataset = bearingwear.cage(S1, runs=60, within=0.2, seed=3, turns=50)
     options = "--runs", "60", "--within", "0.2", "--seed", "3", "--turns", "50", "-j", "1"
-    as_command(made, tmp_path, "cage", S1, *options)
-    assert made.turns.values.tolist() == [50.0] * made.sizes["run"]
+    as_command(dataset, tmp_path, "cage", S1, *options)
+    assert dataset.turns.values.tolist() == [50.0] * dataset.sizes["run"]
 
 
 def test_warmup(tmp_path):
     path = tmp_path / "spindle.yaml"
     bearingwear.save(warm_spindle(), path)
-    made = bearingwear.warmup(path, seconds=20.0)
-    as_command(made, tmp_path, "warmup", path, "--seconds", "20")
+    dataset = bearingwear.warmup(path, seconds=20.0)
+    as_command(dataset, tmp_path, "warmup", path, "--seconds", "20")
 
 
 def test_new_takes_a_designation(tmp_path, capsys):
     assert main(["new", str(tmp_path / "bearing.yaml"), "7008C"]) == 0
     typed = bearingwear.load(tmp_path / "bearing.yaml")
-    made = bearingwear.new("7008C")
-    assert made.to_dict() | {"description": typed.description} == typed.to_dict()
+    changed_scene = bearingwear.new("7008C")
+    assert changed_scene.to_dict() | {"description": typed.description} == typed.to_dict()
     with pytest.raises(TypeError, match="new: got 40, expected a designation such as '7008C'"):
         bearingwear.new(40)
     with pytest.raises(bearingwear.SceneError, match="^designation: got "):

@@ -63,9 +63,9 @@ class Clone:
             capture_output=True,
             text=True,
         )
-        said = done.stdout + done.stderr
-        assert done.returncode == status, said
-        return said
+        output = done.stdout + done.stderr
+        assert done.returncode == status, output
+        return output
 
     def install(self) -> None:
         self.run(self.python, "-m", "pip", "install", "-c", "constraints.txt", ".")
@@ -76,8 +76,8 @@ class Clone:
 
     def imported(self) -> Path:
         """Folder of the package that Python imports, and the command runs, anywhere else."""
-        said = self.run(self.python, "-c", WHERE, folder=self.elsewhere)
-        file, version = json.loads(said)
+        output = self.run(self.python, "-c", WHERE, folder=self.elsewhere)
+        file, version = json.loads(output)
         assert version
         script = (self.root / ".venv/bin/bearingwear").read_text()
         assert "from bearingwear.__main__ import" in script
@@ -85,8 +85,8 @@ class Clone:
 
     def solve(self) -> None:
         scene = self.root / "config/scenes/gyro_s1.yaml"
-        said = self.run("bearingwear", "solve", scene, folder=self.elsewhere)
-        assert "maximum pressure" in said
+        output = self.run("bearingwear", "solve", scene, folder=self.elsewhere)
+        assert "maximum pressure" in output
 
 
 @pytest.fixture
@@ -123,9 +123,9 @@ def test_every_order_of_commands_ends_with_the_sources_of_the_clone(clone):
     assert clone.imported() == copy
     with (sources / "measures.py").open("a") as file:
         file.write("# edited\n")
-    said = clone.run(*clone.snakemake, status=2)
-    *_, last = said.splitlines()  # Snakemake names the profile before
-    assert last.startswith(f"{copy}: got an installed copy that differs") and "Trace" not in said
+    output = clone.run(*clone.snakemake, status=2)
+    *_, last = output.splitlines()  # Snakemake names the profile before
+    assert last.startswith(f"{copy}: got an installed copy that differs") and "Trace" not in output
     assert clone.make_sets_up("test")
     clone.run("make", "venv")
     assert not copy.exists() and clone.imported() == sources

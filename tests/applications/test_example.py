@@ -30,12 +30,12 @@ def test_the_example_of_the_docs(applications_of_a_copy, printed_by):
     for name, text in files.items():
         (folder / name).write_text(text)
     printed = printed_by(PROGRAM, scene_file("gyro_s1"), "frequencies.nc")
-    sheet, found = map(json.loads, printed.split("---"))
+    sheet, result = map(json.loads, printed.split("---"))
     for row in sheet["quantities"]:
         values = row.get("values", [row.get("value")])
-        assert values == pytest.approx([one * {"Hz": 1.0, "kHz": 1e-3}[row["unit"]]
-            for one in found[row["name"]]], rel=1e-12)  # fmt: skip
+        assert values == pytest.approx([item * {"Hz": 1.0, "kHz": 1e-3}[row["unit"]]
+            for item in result[row["name"]]], rel=1e-12)  # fmt: skip
     # 9 balls pass each race; the outer ring stands still, and the inner one turns at 500 Hz
-    (cage,), (inner, outer) = found["cage_frequency"], found["ball_pass_frequency"]
+    (cage,), (inner, outer) = result["cage_frequency"], result["ball_pass_frequency"]
     assert outer == pytest.approx(9 * cage, rel=1e-6)
     assert inner + outer == pytest.approx(9 * 500.0, rel=1e-6)

@@ -87,13 +87,17 @@ def test_html_is_valid_and_trusts_nobody():
 
 
 def test_programs_get_every_number_under_a_key_of_its_own():
-    found = json.loads(as_json(DOCUMENT))
-    assert found["scene"] == "a_b"
-    assert found["sentences"] == {"why": ["It lasts | longest & best."]}
-    life, power, *_ = found["quantities"]
+    data = json.loads(as_json(DOCUMENT))
+    assert data["scene"] == "a_b"
+    assert data["sentences"] == {"why": ["It lasts | longest & best."]}
+    life, power, *_ = data["quantities"]
     assert life["values"] == {"spring": 3.1415, "fixed *": [1.0, 2.5]} and life["limit"] == 2.0
     assert power["values"]["fixed *"] is None
-    (at,) = (one for one in found["quantities"] if one["block"] == "map" and one["name"] == "power")
+    (at,) = (
+        quantity
+        for quantity in data["quantities"]
+        if quantity["block"] == "map" and quantity["name"] == "power"
+    )
     assert at["values"] == {"1": 12.3456, "2": None}
     rows = list(csv.DictReader(io.StringIO(as_csv(DOCUMENT))))
     keys = [(row["block"], row["name"], row["column"]) for row in rows]
@@ -115,8 +119,8 @@ def test_every_locale_prints_the_same_json_and_csv(encoding, tmp_path, monkeypat
             assert main(["show", "scene.yaml", *options]) == 0
             return raw.getvalue()
 
-    found = json.loads(printed("--json").decode("utf-8"))
-    assert found == {"bearing": text, "sentences": {"said": [text]}, "quantities": []}
+    data = json.loads(printed("--json").decode("utf-8"))
+    assert data == {"bearing": text, "sentences": {"said": [text]}, "quantities": []}
     assert f",bearing,,,,{text}" in printed("--csv").decode("utf-8")
     assert printed().decode(encoding).startswith("2.78 um ")
 

@@ -39,12 +39,12 @@ print(count)
 def test_an_interrupt_between_kernel_and_python(tmp_path, monkeypatch):
     """Three hundred interrupts, of which a third met numba's own code and ended the process."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    found = subprocess.run(
+    computed = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-c", INTERRUPTED],
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
-    assert found.returncode == 0, found.stderr[-2000:]
-    result, count = found.stdout.splitlines()
+    assert computed.returncode == 0, computed.stderr[-2000:]
+    result, count = computed.stdout.splitlines()
     inner = "Inner(x=2.0, k=1)", "Inner(x=-2.0, k=2)"
     assert result == f"Outer(inner={inner[0]}, array=array([2., 2., 2.]), last={inner[1]})"
     assert count == "300"

@@ -34,10 +34,10 @@ def mode_of(folder):
 def test_a_new_folder_is_the_users_alone(chosen, tmp_path):
     before = os.umask(0)
     try:
-        folder, said = chosen()
+        folder, output = chosen()
     finally:
         os.umask(before)
-    assert folder.parent == tmp_path / "given" and not said
+    assert folder.parent == tmp_path / "given" and not output
     assert mode_of(folder) == mode_of(folder.parent) == 0o700 and is_private(folder)
 
 
@@ -74,10 +74,10 @@ def test_an_unsafe_folder_is_left_for_another_one(chosen, tmp_path, spoil):
     folder, _ = chosen()
     spoil(folder)
     assert not is_private(folder)
-    other, said = chosen()
+    other, output = chosen()
     assert other.parent == tmp_path / "tmp" and is_private(other)
-    assert len(said) == 1 and said[0].startswith(f"NUMBA_CACHE_DIR: {tmp_path / 'given'} ")
-    assert f" {other}" in said[0]
+    assert len(output) == 1 and output[0].startswith(f"NUMBA_CACHE_DIR: {tmp_path / 'given'} ")
+    assert f" {other}" in output[0]
     assert chosen()[0] == other  # kept from one process to the next
 
 

@@ -44,16 +44,16 @@ def first(tmp_path_factory):
     """A copy of the package with compiled code, and what its program prints."""
     folder = tmp_path_factory.mktemp("cached")
     copy_tree(folder, *PACKAGES)
-    said = run(folder)
-    assert len(said) == 2
-    return folder, said
+    output = run(folder)
+    assert len(output) == 2
+    return folder, output
 
 
 @pytest.fixture
 def cached(first, tmp_path):
     """The same, to be changed."""
-    folder, said = first
-    return shutil.copytree(folder, tmp_path / "copy"), said
+    folder, printed = first
+    return shutil.copytree(folder, tmp_path / "copy"), printed
 
 
 def test_edited_callee_gives_new_numbers(cached):
@@ -93,32 +93,32 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
 @pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])
 def test_damaged_cache_is_compiled_anew(first, suffix, length):
     """A full disk or a crash of the machine leaves such files."""
-    folder, said = first
+    folder, printed = first
     files = list((folder / "jit").rglob(f"*.{suffix}"))
     sizes = [file.stat().st_size for file in files]
     assert files and min(sizes) > length
     for file in files:
         os.truncate(file, length)
-    assert run(folder) == said
+    assert run(folder) == printed
     assert [file.stat().st_size for file in files] == sizes
 
 
 def test_cache_that_cannot_be_written(cached):
     """Compiled code also runs where there is no room to keep it."""
     resource = pytest.importorskip("resource")
-    folder, said = cached
+    folder, printed = cached
     shutil.rmtree(folder / "jit")
 
     def no_room():
         resource.setrlimit(resource.RLIMIT_FSIZE, (1, 1))
 
-    assert run(folder, preexec_fn=no_room) == said
+    assert run(folder, preexec_fn=no_room) == printed
     assert not [file for file in (folder / "jit").rglob("*.nb?") if file.stat().st_size]
 
 
 def test_planted_code_is_not_run(cached):
     """An index of numba's cache is a pickle, which runs whatever it says."""
-    folder, said = cached
+    folder, printed = cached
     planted = folder / "planted"
 
     class Planted:
@@ -131,7 +131,7 @@ def test_planted_code_is_not_run(cached):
     for index in indices:
         index.write_bytes(pickle.dumps(Planted()))
     jit.chmod(0o777)
-    assert run(folder) == said and not planted.exists()
+    assert run(folder) == printed and not planted.exists()
     jit.chmod(0o700)
     run(folder)
     assert planted.exists()  # it would have run

@@ -92,13 +92,13 @@ def test_the_same_numbers_by_the_public_interface_alone(fidelity):
     largest = mu * load * 0.5e-3 * bearing.pitch_diameter_mm
     torque_error = np.finfo(float).eps * numbers["strips"][1] * largest
     for name, (units, number) in numbers.items():
-        one, other = np.array(number, float), np.array(others[name][1], float)
+        first, other = np.array(number, float), np.array(others[name][1], float)
         # what is over something else may be as small as rounding
-        scale = np.nanmax(np.abs(one), initial=1.0 if units == "1" else 0.0)
+        scale = np.nanmax(np.abs(first), initial=1.0 if units == "1" else 0.0)
         # an error estimate compares answers of a looser tolerance
         allowed = 1e-10 if name.endswith("_error_estimate") else 1e-12
         atol = torque_error if name == "shaft_torque" else allowed * scale
-        np.testing.assert_allclose(other, one, rtol=0, atol=atol, err_msg=name)
+        np.testing.assert_allclose(other, first, rtol=0, atol=atol, err_msg=name)
 
 
 def test_another_version_is_used_by_its_public_interface():
@@ -109,8 +109,8 @@ def test_another_version_is_used_by_its_public_interface():
 
 def test_a_tested_version(monkeypatch):
     assert all(map(is_tested, ("0.67.0", "0.68.1", "0.68.0rc1")))
-    for given, plain in (("0", False), ("1", True)):
-        monkeypatch.setenv(SWITCH, given)
+    for inputs, plain in (("0", False), ("1", True)):
+        monkeypatch.setenv(SWITCH, inputs)
         assert dataclasses.replace(PROJECT).is_plain == plain
 
 

@@ -21,13 +21,13 @@ MU, V_R = 0.3, 1e-3
 
 def difference(call, array, place, step):
     """Central difference of `call()` by array[place]."""
-    found = []
+    computed = []
     before = array[place]
     for sign in (1.0, -1.0):
         array[place] = before + sign * step
-        found.append(np.array(call()))
+        computed.append(np.array(call()))
     array[place] = before
-    return (found[0] - found[1]) / (2.0 * step)
+    return (computed[0] - computed[1]) / (2.0 * step)
 
 
 def by_vector(call, state, first, step):
@@ -70,9 +70,9 @@ def test_power_slopes(speed):
         return powers(velocity, place, n, k, c)
 
     steps = (velocity, 1e-5 * speed), (place, 1e-11)
-    found = np.array([difference(call, x, i, h) for x, h in steps for i in range(3)]).T
-    close(heat, found[0])
-    close(loss, found[1])
+    computed = np.array([difference(call, x, i, h) for x, h in steps for i in range(3)]).T
+    close(heat, computed[0])
+    close(loss, computed[1])
 
 
 @pytest.mark.parametrize("j", TOUCHING)
@@ -83,8 +83,8 @@ def test_pocket_stiffness(scene, j):
     """
     system = touching_system(scene, changes={"cage.restitution": 1.0})
     K = system.buffers.cage.K[j].copy()
-    found = by_vector(lambda: force_on_ball(system, j), system.cage_state, CENTRE, 1e-12)
-    close(K, found, 1e-4)
+    numerical = by_vector(lambda: force_on_ball(system, j), system.cage_state, CENTRE, 1e-12)
+    close(K, numerical, 1e-4)
 
 
 @pytest.mark.parametrize("j", TOUCHING)
@@ -92,8 +92,8 @@ def test_pocket_damping(scene, j):
     """Force on a ball by velocity of the cage: friction, and damping along the orbit."""
     system = touching_system(scene)
     C = system.buffers.cage.C[j].copy()
-    found = by_vector(lambda: force_on_ball(system, j), system.cage_state, VELOCITY, 1e-8)
-    close(C, found)
+    numerical = by_vector(lambda: force_on_ball(system, j), system.cage_state, VELOCITY, 1e-8)
+    close(C, numerical)
 
 
 def land_edge(system):
@@ -121,8 +121,8 @@ def test_land_damping(scene, guiding):
     edge, _ = land_edge(system)
     assert system.buffers.cage.normal[9:].min() == 0.0  # one edge alone
     C = system.buffers.cage.C[edge].copy()
-    found = by_vector(lambda: force_of_land(system), system.cage_state, VELOCITY, 1e-7)
-    close(C, -found, 1e-4)
+    numerical = by_vector(lambda: force_of_land(system), system.cage_state, VELOCITY, 1e-7)
+    close(C, -numerical, 1e-4)
 
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
@@ -131,8 +131,8 @@ def test_land_stiffness(scene, guiding):
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     K = system.buffers.cage.K[edge].copy()
-    found = by_vector(lambda: force_of_land(system), system.cage_state, CENTRE, 1e-12)
-    close(-K[:, 1:], found[:, 1:], 1e-4)
+    numerical = by_vector(lambda: force_of_land(system), system.cage_state, CENTRE, 1e-12)
+    close(-K[:, 1:], numerical[:, 1:], 1e-4)
 
 
 def test_linear_force_of_an_inner_land(scene):
@@ -163,6 +163,6 @@ def test_linear_force_of_a_pocket(scene, j):
         return contacts(system).ball_force[j, [0, 2]]
 
     # A ball that goes outward also orbits faster, which the line leaves out: hold r Omega.
-    found = np.array([difference(call, balls.X, (j, k), 1e-12) for k in range(2)]).T
-    close(lines[:, 0], -found[:, 0], 1e-4)
-    assert_allclose(lines[:, 1], -found[:, 1], rtol=1e-2, atol=1e-3 * np.abs(found).max())
+    computed = np.array([difference(call, balls.X, (j, k), 1e-12) for k in range(2)]).T
+    close(lines[:, 0], -computed[:, 0], 1e-4)
+    assert_allclose(lines[:, 1], -computed[:, 1], rtol=1e-2, atol=1e-3 * np.abs(computed).max())

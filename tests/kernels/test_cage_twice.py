@@ -98,11 +98,11 @@ def test_kernels(systems, name, k):
     close(system.buffers.balls.delta, delta, "displacement")
     close(contacts.ball_moment, now.turning_balls, "moments on balls")
     psi = system.balls[:, PSI]
-    found = contacts.ball_force
+    computed = contacts.ball_force
     inertial = (
-        found[:, 0],
-        found[:, 1] * np.cos(psi) - found[:, 2] * np.sin(psi),
-        found[:, 1] * np.sin(psi) + found[:, 2] * np.cos(psi),
+        computed[:, 0],
+        computed[:, 1] * np.cos(psi) - computed[:, 2] * np.sin(psi),
+        computed[:, 1] * np.sin(psi) + computed[:, 2] * np.cos(psi),
     )
     close(np.transpose(inertial), now.on_balls, "forces on balls")
     close(contacts.power[:9], now.pocket_power, "pockets")

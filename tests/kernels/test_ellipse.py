@@ -58,12 +58,12 @@ def placed(rule, c, contact=CONTACT, v_r=V_R):
 def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
     """A sum in a loop that stores took another order where its arrays lay close together."""
     rule, c = ellipse_rule("split", 5, 8), (3.0, 0.02, 5.0, 4e5)
-    memory, found = np.zeros(512), set()
+    memory, computed = np.zeros(512), set()
     for distance in range(rule.across.size, 200):
         across, share = (memory[k : k + rule.across.size] for k in (0, distance))
         place_across(rule, CONTACT, R, c, across, share, False)
-        found.add(across.tobytes() + share.tobytes())
-    assert len(found) == 1
+        computed.add(across.tobytes() + share.tobytes())
+    assert len(computed) == 1
 
 
 def sums(c, points):
@@ -100,8 +100,8 @@ def test_derivatives(c, rule):
     by_c = differences(c, points, 0) / SCALE[:4]
     assert_allclose(by_c, (gradient / SCALE)[:4], atol=1e-5 * size)
     scale = SCALE[:, None] * SCALE
-    found, hessian = differences(c, points, 1) / scale[:4], hessian / scale
-    assert np.abs(found - hessian[:4]).max() <= 1e-6 * np.abs(hessian).max()
+    computed, hessian = differences(c, points, 1) / scale[:4], hessian / scale
+    assert np.abs(computed - hessian[:4]).max() <= 1e-6 * np.abs(hessian).max()
     assert_allclose(hessian, hessian.T, rtol=0, atol=0)
     assert np.linalg.eigvalsh(hessian[:4, :4]).min() > 0.0  # convex
     assert np.linalg.eigvalsh(hessian).min() > -1e-12 * np.abs(hessian).max()
@@ -113,12 +113,12 @@ def test_one_point_across_is_the_line(c):
     h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
     points = Points(t, weight, h, np.zeros(t.size), np.zeros(1), np.ones(1))
-    *found, along, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
-    assert_allclose(along, found[0] / h.mean(), rtol=2e-3)
+    *computed, along, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
+    assert_allclose(along, computed[0] / h.mean(), rtol=2e-3)
     *line, line_qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
     gradient, hessian = np.empty((2, 4)), np.empty((2, 4, 4))
     traction(CONTACT, c, MU, V_R, points, gradient[0])
-    assert_allclose(found, line, rtol=1e-12)
+    assert_allclose(computed, line, rtol=1e-12)
     assert_allclose(gradient[0], line, rtol=1e-12)
     assert_allclose(qv, line_qv, rtol=1e-13)
     ellipse_slopes(CONTACT, c, MU, V_R, points, gradient[0], hessian[0])

@@ -35,13 +35,13 @@ def test_fixed_points_sum_as_the_steady_rule(c):
     points = placed(ellipse_rule("gauss", 40, 5), c)
     gradient, hessian = np.empty(5), np.empty((5, 5))
     ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)
-    sums, found = friction(FIXED, c)
+    sums, computed = friction(FIXED, c)
     assert_allclose(sums, ellipse_sums(CONTACT, c, MU, V_R, points), rtol=1e-11, atol=1e-14)
     scale = SCALE[:, None] * SCALE
     size = np.abs(hessian / scale).max()
-    assert_allclose(found / scale, hessian / scale, rtol=1e-10, atol=1e-12 * size)
+    assert_allclose(computed / scale, hessian / scale, rtol=1e-10, atol=1e-12 * size)
     four = friction(FIXED, c, size=4)[1]
-    assert_allclose(four, found[:4, :4], rtol=1e-13)
+    assert_allclose(four, computed[:4, :4], rtol=1e-13)
 
 
 @pytest.mark.parametrize("c", SLIPS)
@@ -59,9 +59,9 @@ def test_many_points_are_right(c):
     assert_allclose(many[:5] / SCALE, np.array(right[:5]) / SCALE, atol=1e-6 * MU * CONTACT.Q)
     assert_allclose(many[5], right[5], rtol=1e-6)
     scale = SCALE[:, None] * SCALE
-    found = by_differences(lambda moved: friction(FINE, moved)[0][:5], c, STEPS)
+    numerical = by_differences(lambda moved: friction(FINE, moved)[0][:5], c, STEPS)
     size = np.abs(hessian / scale).max()
-    assert_allclose(found / scale[:4], hessian[:4] / scale[:4], atol=2e-4 * size)
+    assert_allclose(numerical / scale[:4], hessian[:4] / scale[:4], atol=2e-4 * size)
 
 
 SPINS = list(itertools.product((0.0, 0.02, -0.2), (-0.9, -0.2, 0.0, 0.5), (1.0, -1.0)))

@@ -75,12 +75,12 @@ def test_pure_spin_in_closed_form(kappa):
 def test_in_time_as_in_the_steady_state(c):
     """Many points of either: both are right. On a line the points are the same."""
     many = ellipse_sums(FILM, c, MU_EVEN, V_R, evenly(ellipse_rule("split", 200, 64), c))
-    found, _ = friction(split_points(25, 32), c, contact=FILM, even=True)
-    assert_allclose(found[:5] / SCALE, many[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
+    computed, _ = friction(split_points(25, 32), c, contact=FILM, even=True)
+    assert_allclose(computed[:5] / SCALE, many[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
     line = ellipse_rule("split", 40)
     along = ellipse_sums(FILM, c, MU_EVEN, V_R, evenly(line, c))
-    found, _ = friction(line_points(line), c, contact=FILM, even=True)
-    assert_allclose(found[:5] / SCALE, along[:5] / SCALE, atol=1e-11 * MU_EVEN * FILM.Q)
+    computed, _ = friction(line_points(line), c, contact=FILM, even=True)
+    assert_allclose(computed[:5] / SCALE, along[:5] / SCALE, atol=1e-11 * MU_EVEN * FILM.Q)
 
 
 @pytest.mark.parametrize("c", SLIPS)
@@ -97,9 +97,9 @@ def test_slopes_are_those_of_a_convex_potential(c):
     def forces(moved):
         return np.array(ellipse_sums(FILM, moved, MU_EVEN, V_R, points)[:5])
 
-    found = by_differences(forces, c, STEPS)
+    numerical = by_differences(forces, c, STEPS)
     size = np.abs(hessian / scale).max()
-    assert_allclose(found / scale[:4], hessian[:4] / scale[:4], atol=1e-6 * size)
+    assert_allclose(numerical / scale[:4], hessian[:4] / scale[:4], atol=1e-6 * size)
     assert np.linalg.eigvalsh((hessian / scale)[:4, :4]).min() > 0.0
     _, in_time = friction(split_points(25, 32), c, contact=FILM, even=True)
     ellipse_slopes(

@@ -86,11 +86,11 @@ def test_hessian_is_the_slope_of_the_gradient(c):
     scale = scale[:, None] * scale
     _, _, hessian = sums(c)
     assert_allclose(hessian, hessian.T, rtol=0, atol=0)
-    found = differences(c, 1) / scale
-    assert np.abs(found - hessian / scale).max() <= DIFFERENCE * np.abs(hessian / scale).max()
+    computed = differences(c, 1) / scale
+    assert np.abs(computed - hessian / scale).max() <= DIFFERENCE * np.abs(hessian / scale).max()
     # And each element against its own scale, by Cauchy-Schwarz for a positive definite matrix.
     diagonal = np.sqrt(np.diag(hessian / scale))
-    assert_allclose((found - hessian / scale) / np.outer(diagonal, diagonal), 0.0, atol=1e-4)
+    assert_allclose((computed - hessian / scale) / np.outer(diagonal, diagonal), 0.0, atol=1e-4)
     assert np.linalg.eigvalsh(hessian / scale).min() > 0.0
 
 

@@ -88,5 +88,5 @@ def test_slope_by_the_contact_angle(scene, side, alpha):
     g = geometry(scene("gyro_s1"))
     K = [race_contact(g, side, g.D0, math.cos(alpha + e), math.nan).K for e in (-1e-5, 1e-5)]
     hertz = race_contact(g, side, g.D0, math.cos(alpha), math.nan)
-    found = angle_slope(g, side, g.D0, math.sin(alpha), math.cos(alpha), hertz)
-    assert_allclose(found, math.log(K[1] / K[0]) / 2e-5, rtol=1e-6)
+    computed = angle_slope(g, side, g.D0, math.sin(alpha), math.cos(alpha), hertz)
+    assert_allclose(computed, math.log(K[1] / K[0]) / 2e-5, rtol=1e-6)

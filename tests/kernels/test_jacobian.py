@@ -84,14 +84,14 @@ def differences(system, small):
         assert rates_here(system.time, moved, bearing, buf, dy, False) == OK
         return np.r_[dy[:qv], balls.left.ravel(), balls.race_left], dy[qv:]
 
-    found = []
+    computed = []
     for k, step in enumerate(small):
         shift = np.zeros(here.size)
         shift[k] = step
         pairs = zip(called(here + shift), called(here - shift), strict=True)
-        found.append([(high - low) / (2.0 * step) for high, low in pairs])
+        computed.append([(high - low) / (2.0 * step) for high, low in pairs])
     called(here)
-    return (np.array(column).T for column in zip(*found, strict=True))
+    return (np.array(column).T for column in zip(*computed, strict=True))
 
 
 def alone(scene, changes):
@@ -159,12 +159,12 @@ def test_factors_and_powers(scene, guiding, contact, method):
         add_cage_powers(random, y, bearing, stage.system, powers)
     for name in NAMES if guiding else NAMES[:3]:
         row = slopes[getattr(system.layout, name) - qv] * typical
-        found = powers[getattr(system.layout, name)]
+        computed = powers[getattr(system.layout, name)]
         scale = np.abs(row).max()
-        assert abs(found - row @ (random / typical)) <= 3e-2 * scale, name
+        assert abs(computed - row @ (random / typical)) <= 3e-2 * scale, name
 
 
-def test_pivots():
+def test_factoring_pivots_and_refuses_a_singular_matrix():
     """A matrix whose diagonal vanishes is factored; a singular one is refused."""
     random = np.random.default_rng(3)
     A, b, pivots = random.normal(size=(9, 9)), random.normal(size=9), np.zeros(9, dtype=int)

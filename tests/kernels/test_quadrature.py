@@ -86,10 +86,10 @@ def test_against_adaptive_quadrature(roots, c_1, v_r):
     kink of |v|; with no slip across it that costs 1.6e-5.
     """
     c = slip_with_roots(*roots, c_1)
-    found, exact = sums(ellipse_rule("split", 40), c, v_r), adaptive(c, v_r)
+    computed, exact = sums(ellipse_rule("split", 40), c, v_r), adaptive(c, v_r)
     rounded = c_1 == 0.0 and v_r == 1e-3
-    assert_allclose(found[0], exact[0], rtol=3e-5 if rounded else 3e-7)
-    assert_allclose(found[1:], exact[1:], atol=5e-5)
+    assert_allclose(computed[0], exact[0], rtol=3e-5 if rounded else 3e-7)
+    assert_allclose(computed[1:], exact[1:], atol=5e-5)
 
 
 @pytest.mark.parametrize("c_1", [0.0, 0.5])
@@ -119,12 +119,12 @@ def test_a_point_far_outside_is_left_out_without_harm():
 def test_rolling_points_are_roots_of_the_slip(roots):
     """At v_r towards 0 and without gyroscopic slip: v2 vanishes there, to rounding."""
     c = slip_with_roots(*roots, 0.0)
-    found = np.sort(rolling_points(CONTACT, R, c, 1e-13))
+    computed = np.sort(rolling_points(CONTACT, R, c, 1e-13))
     h, v1, v2 = np.empty((3, 2))
-    surface_height(CONTACT, R, found, h)
-    slip_velocity(CONTACT, c, found, h, v1, v2)
+    surface_height(CONTACT, R, computed, h)
+    slip_velocity(CONTACT, c, computed, h, v1, v2)
     assert_allclose(v2, 0.0, atol=1e-12)
-    assert_allclose(found, roots, rtol=1e-6)
+    assert_allclose(computed, roots, rtol=1e-6)
 
 
 def test_degenerate_slip_gives_finite_points():

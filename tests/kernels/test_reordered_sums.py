@@ -28,21 +28,21 @@ def sums_and_stores(loop: ast.For) -> bool:
 
 
 def offenders(source: str) -> list[str]:
-    found = []
+    computed = []
     for function in ast.walk(ast.parse(source)):
         if not isinstance(function, ast.FunctionDef):
             continue
         options = [k.arg for d in function.decorator_list for k in getattr(d, "keywords", ())]
         loops = (node for node in ast.walk(function) if isinstance(node, ast.For))
         if "fastmath" in options and any(map(sums_and_stores, loops)):
-            found.append(function.name)
-    return found
+            computed.append(function.name)
+    return computed
 
 
 def test_no_loop_that_sums_in_any_order_stores():
     kernels = sorted((PACKAGE / "kernels").rglob("*.py"))
-    found = {path.name: offenders(path.read_text()) for path in kernels}
-    assert not {name: names for name, names in found.items() if names}
+    computed = {path.name: offenders(path.read_text()) for path in kernels}
+    assert not {name: names for name, names in computed.items() if names}
 
 
 def test_the_lint_finds_one():

@@ -53,12 +53,12 @@ def at_rate(problem, D, case, share, w=None, v_r=0.03):
 def test_one_angular_velocity_at_each_orbit_rate(scene, share):
     """From unlike angular velocities the moments come to the same balance."""
     problem, D, case = problem_of(scene("gyro_s1"))
-    found, u = at_rate(problem, D, case, share)
-    assert found.status == code.OK
+    computed, u = at_rate(problem, D, case, share)
+    assert computed.status == code.OK
     for start in benchmark("search").unlike_starts(problem, 8):
         again, v = at_rate(problem, D, case, share, start[:3])
         assert again.status == code.OK
-        assert_allclose(again.F, found.F, atol=1e-8)
+        assert_allclose(again.F, computed.F, atol=1e-8)
         assert_allclose(v, u, atol=1e-6 * np.abs(u).max())
 
 
@@ -74,10 +74,10 @@ def test_force_vanishes_at_the_state(scene):
 def test_slope_of_the_force(scene, share):
     """Against differences, with balls so light that the loads do not follow the orbit rate."""
     problem, D, case = problem_of(scene("gyro_s1"), rho=1e-3)
-    found, u = at_rate(problem, D, case, share)
+    computed, u = at_rate(problem, D, case, share)
     step = 1e-5
     ends = [at_rate(problem, D, case, share + s, u[:3])[0].F for s in (-step, step)]
-    assert_allclose(found.slope * case.u[3], (ends[1] - ends[0]) / (2 * step), rtol=1e-3)
+    assert_allclose(computed.slope * case.u[3], (ends[1] - ends[0]) / (2 * step), rtol=1e-3)
 
 
 def test_friction_alone_never_raises_the_force(scene):

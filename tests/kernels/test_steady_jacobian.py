@@ -80,8 +80,8 @@ def test_full_jacobian(solved):
     """Against central differences, the equilibrium solved anew at each orbit rate."""
     p, seat, u = solved
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == OK
-    found = p.jacobian.copy()
-    assert_allclose(p.residual, balance(p, seat, u), atol=1e-12 * np.abs(found * u).max())
+    copied = p.jacobian.copy()
+    assert_allclose(p.residual, balance(p, seat, u), atol=1e-12 * np.abs(copied * u).max())
     # Slip changes by the step times a length: 1e-2 of v_r, as linear as the balance is.
     step = 1e-2 * p.bearing.op.v_r / (0.5 * p.bearing.D)
     J = np.empty((4, 4))
@@ -90,9 +90,9 @@ def test_full_jacobian(solved):
         low, high = (balance(p, orbit_equilibrium(p.bearing, m[3], seat), m) for m in moved)
         J[:, k] = (high - low) / (2.0 * step)
     # The third derivative of the law over a hundredth of its width: 1e-4/6 of the largest slope.
-    assert_allclose(found, J, atol=1e-3 * np.abs(found).max(axis=1, keepdims=True).max())
-    rows = np.abs(found).max(axis=1)
-    assert np.abs((found - J) / rows[:, None]).max() <= 1e-3
+    assert_allclose(copied, J, atol=1e-3 * np.abs(copied).max(axis=1, keepdims=True).max())
+    rows = np.abs(copied).max(axis=1)
+    assert np.abs((copied - J) / rows[:, None]).max() <= 1e-3
 
 
 def test_jacobian_of_inertia_and_drag(solved):
@@ -104,10 +104,10 @@ def test_jacobian_of_inertia_and_drag(solved):
     friction_balance(p, bearing.op.v_r, seat.state, u, np.empty(4), True)
     step = 1e-2 * np.abs(u).max()
     J = np.array([balance(p, seat, u + e) - balance(p, seat, u - e) for e in step * np.eye(4)])
-    found = p.jacobian
-    assert_allclose(found, J.T / (2.0 * step), rtol=1e-10, atol=1e-12 * np.abs(found).max())
+    computed = p.jacobian
+    assert_allclose(computed, J.T / (2.0 * step), rtol=1e-10, atol=1e-12 * np.abs(computed).max())
     # gyroscopic moments about y and z, drag on the orbit
-    assert np.count_nonzero(found) == 5
+    assert np.count_nonzero(computed) == 5
 
 
 def ball_load(model, **changes):

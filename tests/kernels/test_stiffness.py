@@ -81,12 +81,12 @@ def test_differences_of_forces(g, F_x, Omega, part):
     K = stiffness(g, D, ball_states(g, D, Omega, q))
     scale = np.array([1.0, 1.0, 1.0, g.R_i, g.R_i])
     steps = STEP * delta * np.diag(1.0 / scale)
-    found = np.array(
+    computed = np.array(
         [(reaction(g, D, Omega, q + h) - reaction(g, D, Omega, q - h)) / 2.0 for h in steps]
     ) / (STEP * delta)
     # like the race's own tangent, without the part of the Hertz factors that follows the angle
     in_newton = K / np.outer(scale, scale)
-    assert_allclose(found / scale, in_newton, rtol=0, atol=3e-3 * np.abs(in_newton).max())
+    assert_allclose(computed / scale, in_newton, rtol=0, atol=3e-3 * np.abs(in_newton).max())
 
 
 def test_random_scenes():

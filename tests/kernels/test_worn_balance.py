@@ -41,12 +41,12 @@ def race_of(side, depth, cells=(48, 10)):
     """A race whose groove has the depth given by a function of x/a."""
     hertz = race_contact(G, side, D, math.cos(ALPHA), math.nan)
     a = hertz.c_a * (hertz.K * APPROACH**1.5) ** (1.0 / 3.0)
-    status, made = contact_cells(hertz.log_kappa, -1.9, 1.9, FULL_WIDTH, *cells)
+    status, result = contact_cells(hertz.log_kappa, -1.9, 1.9, FULL_WIDTH, *cells)
     assert status == code.OK
     x = np.linspace(-5.0, 5.0, 201)
     n = cells[0]
     return WornRace(
-        cells=made, work=contact_buffers(*cells), pressure=made.fresh.copy(), wear=np.zeros(n),
+        cells=result, work=contact_buffers(*cells), pressure=result.fresh.copy(), wear=np.zeros(n),
         x=np.zeros(n), rise=np.zeros(n), groove=arc(x[0] * a, (x[1] - x[0]) * a, depth(x)),
         alpha_ref=ALPHA, bare=np.zeros(n), uncovered=EVEN,
         without=AS_WITH_FILM,

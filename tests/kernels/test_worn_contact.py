@@ -55,8 +55,8 @@ def test_no_wear_gives_the_unworn_pressure_from_any_start(cells):
 
 
 def test_even_wear_is_a_smaller_approach(cells):
-    found = solved(cells, np.full(cells.X.size, 0.1)).sum() / cells.fresh.sum()
-    assert found == pytest.approx(0.9**1.5, rel=2e-3)  # that of the cells
+    computed = solved(cells, np.full(cells.X.size, 0.1)).sum() / cells.fresh.sum()
+    assert computed == pytest.approx(0.9**1.5, rel=2e-3)  # that of the cells
 
 
 @pytest.mark.parametrize("c", [-0.1, 0.2])
@@ -66,8 +66,8 @@ def test_a_parabola_is_hertz_with_another_groove(cells, c):
     unworn, worn = (
         point_contact(s + wear, (1.0 - s) * KAPPA**2, 1.0, math.nan).K for wear in (0.0, c)
     )
-    found = solved(cells, c * cells.X**2).sum() / cells.fresh.sum()
-    assert found == pytest.approx(worn / unworn, rel=1e-3)
+    computed = solved(cells, c * cells.X**2).sum() / cells.fresh.sum()
+    assert computed == pytest.approx(worn / unworn, rel=1e-3)
 
 
 def test_a_mirrored_profile_gives_the_mirrored_pressure(cells):
@@ -81,9 +81,9 @@ def test_more_room_for_the_cells_changes_nothing(cells):
     low, high = -1.9 - 2 * width, 1.9 + 4 * width
     _, wider = contact_cells(math.log(KAPPA), low, high, 1.3 * FULL_WIDTH, 54, 13)
     pressure = solved(cells, PROFILES["two"](cells.X))
-    found = solved(wider, PROFILES["two"](wider.X))
-    assert found[:10, 2:-4] == pytest.approx(pressure, abs=1e-6)
-    assert not found[10:].any()
+    computed = solved(wider, PROFILES["two"](wider.X))
+    assert computed[:10, 2:-4] == pytest.approx(pressure, abs=1e-6)
+    assert not computed[10:].any()
 
 
 @pytest.mark.parametrize("name", PROFILES)
@@ -135,12 +135,12 @@ def test_at_held_width_wear_evens_out_what_rubs(spin):
     shift = 0.3
     for _ in range(400):
         for _ in range(3):
-            found = []
+            computed = []
             for s in (shift, shift + 1e-4):
                 status, _ = worn_pressure(cells, wear + s, work, pressure)
                 assert status != code.NOT_CONVERGED
-                found.append(pressure.sum())
-            shift -= (found[0] - load) / (found[1] - found[0]) * 1e-4
+                computed.append(pressure.sum())
+            shift -= (computed[0] - load) / (computed[1] - computed[0]) * 1e-4
         q = pressure.sum(axis=0) / load * 40  # mean 1
         rate = q * v
         wear += 0.03 * (rate - rate.mean())

@@ -37,10 +37,10 @@ def test_derivative_of_worn_friction(scene, changes):
         return out
 
     left(point.u)
-    found, step = work.jacobian.copy(), 1e-3 * op.v_r / (0.5 * point.D)
+    copied, step = work.jacobian.copy(), 1e-3 * op.v_r / (0.5 * point.D)
     J = np.column_stack(
         [(left(point.u + h) - left(point.u - h)) / (2.0 * step) for h in step * np.eye(4)]
     )
-    assert np.abs(found - J).max() <= 1e-5 * np.abs(J).max()
+    assert np.abs(copied - J).max() <= 1e-5 * np.abs(J).max()
     scale = np.abs(J).max(axis=1)[:, None]
-    assert np.abs((found - J) / scale).max() <= 1e-4
+    assert np.abs((copied - J) / scale).max() <= 1e-4

@@ -36,10 +36,17 @@ CASES = {
 
 def lived(contact, fidelity, *changes):
     method = "operation.preload_method=constant_force"
-    given = [f"model.contact={contact}", method, END, "cage=null", "uncertainty=null", *changes]
-    found = life(load_scene(scene_file("gyro_s1"), given), fidelity)
-    assert found.values["status"] == code.OK
-    return found.values
+    changes_of_scene = [
+        f"model.contact={contact}",
+        method,
+        END,
+        "cage=null",
+        "uncertainty=null",
+        *changes,
+    ]
+    result = life(load_scene(scene_file("gyro_s1"), changes_of_scene), fidelity)
+    assert result.values["status"] == code.OK
+    return result.values
 
 
 def at(values, time, name, bearing=...):
@@ -55,7 +62,7 @@ def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
     fidelity, contact, rtol = CASES[kind]
     film = (*FILM, THICK) if contact == "worn" else FILM
     pair = lived(contact, fidelity, *film, *SPRING, *warm)
-    filmed, plain = (lived(contact, fidelity, *one, *warm) for one in (film, PLAIN))
+    filmed, plain = (lived(contact, fidelity, *item, *warm) for item in (film, PLAIN))
     # the one that ends the life ends it as it does alone
     ends = min(filmed["life"], plain["life"])
     assert pair["life"] == pytest.approx(ends, rel=rtol)
@@ -63,20 +70,20 @@ def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
     through = filmed["race_film_worn_through"]
     known = through < ends
     assert known.any() != (contact == "worn")
-    own, left = pair["race_film_worn_through"], filmed["history_race_film"]
-    assert own[0][known] == pytest.approx(through[known], rel=rtol)
+    worn_through, left = pair["race_film_worn_through"], filmed["history_race_film"]
+    assert worn_through[0][known] == pytest.approx(through[known], rel=rtol)
     for race in np.flatnonzero(~known):
         alone = np.interp(ends, filmed["history_time"], left[:, race])
         assert pair["history_race_film"][0, -1, race] == pytest.approx(alone, rel=rtol)
-    assert np.isnan(own[1]).all() and np.isnan(pair["history_race_film"][1]).all()
+    assert np.isnan(worn_through[1]).all() and np.isnan(pair["history_race_film"][1]).all()
     for k, single in enumerate((filmed, plain)):
         for name in ("ball_diameter_loss", "total_qv", "friction_used_by_gyroscopic_moment"):
             alone = at(single, 0.9 * ends, name)
             assert at(pair, 0.9 * ends, name, k) == pytest.approx(alone, rel=2e-2), (k, name)
         start = single["history_part_temperature"][0] if warm else np.zeros(0)
         if warm:
-            found = pair["history_part_temperature"][k][0]
-            assert found == pytest.approx(start, rel=1e-5)
+            result = pair["history_part_temperature"][k][0]
+            assert result == pytest.approx(start, rel=1e-5)
             assert start.max() > 20.0
 
 
@@ -109,8 +116,14 @@ SHORT += ("model.accuracy=draft", "model.simulated_turns=1", "model.evaluated_tu
 def short_life(model, *changes):
     """Values of a short and rough life, without its errors where these take several more."""
     contact = "worn" if model == "worn" else "hertz"
-    given = [*SHORT, f"model.contact={contact}", "cage=null", "uncertainty=null", *changes]
-    scene = load_scene(scene_file("gyro_s1"), given)
+    changes_of_scene = [
+        *SHORT,
+        f"model.contact={contact}",
+        "cage=null",
+        "uncertainty=null",
+        *changes,
+    ]
+    scene = load_scene(scene_file("gyro_s1"), changes_of_scene)
     if model == "worn":
         return life_values(scene.one_of_alike, worn_life(scene))
     return life(scene, model).values
@@ -118,8 +131,8 @@ def short_life(model, *changes):
 
 def at_end(values, name):
     """A history of each bearing at its end."""
-    found = np.asarray(values[f"history_{name}"])
-    return found[:, -1] if np.ndim(values["history_total_qv"]) == 2 else found[None, -1]
+    history = np.asarray(values[f"history_{name}"])
+    return history[:, -1] if np.ndim(values["history_total_qv"]) == 2 else history[None, -1]
 
 
 @pytest.mark.parametrize("warm", [(), (NETWORK,)], ids=["cold", "warm"])

@@ -88,7 +88,7 @@ def test_the_deepest_groove_of_every_model(scene):
     """While next to nothing has worn: along the middle of the ellipse, and over all of it."""
     shallow = {"wear.end_of_life": {"groove_depth_um": 0.004}, "wear.track_wander": 0.0}
     base = ALONE | shallow | {"operation.preload_method": "constant_force"}
-    found = {
+    result = {
         kind: life(scene("gyro_s1_hertz", base | {"model.contact": contact}), fidelity).values
         for kind, fidelity, contact in (
             ("worn", "steady", "worn"),
@@ -96,8 +96,8 @@ def test_the_deepest_groove_of_every_model(scene):
             ("dynamic", "dynamic", "hertz"),
         )
     }
-    assert {CRITERIA[v["end_criterion"]] for v in found.values()} == {"groove_depth_um"}
-    t = {kind: v["life"] for kind, v in found.items()}
+    assert {CRITERIA[v["end_criterion"]] for v in result.values()} == {"groove_depth_um"}
+    t = {kind: v["life"] for kind, v in result.items()}
     assert t["dynamic"] == pytest.approx(t["steady"], rel=1e-3)
     assert 1.0 < t["worn"] / t["steady"] < 1.1  # slip across the ellipse fills the valley
 
@@ -122,7 +122,7 @@ def test_the_deepest_groove_by_hand(scene):
 def test_a_cage_does_not_keep_a_film_from_its_end(scene):
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.12, "pocket_clearance_mm": 0.5}}
     short = {"model.life_run_in_turns": 3, "model.life_steps": 3, "model.simulated_turns": 3}
-    s = scene("gyro_s1", {name: one for name, one in ALONE.items() if name != "cage"})
+    s = scene("gyro_s1", {name: value for name, value in ALONE.items() if name != "cage"})
     v = life(s.with_(FILM | end | short), "dynamic").values
     assert v["status"] == code.OK and CRITERIA[v["end_criterion"]] == "ball_diameter_loss_um"
     assert np.isfinite(v["race_film_worn_through"]).any()

@@ -58,7 +58,7 @@ def test_error_bound_holds(scene, tolerance):
     assert np.all(v["life_error_bound"] <= tolerance * v["life"])
 
 
-def test_history(scene):
+def test_the_history_of_a_life_fits_its_end(scene):
     v = life(scene("gyro_s1", POSITION)).values
     loss, time = v["history_ball_diameter_loss"], v["history_time"]
     assert np.all(np.diff(loss) > 0.0)
@@ -74,7 +74,7 @@ def test_a_life_counts_what_its_scene_says(scene):
     """The states at a loss are the same; counting the balls alone, they follow more slowly."""
     both = life(scene("gyro_s1", POSITION))
     balls = life(scene("gyro_s1", POSITION | {"wear.counts": "ball"}))
-    assert [one.attrs["wear_counts"] for one in (balls, both)] == ["ball", "ball_and_races"]
+    assert [item.attrs["wear_counts"] for item in (balls, both)] == ["ball", "ball_and_races"]
     assert balls.values["loss_at_end"] == pytest.approx(both.values["loss_at_end"], rel=1e-9)
     assert balls.values["life"] > 2.0 * both.values["life"]
     # QV, and with it the wear of a ball, is that of the states of the other life
@@ -116,10 +116,10 @@ def test_met_from_the_start(scene):
 
 
 def test_starts_from_the_present_wear(scene):
-    whole = life(scene("gyro_s1", POSITION)).values
+    values = life(scene("gyro_s1", POSITION)).values
     rest = life(scene("gyro_s1", POSITION | {"wear.ball_diameter_loss_um": 0.2})).values
     done = life(with_end(scene("gyro_s1", POSITION), ball_diameter_loss_um=0.2)).values
-    assert_allclose(done["life"] + rest["life"], whole["life"], rtol=2e-6)
+    assert_allclose(done["life"] + rest["life"], values["life"], rtol=2e-6)
 
 
 def test_solver_range_ends_first(scene):

@@ -49,9 +49,9 @@ def further_solves(side, now):
 def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance):
     scene = scene_of(method, balance=balance, end_of_life=LOST)
     course = StiffGrooves(scene, FEW)
-    found = follow_grooves(course)
-    assert found.status == code.OK
-    now = course.completed(found.last._replace(states=course.state(found.last.worn)))
+    groove_life = follow_grooves(course)
+    assert groove_life.status == code.OK
+    now = course.completed(groove_life.last._replace(states=course.state(groove_life.last.worn)))
     (side,), (state,) = course.sides, now.states
     assert state[QUASISTATIC] == pytest.approx(further_solves(side, now), rel=SLOPE)
     if (method, balance) == ("fixed_position", "with_traction"):
@@ -74,7 +74,7 @@ def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, ap
     assert min(last) == pytest.approx(limit * 1e6, rel=SLOPE)
     assert max(last) > (1.0 + apart) * min(last)
     assert ("dynamic", "quasi-static")[int(np.argmin(last))] == lesser
-    assert f"{lesser} axial stiffness of the arrangement" in ended.attrs["ended_by"]
+    assert ended.attrs["ended_by"].startswith(f"{lesser} ")
 
 
 @pytest.mark.parametrize(
@@ -91,11 +91,11 @@ def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, ap
 def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind):
     """And have both at every state."""
     end = "wear.end_of_life={preload_fraction: 0.9, ball_diameter_loss_um: 0.1}"
-    one, other = (
+    first, other = (
         load_scene(scene_file("gyro_s1"), [f"model.contact={contact}", end, *changes])
         for contact in ("worn", "hertz")
     )
-    worn, hertz = (life(replace(scene, cage=None)).values for scene in (one, other))
+    worn, hertz = (life(replace(scene, cage=None)).values for scene in (first, other))
     assert worn["status"] == hertz["status"] == code.OK
     for name in SYSTEM:
         assert worn[name][0] == pytest.approx(hertz[name][0], rel=1e-3)
@@ -104,10 +104,10 @@ def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind)
 
 def test_a_life_without_a_limit_on_stiffness_may_leave_it_out():
     scene = scene_of("fixed_position", balance="with_traction", end_of_life=LOST)
-    bare, told = (follow_grooves(one(scene, FEW)) for one in (Grooves, StiffGrooves))
+    bare, stiff = (follow_grooves(item(scene, FEW)) for item in (Grooves, StiffGrooves))
     assert np.isnan([state[QUASISTATIC] for state in bare.states]).all()
-    assert np.isfinite([state[QUASISTATIC] for state in told.states]).all()
-    assert bare.times[-1] == pytest.approx(told.times[-1], rel=1e-6)
+    assert np.isfinite([state[QUASISTATIC] for state in stiff.states]).all()
+    assert bare.times[-1] == pytest.approx(stiff.times[-1], rel=1e-6)
 
 
 SHORT = ["model.simulated_turns=6", "model.evaluated_turns=3", "model.life_steps=3", "cage=null"]
@@ -143,12 +143,12 @@ def test_a_dynamic_life_ends_at_the_lesser_stiffness_and_names_it():
     dynamic, quasistatic = (values[name][-1] for name in SYSTEM)
     assert quasistatic == pytest.approx(4e6, rel=2e-3)
     assert dynamic > 1.05 * quasistatic
-    assert "quasi-static axial stiffness of the arrangement" in ended.attrs["ended_by"]
+    assert ended.attrs["ended_by"].startswith("quasi-static ")
 
 
 def test_a_dynamic_life_under_radial_load_takes_that_of_race_control():
     changes = "operation.radial_load_N=[0, 1]", "wear.end_of_life={preload_fraction: 0.98}", FIXED
     values = dynamic_life(*changes).values
     start = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])
-    known = solve(start, "race_control").values["quasistatic_axial_stiffness"]
-    assert values[SYSTEM[1]][0] == pytest.approx(2.0 * known, rel=1e-9)
+    stiffness = solve(start, "race_control").values["quasistatic_axial_stiffness"]
+    assert values[SYSTEM[1]][0] == pytest.approx(2.0 * stiffness, rel=1e-9)

@@ -22,9 +22,9 @@ SLOW = (7, 37, 51, 286)
 
 
 def trials():
-    for found in FOUND:
-        marks = pytest.mark.long if found["trial"] in SLOW else ()
-        yield pytest.param(found, marks=marks, id=f"trial-{found['trial']}")
+    for result in FOUND:
+        marks = pytest.mark.long if result["trial"] in SLOW else ()
+        yield pytest.param(result, marks=marks, id=f"trial-{result['trial']}")
 
 
 @pytest.mark.parametrize("found", trials())
@@ -41,9 +41,9 @@ def test_a_life_found_at_random_ends_by_its_criterion(found):
 
 
 def test_the_draws_are_those_of_the_benchmark():
-    for found in FOUND:
-        rng = np.random.default_rng((LIGHT.SEED, found["trial"]))
-        assert LIGHT.drawn(rng) == found["draw"]
+    for result in FOUND:
+        rng = np.random.default_rng((LIGHT.SEED, result["trial"]))
+        assert LIGHT.drawn(rng) == result["draw"]
 
 
 @pytest.mark.parametrize(
@@ -55,13 +55,13 @@ def test_the_draws_are_those_of_the_benchmark():
 )
 def test_lives_over_light_preloads_have_no_gaps(designation):
     """Neighbours differ by little, and no preload among them ends a life by its solver."""
-    made = bearingwear.new(designation=designation, speed=20600.0)
+    changed_scene = bearingwear.new(designation=designation, speed=20600.0)
     warm = {"inner_ring_C": 26.0, "balls_C": 26.0, "outer_ring_C": 20.0}
     changes = {"operation.preload_method": "constant_force", "temperature": warm}
     changes |= {"wear.end_of_life": {"ball_diameter_loss_um": 0.5}, "model.contact": "worn"}
     lives = []  # preload [N] and time [s]
     for preload in (8.0, 10.57, 12.14, 14.96, 17.2, 19.76, 22.71, 26.0, 30.0):
-        scene = made.with_(changes | {"operation.preload_N": preload})
+        scene = changed_scene.with_(changes | {"operation.preload_N": preload})
         life = follow_grooves(Grooves(scene))
         assert life.status == OK
         lives.append((preload, life.last.time))
@@ -77,11 +77,11 @@ def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
     The preload left there rises with the preload and hardly changes up to 3000 r/min. Cells are
     added where a contact needs them, and not without bound.
     """
-    made = bearingwear.new(designation="7004C", speed=60000.0)
+    changed_scene = bearingwear.new(designation="7004C", speed=60000.0)
     at_rest = []
     for preload in (20.0, 28.0, 35.0, 45.0, 51.0, 60.0):
         keys = {"operation.preload_N": preload, "operation.preload_method": "fixed_position"}
-        scene = made.with_(keys | {"model.contact": "worn", "cage": None})
+        scene = changed_scene.with_(keys | {"model.contact": "worn", "cage": None})
         wearing = Grooves(scene, QUICK_GROOVES)
         life = follow_grooves(wearing)
         assert life.status == OK
@@ -116,8 +116,8 @@ def test_a_criterion_that_is_met_when_new_needs_no_worn_state(monkeypatch):
         return WornPoint(NOT_CONVERGED, wear, problem or bearing.problem)
 
     monkeypatch.setattr(WornBearing, "solve", unsolved)
-    found = solved_life(scene)
-    assert found.status == "ok" and found.values["life"] == pytest.approx(0.0)
-    assert "contact pressure" in found.attrs["ended_by"]
+    result = solved_life(scene)
+    assert result.status == "ok" and result.values["life"] == pytest.approx(0.0)
+    assert "contact pressure" in result.attrs["ended_by"]
     later = scene.with_({"wear.end_of_life": {"maximum_pressure_GPa": 5.0}})
     assert solved_life(later).status == "not_converged"

@@ -33,24 +33,24 @@ def lived(scene):
 @pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
 def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair):
     end = {"wear.end_of_life": {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7}}
-    one, two = (lived(changes | end) for changes in (single, pair))
-    assert criterion(one) == criterion(two)
+    alone, two = (lived(changes | end) for changes in (single, pair))
+    assert criterion(alone) == criterion(two)
     for k in range(2):
         other = of_bearing(two.values, k)
-        assert set(other) == set(one.values)
-        for name, value in one.values.items():
+        assert set(other) == set(alone.values)
+        for name, value in alone.values.items():
             assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
 
 
 def test_grooves_of_a_symmetric_pair_are_followed(lived):
     """As those of the single bearing; in a file, too."""
     worn = {"model.contact": "worn", "wear.end_of_life": {"ball_diameter_loss_um": 0.05}}
-    one, two = lived(POSITION | worn), lived(RIGID | worn)
-    assert one.status == two.status == "ok" and "groove_depth" in one.values
-    for name, value in one.values.items():
+    alone, two = lived(POSITION | worn), lived(RIGID | worn)
+    assert alone.status == two.status == "ok" and "groove_depth" in alone.values
+    for name, value in alone.values.items():
         assert_allclose(of_bearing(two.values, 1)[name], value, rtol=1e-12, err_msg=name)
-    made = dataset(two)
-    assert made["groove_depth"].dims[0] == made["history_residual_preload"].dims[0] == "bearing"
+    result = dataset(two)
+    assert result["groove_depth"].dims[0] == result["history_residual_preload"].dims[0] == "bearing"
     unlike = lived(FORCED | worn)
     assert unlike.status == "ok" and unlike.values["groove_depth"].shape[0] == 2
 
@@ -111,10 +111,12 @@ def test_functional_limits(lived, kind, limit, value, history, factor):
         assert result.status in ("criterion_not_reached", "contact_lost", "not_converged")
         return
     assert criterion(result) == limit
-    found = factor * np.asarray(result.values[f"history_{history}"])
+    computed = factor * np.asarray(result.values[f"history_{history}"])
     if history == "system_axial_stiffness":  # the lesser of the two
-        found = np.fmin(found, factor * result.values["history_system_quasistatic_axial_stiffness"])
-    at_end = found[..., -1] if history != "gyroscopic_slip_share" else found[:, -1, :]
+        computed = np.fmin(
+            computed, factor * result.values["history_system_quasistatic_axial_stiffness"]
+        )
+    at_end = computed[..., -1] if history != "gyroscopic_slip_share" else computed[:, -1, :]
     # friction and slip share are met from below by the worse bearing
     assert_allclose(np.max(np.abs(at_end)), value, rtol=1e-5)
     assert "ended_by" in result.attrs
@@ -123,11 +125,11 @@ def test_functional_limits(lived, kind, limit, value, history, factor):
 def test_single_bearing_is_half_of_a_pair(lived):
     """Limits of the arrangement hold for it, too."""
     end = {"wear.end_of_life": {"system_axial_stiffness_N_um": 8.0}}
-    one, two = lived(POSITION | end), lived(RIGID | end)
-    assert_allclose(one.values["life"], two.values["life"], rtol=1e-12)
+    alone, two = lived(POSITION | end), lived(RIGID | end)
+    assert_allclose(alone.values["life"], two.values["life"], rtol=1e-12)
     both = ("history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness")
-    assert_allclose(min(one.values[name][-1] for name in both), 8e6, rtol=1e-6)
-    assert_allclose(one.values["history_rotor_axial_shift"], 0.0)
+    assert_allclose(min(alone.values[name][-1] for name in both), 8e6, rtol=1e-6)
+    assert_allclose(alone.values["history_rotor_axial_shift"], 0.0)
 
 
 def test_life_that_ends_with_lift_off(lived):

@@ -68,8 +68,8 @@ def ends(found):
 
 def test_a_film_without_shear_strength_changes_nothing(marched):
     plain, filmed = ends(marched(WORN)), ends(marched(COULOMB))
-    for one, other in zip(plain, filmed, strict=True):
-        assert_allclose(other, one, rtol=1e-8, atol=1e-8 * np.abs(one).max())
+    for bare, other in zip(plain, filmed, strict=True):
+        assert_allclose(other, bare, rtol=1e-8, atol=1e-8 * np.abs(bare).max())
 
 
 def test_a_film_like_what_lies_below_wears_like_it(marched):
@@ -82,9 +82,9 @@ def test_a_film_like_what_lies_below_wears_like_it(marched):
 def test_a_film_thinner_than_a_step_is_worn_through_in_several(scene):
     """The estimate of the error covers what four times shorter steps change."""
     thin = scene("mos2_gyro", {"friction.film.thickness_um": 0.05})
-    found, values = follow_grooves(Grooves(thin)), life(thin).values
+    groove_life, values = follow_grooves(Grooves(thin)), life(thin).values
     exact = follow_grooves(Grooves(thin, EXACT_GROOVES._replace(step=STEP / 4.0))).times[-1]
-    error = abs(found.times[-1] / exact - 1.0)
+    error = abs(groove_life.times[-1] / exact - 1.0)
     assert error < values["life_error_estimate"] < 0.05
 
 
@@ -96,14 +96,14 @@ def test_unworn_friction_is_that_of_hertz(scene, marched):
 
 def test_friction_of_a_film_rises_as_the_contact_widens(marched):
     """S_0 A + alpha Q: by the cells in contact, counted here by hand."""
-    found = marched(FILM)
-    first, last = found.states[0], found.states[-1]
+    result = marched(FILM)
+    first, last = result.states[0], result.states[-1]
     for k in range(2):
-        cells = found.wearing.sides[0].bearing.races[k].cells.fresh
-        worn = point_of(found.states[-1]).pressure[k]
+        cells = result.wearing.sides[0].bearing.races[k].cells.fresh
+        worn = point_of(result.states[-1]).pressure[k]
         area = np.count_nonzero(worn) / np.count_nonzero(cells)
         load = worn.sum() / cells.sum()
-        force = point_of(found.states[-1]).forces[k]
+        force = point_of(result.states[-1]).forces[k]
         hertz = 24.8e6 * np.pi * force.a * force.b / (force.Q / load)
         assert last["friction_coefficient"][k] == pytest.approx(
             hertz * area / load + 0.001, rel=0.03
@@ -112,8 +112,8 @@ def test_friction_of_a_film_rises_as_the_contact_widens(marched):
 
 
 def test_check_has_its_own_sums(marched):
-    found = marched(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
-    point, bearing = point_of(found.states[-1]), found.wearing.sides[0].bearing
+    result = marched(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
+    point, bearing = point_of(result.states[-1]), result.wearing.sides[0].bearing
     for k, force in enumerate(point.forces):
         cells = bearing.races[k].cells.fresh
         law = plain_law(bearing.problem.op.law_i, force.hertz.K * force.approach**1.5,
@@ -128,10 +128,10 @@ def test_check_has_its_own_sums(marched):
 
 def test_volume_of_the_film_is_what_archard_takes(marched):
     """While the film covers its track all that wears off a groove is film: K_f QV N/H."""
-    found = marched(FILM | THICK)
-    state, bearing = found.states[1], found.wearing.sides[0].bearing
+    result = marched(FILM | THICK)
+    state, bearing = result.states[1], result.wearing.sides[0].bearing
     point = point_of(state)
-    rate = bearing.rate(point, K_H, K_H, found.wearing.scene)
+    rate = bearing.rate(point, K_H, K_H, result.wearing.scene)
     for k in range(2):
         off = rate.grooves[k].sum() * bearing.arc_step[k] * 2.0 * np.pi * point.track[k]
         assert off == pytest.approx(9 * K_H * point.slip[k, 0], rel=1e-9)
@@ -172,13 +172,13 @@ def test_ball_film_and_running_in(scene):
 def test_worn_through_place_by_place(scene):
     """The middle of the track goes first; the share grows, and ends the life where asked for."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "film_worn_share": 0.1}}
-    given = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
-    found = follow_grooves(Grooves(given))
-    assert CRITERIA[found.criterion] == "film_worn_share"
-    share = np.array([s["film_worn_share"] for s in found.states])
+    changed_scene = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
+    groove_life = follow_grooves(Grooves(changed_scene))
+    assert CRITERIA[groove_life.criterion] == "film_worn_share"
+    share = np.array([s["film_worn_share"] for s in groove_life.states])
     assert share[-1].max() == pytest.approx(0.1, rel=1e-2)
     assert np.all(share[0] == 0.0)
-    left = np.array([s["film_left"] for s in found.states])[:, :2]
+    left = np.array([s["film_left"] for s in groove_life.states])[:, :2]
     assert np.all(np.diff(left, axis=0) <= 0.0) and left[-1].min() < 0.2 * FILM_EDGE * 1e-6
 
 
@@ -193,9 +193,9 @@ def test_a_groove_goes_bare_with_ten_times_the_friction(scene, bearing, bare, me
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "preload_fraction": 0.4}}
     thin = THICK | {"friction.film.thickness_um": 0.1, "friction.film.bare_ball_race": bare}
     held = {"operation.preload_method": method}
-    found = follow_grooves(Grooves(scene("gyro_s1", film | thin | inside | end | held)))
-    assert found.status == code.OK
-    assert found.states[-1]["friction_coefficient"].min() > 0.6 * bare
+    groove_life = follow_grooves(Grooves(scene("gyro_s1", film | thin | inside | end | held)))
+    assert groove_life.status == code.OK
+    assert groove_life.states[-1]["friction_coefficient"].min() > 0.6 * bare
 
 
 def test_mos2_scene_follows_its_grooves(scene):

@@ -97,22 +97,22 @@ def test_worn_volumes_are_those_of_archard(wander):
 
 def test_friction_of_cells_is_resolved_where_outer_races_control():
     """A high-speed 7008 at mu 0.16: lines of pure rolling pass cells, and once stopped the life."""
-    made = new(designation="7008C", speed=18000.0, friction=0.16)
-    found = follow_grooves(Grooves(made.with_({"model.contact": "worn", "cage": None})))
-    assert found.status == code.OK
-    assert CRITERIA[found.criterion] == "ball_diameter_loss_um"
+    scene = new(designation="7008C", speed=18000.0, friction=0.16)
+    groove_life = follow_grooves(Grooves(scene.with_({"model.contact": "worn", "cage": None})))
+    assert groove_life.status == code.OK
+    assert CRITERIA[groove_life.criterion] == "ball_diameter_loss_um"
 
 
 class UniformWear(Grooves):
     """Every groove wears evenly, as deep as its volume over the length of the ellipse says."""
 
     def rates(self, now):
-        (found,) = super().rates(now)
-        volume = found.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
+        (rate,) = super().rates(now)
+        volume = rate.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
         forces = point_of(now.states[0]).forces
         depth = volume / (2.0 * np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]))
-        grooves = np.ones_like(found.grooves) * depth[:, None]
-        return (WornDepths(found.ball, grooves),)
+        grooves = np.ones_like(rate.grooves) * depth[:, None]
+        return (WornDepths(rate.ball, grooves),)
 
 
 @METHODS
@@ -128,9 +128,9 @@ def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
         [side.approach_loss(point_of(s)) for s in even.states]
     )  # at the end it is a little more than the even loss
     for name, tolerance in (("residual_preload", 1e-3), ("total_qv", 2e-3)):
-        found = [s[name] for s in even.states]
+        result = [s[name] for s in even.states]
         expected = CubicSpline(loss, [s[name] for s in hertz.states])
-        assert found == pytest.approx(expected(reached), rel=tolerance)
+        assert result == pytest.approx(expected(reached), rel=tolerance)
     times = CubicSpline(loss, hertz.times)
     assert even.times[1:] == pytest.approx(times(reached[1:]), rel=1e-3)
 
@@ -154,14 +154,14 @@ def test_the_numbers_of_other_programs(row):
     times, equivalent, qv, pressures, lengths = ROWS[row]
     end = EndOfLife(ball_diameter_loss_um=0.78)
     scene = scene_of(method, track_wander=wander, end_of_life=end)
-    found = follow_grooves(Grooves(scene))
-    assert found.status == code.OK
-    hours = found.times / HOUR
-    (side,), points = found.wearing.sides, [point_of(state) for state in found.states]
+    groove_life = follow_grooves(Grooves(scene))
+    assert groove_life.status == code.OK
+    hours = groove_life.times / HOUR
+    (side,), points = groove_life.wearing.sides, [point_of(state) for state in groove_life.states]
     at = np.array([side.approach_loss(point) for point in points]) / UM
     by_loss = CubicSpline(at, hours)
     assert by_loss([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-2)
-    states = found.states
+    states = groove_life.states
     even = np.array([s.loss for s in states]) / UM
     assert np.interp(0.7, even, hours) == pytest.approx(equivalent, rel=1e-2)
 
@@ -203,13 +203,13 @@ def test_the_numbers_of_other_programs_for_even_wear(method, times, fraction):
 def test_lives_with_traction_reach_their_criterion(method):
     end = EndOfLife(preload_fraction=0.4, ball_diameter_loss_um=0.7)
     scene = scene_of(method, balance="with_traction", track_wander=0.1, end_of_life=end)
-    found = follow_grooves(Grooves(scene))
-    assert found.status == code.OK
-    assert found.criterion == CRITERIA.index(
+    groove_life = follow_grooves(Grooves(scene))
+    assert groove_life.status == code.OK
+    assert groove_life.criterion == CRITERIA.index(
         "preload_fraction" if method == "fixed_position" else "ball_diameter_loss_um"
     )
     coarse = follow_grooves(Grooves(scene, EXACT_GROOVES._replace(cells=(32, 8))))
-    last, other = found.times[-1], coarse.times[-1]
+    last, other = groove_life.times[-1], coarse.times[-1]
     assert other == pytest.approx(last, rel=0.02)
 
 
@@ -303,6 +303,6 @@ def test_a_criterion_met_at_the_start_is_a_life_of_nothing():
 def test_wear_that_ends_otherwise_is_a_lower_bound():
     scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
     course = Grooves(scene, EXACT_GROOVES._replace(step=2.0, cells=(24, 5)))
-    found = follow_grooves(course)
-    assert found.status != code.OK
-    assert CRITERIA[found.criterion] == "none"
+    groove_life = follow_grooves(course)
+    assert groove_life.status != code.OK
+    assert CRITERIA[groove_life.criterion] == "none"

@@ -36,8 +36,8 @@ def test_a_soft_spring_is_a_constant_force():
 def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
     pair = life_of(*RIGID, "arrangement.external_axial_N=2.0")
     assert pair["status"] == code.OK
-    one, two = pair["history_residual_preload"]
-    assert one - two == pytest.approx(np.full(one.size, 2.0), abs=1e-5)
+    first, two = pair["history_residual_preload"]
+    assert first - two == pytest.approx(np.full(first.size, 2.0), abs=1e-5)
     deepest = pair["history_deepest_groove"][:, -1]
     assert (deepest[0] > deepest[1]).all()
     # the rotor goes to the side that is worn more
@@ -51,8 +51,8 @@ def test_bearings_that_differ_start_as_with_unworn_grooves():
     changes = (*RIGID, "arrangement.second={friction.ball_race: 0.05}")
     pair, hertz = life_of(*changes), life_of(*changes, contact="hertz")
     assert pair["status"] == code.OK
-    one, two = pair["history_residual_preload"]
-    assert one == pytest.approx(two, abs=1e-5)  # no load from outside
+    first, two = pair["history_residual_preload"]
+    assert first == pytest.approx(two, abs=1e-5)  # no load from outside
     for name in ("history_qv", "history_contact_load", "history_residual_preload"):
         for k in range(2):
             assert pair[name][k, 0] == pytest.approx(hertz[name][k, 0], rel=1e-5)
@@ -78,8 +78,8 @@ def test_a_network_warms_worn_grooves_as_it_warms_unworn_ones(method):
 
 
 def test_temperatures_as_given_are_those_of_the_start():
-    given = "temperature={inner_ring_C: 25, outer_ring_C: 20, balls_C: 20, reference_C: 20}"
-    worn, hertz = life_of(FIXED, given), life_of(FIXED, given, contact="hertz")
+    temperatures = "temperature={inner_ring_C: 25, outer_ring_C: 20, balls_C: 20, reference_C: 20}"
+    worn, hertz = life_of(FIXED, temperatures), life_of(FIXED, temperatures, contact="hertz")
     assert worn["status"] == code.OK
     assert worn["history_residual_preload"][0] == pytest.approx(
         hertz["history_residual_preload"][0], rel=1e-9
@@ -89,8 +89,8 @@ def test_temperatures_as_given_are_those_of_the_start():
 def test_a_pair_that_has_no_start_says_so():
     changes = ["arrangement.kind=spring_pair", "arrangement.external_axial_N=-8"]
     scene = load_scene(scene_file("gyro_s1"), ["model.contact=worn", END, *changes])
-    found = follow_grooves(Grooves(replace(scene, cage=None)))
-    assert found.status == code.LIFTED_OFF and len(found.bearings) == 2
+    groove_life = follow_grooves(Grooves(replace(scene, cage=None)))
+    assert groove_life.status == code.LIFTED_OFF and len(groove_life.bearings) == 2
     assert life(replace(scene, cage=None)).values["status"] == code.LIFTED_OFF
 
 
@@ -110,9 +110,11 @@ def test_a_lightly_preloaded_pair_wears_to_its_criterion():
     spindle, lives = bearingwear.new(designation="7008C", speed=18000.0), []
     for preload in (17.5, 22.0, 28.0):
         scene = variant(spindle, pair | {"operation.preload_N": preload})
-        found = follow_grooves(Grooves(scene))
-        assert found.status == code.OK
+        groove_life = follow_grooves(Grooves(scene))
+        assert groove_life.status == code.OK
         limit = scene.wear.end_of_life.ball_diameter_loss_um
-        assert 1e6 * max(one.loss for one in found.last.states) == pytest.approx(limit, rel=1e-3)
-        lives.append(found.last.time)
+        assert 1e6 * max(state.loss for state in groove_life.last.states) == pytest.approx(
+            limit, rel=1e-3
+        )
+        lives.append(groove_life.last.time)
     assert lives[0] > 1.01 * lives[1] > 1.02 * lives[2]

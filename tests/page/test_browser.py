@@ -105,12 +105,12 @@ def opened(browser, path):
         )
         contexts.append(context)
         page = context.new_page()
-        told = []
-        page.on("console", lambda message: told.append(message.text))
-        page.on("pageerror", lambda error: told.append(str(error)))
-        page.on("request", lambda one: told.append(one.url) if "://" in one.url[5:] else None)
+        messages = []
+        page.on("console", lambda message: messages.append(message.text))
+        page.on("pageerror", lambda error: messages.append(str(error)))
+        page.on("request", lambda one: messages.append(one.url) if "://" in one.url[5:] else None)
         page.goto(path.as_uri())
-        return page, [line for line in told if line != path.as_uri()]
+        return page, [line for line in messages if line != path.as_uri()]
 
     yield show
     for context in contexts:
@@ -123,8 +123,9 @@ def unfold(page):
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_nothing_is_cut_and_nothing_fails(opened, size):
-    page, told = opened(size)
-    assert told == []
+    """Folded and unfolded, on a desk and on a phone; the console stays empty."""
+    page, messages = opened(size)
+    assert messages == []
     assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
     unfold(page)
     assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
@@ -143,20 +144,20 @@ def test_a_cut_would_be_seen(opened):
 def test_the_first_screen_says_what_to_do(opened, size):
     """Which bearing, what was asked, the answer, and the chart."""
     page, _ = opened(size)
-    for one in (".eyebrow", "h1", ".asked", ".chart .keys"):
-        box = page.locator(one).first.bounding_box()
-        assert box["y"] + box["height"] <= size[1], one
+    for selector in (".eyebrow", "h1", ".asked", ".chart .keys"):
+        box = page.locator(selector).first.bounding_box()
+        assert box["y"] + box["height"] <= size[1], selector
     chart = page.locator(".chart .field").first.bounding_box()
     assert chart["y"] + (chart["height"] if size == DESK else 60.0) <= size[1]
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_contrast(opened, scheme):
+def test_text_has_enough_contrast_in_both_schemes(opened, scheme):
     page, _ = opened(scheme=scheme)
     unfold(page)
     contrasts = page.evaluate(CONTRASTS)
     assert len(contrasts) > 100
-    assert [one for one in contrasts if one[0] < LEAST_CONTRAST] == []
+    assert [contrast for contrast in contrasts if contrast[0] < LEAST_CONTRAST] == []
     paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
     dark = sum(map(int, re.findall(r"\d+", paper)[:3])) < 150
     assert dark == (scheme == "dark")
@@ -189,13 +190,13 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
     slider, shown = box.locator("input"), box.locator("output")
     charts = page.locator(f".chart[data-group='{box.get_attribute('data-group')}']")
     data = [
-        json.loads(one)
-        for one in charts.locator("svg[data-chart]").evaluate_all(
+        json.loads(item)
+        for item in charts.locator("svg[data-chart]").evaluate_all(
             "all => all.map((one) => one.dataset.chart)"
         )
     ]
-    said = charts.locator(".keys b")
-    before = said.all_inner_texts()
+    keys = charts.locator(".keys b")
+    before = keys.all_inner_texts()
     stops = sorted({point[0] for line in data[0]["lines"] for point in line["points"]})
     stars = [line["star"][0] for line in data[0]["lines"] if line["star"]]
     assert set(stars) <= set(stops) and len(stops) > 2
@@ -203,7 +204,7 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
         slider.fill(str(k))
         assert shown.inner_text().startswith(f"Values at {stops[k]:.4g} N")
         assert ("recommended" in shown.inner_text()) == (stops[k] in stars)
-        texts = iter(said.all_inner_texts())
+        texts = iter(keys.all_inner_texts())
         for chart in data:
             for line in chart["lines"]:
                 there = {point[0]: point[1] for point in line["points"]}
@@ -223,7 +224,7 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
     page.keyboard.press("ArrowLeft")
     assert shown.inner_text().startswith(f"Values at {stops[-2]:.4g} N")
     box.locator("button").click()
-    assert said.all_inner_texts() == before
+    assert keys.all_inner_texts() == before
 
 
 def test_a_chart_says_its_values_and_is_zoomed(opened):
@@ -231,10 +232,10 @@ def test_a_chart_says_its_values_and_is_zoomed(opened):
     chart = page.locator(".chart").first
     box = chart.locator(".field").bounding_box()
     ticks = chart.locator(".grid text")
-    whole, said = ticks.all_inner_texts(), chart.locator(".keys b").all_inner_texts()
+    whole, keys = ticks.all_inner_texts(), chart.locator(".keys b").all_inner_texts()
     middle = box["y"] + 0.5 * box["height"]
     page.mouse.move(box["x"] + 0.97 * box["width"], middle)
-    assert chart.locator(".keys b").all_inner_texts() != said
+    assert chart.locator(".keys b").all_inner_texts() != keys
     page.mouse.move(box["x"] + 0.3 * box["width"], middle)
     page.mouse.down()
     page.mouse.move(box["x"] + 0.6 * box["width"], middle)
@@ -256,23 +257,25 @@ def test_the_script_draws_what_the_file_holds(opened):
     })"""
     drawn, plain = opened()[0].evaluate(places), opened(script=False)[0].evaluate(places)
     assert len(drawn) == len(plain)
-    for one, other in zip(drawn, plain, strict=True):
-        for a, b in zip(one, other, strict=True):
+    for node, other in zip(drawn, plain, strict=True):
+        for a, b in zip(node, other, strict=True):
             assert a == pytest.approx(b, abs=2e-3)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [DESK, PHONE])
-def test_axe_finds_nothing(opened, size, scheme):
+def test_axe_finds_no_violation_of_its_rules(opened, size, scheme):
     """The rules of WCAG 2 and good practice, as axe-core checks them (`make test-page` has it)."""
     if not AXE.is_file():
         pytest.skip("needs axe-core")
     page, _ = opened(size, scheme)
     unfold(page)
     page.evaluate(AXE.read_text(encoding="utf-8"))
-    found = page.evaluate("axe.run(document)")
-    assert len(found["passes"]) > 20
-    assert [(one["id"], one["nodes"][0]["html"][:200]) for one in found["violations"]] == []
+    report = page.evaluate("axe.run(document)")
+    assert len(report["passes"]) > 20
+    assert [
+        (violation["id"], violation["nodes"][0]["html"][:200]) for violation in report["violations"]
+    ] == []
 
 
 def test_tables_are_sorted(opened):
@@ -296,8 +299,8 @@ def test_tables_are_sorted(opened):
 
 
 def test_everything_is_there_without_the_script(opened):
-    page, told = opened(script=False)
-    assert told == []
+    page, messages = opened(script=False)
+    assert messages == []
     assert not page.locator(".slider").first.is_visible()
     folded = page.locator("details", has_text="against preload").first
     folded.locator("summary").click()

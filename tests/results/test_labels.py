@@ -18,11 +18,11 @@ def of_files():
 
 
 def test_coordinates_are_names(of_files):
-    made = labelled(of_files)
-    assert made["race"].values.tolist() == ["outer", "inner"]
-    assert made["load"].sel(race="inner").values.tolist() == [1.0, 3.0, 5.0]
-    assert made["held"].values.tolist() == ["inner", "outer", "outer"]
-    assert made["race"].attrs == {"long_name": "race", "flag_meanings": "inner outer"}
+    labelled_dataset = labelled(of_files)
+    assert labelled_dataset["race"].values.tolist() == ["outer", "inner"]
+    assert labelled_dataset["load"].sel(race="inner").values.tolist() == [1.0, 3.0, 5.0]
+    assert labelled_dataset["held"].values.tolist() == ["inner", "outer", "outer"]
+    assert labelled_dataset["race"].attrs == {"long_name": "race", "flag_meanings": "inner outer"}
 
 
 def test_there_and_back(of_files):
@@ -36,11 +36,13 @@ def test_there_and_back(of_files):
 def test_a_code_that_stands_for_nothing(of_files):
     """Of a recommendation without a preload within the limits: there was none to solve."""
     of_files["held"][1] = -1
-    made = labelled(of_files)
-    assert made["held"].values.tolist() == ["inner", "none", "outer"]
-    xr.testing.assert_identical(coded(made), of_files)
+    labelled_dataset = labelled(of_files)
+    assert labelled_dataset["held"].values.tolist() == ["inner", "none", "outer"]
+    xr.testing.assert_identical(coded(labelled_dataset), of_files)
 
 
 def test_what_stands_in_memory_alone_goes(of_files):
-    made = labelled(of_files).assign_attrs(wall_time_s=1.0, message="solved and verified")
-    assert coded(made).attrs == {"title": "a"} and "message" in made.attrs
+    labelled_dataset = labelled(of_files).assign_attrs(
+        wall_time_s=1.0, message="solved and verified"
+    )
+    assert coded(labelled_dataset).attrs == {"title": "a"} and "message" in labelled_dataset.attrs

@@ -80,8 +80,8 @@ def test_digits_follow_the_error():
     assert {pair: text_to_error(*pair) for pair in known} == known
     texts = [Estimated.of(137.4, error).text for error in (0.053, 1e-9, 0.0, math.nan)]
     assert texts == ["137.40", "137.4", "137", "137"]
-    given = [Estimated.of(value, 1e-9).text for value in (140.0, 7.0 + 1e-9, 137.4003)]
-    assert given == ["140", "7", "137.40"]
+    inputs = [Estimated.of(value, 1e-9).text for value in (140.0, 7.0 + 1e-9, 137.4003)]
+    assert inputs == ["140", "7", "137.40"]
     assert text_to_error(math.nan, 0.1) == "–" and text_to_error(0.1234, math.nan) == "0.123"
     assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2" and span([]) == "–"
 

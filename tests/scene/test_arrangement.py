@@ -35,12 +35,12 @@ def test_second_bearing():
 
 
 def test_scene_of_a_pair_is_whole():
-    made = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
-    assert as_scene(made.to_dict()) == made == as_scene(made)
-    assert pickle.loads(pickle.dumps(made)) == copy.deepcopy(made) == made
-    assert hash(made) == hash(as_scene(made.to_dict()))
-    assert hash(made) != hash(read(*RIGID))
-    assert made.sides[0].arrangement.span_mm == 20.0
+    result = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
+    assert as_scene(result.to_dict()) == result == as_scene(result)
+    assert pickle.loads(pickle.dumps(result)) == copy.deepcopy(result) == result
+    assert hash(result) == hash(as_scene(result.to_dict()))
+    assert hash(result) != hash(read(*RIGID))
+    assert result.sides[0].arrangement.span_mm == 20.0
 
 
 def test_held_by_another_method():

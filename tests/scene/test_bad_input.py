@@ -166,17 +166,17 @@ def test_every_fault_has_its_line(tmp_path, capsys):
             ("brinell_hardness_GPa: 6.6, ", ""),
         )
     )
-    found = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")]).splitlines()
-    assert [line.partition(": ")[2].partition(":")[0] for line in found] == [
+    lines = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")]).splitlines()
+    assert [line.partition(": ")[2].partition(":")[0] for line in lines] == [
         "bearing.ball_cout",
         "operation.preload_N",
         "bearing.contact_angle_deg",
         "materials.bearing_steel.brinell_hardness_GPa",
     ]
-    assert found[-1].endswith("got nothing, expected a number from 0.001 to 100, such as 6.6")
+    assert lines[-1].endswith("got nothing, expected a number from 0.001 to 100, such as 6.6")
     scene.write_text(GOOD + "".join(f"k{i}: 1\n" for i in range(99)))
-    found = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
-    assert found.count("\n") == MOST_FAULTS
+    lines = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
+    assert lines.count("\n") == MOST_FAULTS
 
 
 @pytest.mark.parametrize("command", ["life", "check"])

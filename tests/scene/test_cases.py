@@ -24,7 +24,7 @@ def test_a_case_is_the_scene_with_keys_changed(scene):
     assert scene.in_cases["nominal"] == plain
     for name, mu in (("cold", 0.2), ("hot", 0.04)):
         assert scene.in_cases[name] == plain.with_({"friction.ball_race": mu})
-    assert all(one.cases is None for one in scene.in_cases.values())
+    assert all(case.cases is None for case in scene.in_cases.values())
 
 
 def test_a_scene_of_cases_is_a_value(scene, tmp_path):
@@ -61,8 +61,8 @@ def test_a_case_is_solved_by_its_name(scene, tmp_path, capsys):
     bearingwear.save(scene, tmp_path / "a.yaml")
     for case in ("cold", "nominal"):
         assert main(["solve", str(tmp_path / "a.yaml"), "--case", case, "--json"]) == 0
-        found = capsys.readouterr().out
-        own = bearingwear.solve(scene.in_cases[case])
-        assert f"{float(own.shaft_torque) * 1e6:.6f}"[:6] in found
+        output = capsys.readouterr().out
+        result = bearingwear.solve(scene.in_cases[case])
+        assert f"{float(result.shaft_torque) * 1e6:.6f}"[:6] in output
     assert main(["solve", str(tmp_path / "a.yaml"), "--case", "warm"]) == 2
     assert capsys.readouterr().err == "--case: got warm, expected nominal, cold, hot\n"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support import ROOT, benchmark, scene_file
+from support import ROOT, benchmark, numbers_in, scene_file
 
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.strict_yaml import data_of
@@ -62,7 +62,7 @@ def test_each_row_has_a_source_and_a_number(name):
 )
 def test_what_no_source_has_is_called_assumed(surface, name, material):
     """Each stands in the list with what its scenes take, and no row of the table claims it."""
-    (one,) = (one for one in coefficients_page.ASSUMED if one.surface == surface)
+    (one,) = (item for item in coefficients_page.ASSUMED if item.surface == surface)
     taken = load_scene(scene_file(name)).materials[material]
     K = taken.wear_coefficient / (1e9 * taken.brinell_hardness_GPa)
     assert_allclose(one.wear, K, rtol=0.02)
@@ -73,37 +73,36 @@ def test_what_no_source_has_is_called_assumed(surface, name, material):
 
 @pytest.mark.parametrize("lubrication, balls", [*RUBBING, ("oil", STEEL), ("grease", NITRIDE)])
 def test_a_scene_takes_a_lubrication_with_its_spread(lubrication, balls):
-    one = RUBBING[NEAREST.get(lubrication, lubrication), balls]
-    assert set(one.rows) <= MEASURED_WEAR.keys()
-    text, told = scene_text(
+    coefficients = RUBBING[NEAREST.get(lubrication, lubrication), balls]
+    assert set(coefficients.rows) <= MEASURED_WEAR.keys()
+    text, assumptions = scene_text(
         "a", None, None, {"operation.shaft_speed_rpm": 9000.0}, balls, designation="7008C",
         lubrication=lubrication,
     )  # fmt: skip
-    (line,) = [line for line in told if line.startswith("lubrication: ")]
-    assert f"{lubrication}; K_s/H {one.wear.median:.2g} m2/N" in line
-    assert ("lives are at least these" in line) == ("nesc_r4" in one.rows[0])
-    assert ("no source has" in line) == (lubrication in NEAREST)
-    assert f"docs/coefficients.md: {', '.join(one.rows)}" in text
+    (line,) = [line for line in assumptions if line.startswith("lubrication: ")]
+    assert lubrication in line and float(f"{coefficients.wear.median:.2g}") in numbers_in(line)
+    assert ("at least" in line) == ("nesc_r4" in coefficients.rows[0])
+    assert ("no source" in line) == (lubrication in NEAREST)
+    assert f"docs/coefficients.md: {', '.join(coefficients.rows)}" in text
     scene = scene_from_dict(data_of(text, "a"), "a")
     films = Films.of(scene)
     for part in (films.race, films.ball)[: 1 if films.race.film else 2]:  # the film is on the races
-        assert_allclose((part.film or part.below).factor, one.wear.median, rtol=0.03)
+        assert_allclose((part.film or part.below).factor, coefficients.wear.median, rtol=0.03)
     spread = scene.uncertainty["wear_coefficient"]
-    assert_allclose(spread.factor, one.wear.factor, rtol=0.02)
+    assert_allclose(spread.factor, coefficients.wear.factor, rtol=0.02)
     if lubrication != "mos2":
-        assert scene.friction.ball_race == one.friction.median
+        assert scene.friction.ball_race == coefficients.friction.median
     else:
         assert scene.friction.ball_race is None and scene.friction.film.thickness_um == 0.6
         assert len(scene.friction.film.wear_table) == 6
         assert scene_from_dict(scene.to_dict(), "a") == scene
 
 
-def test_an_assumed_lubrication_is_said():
-    """What `new` always wrote, and what that makes of lives."""
-    text, told = scene_text("a", None, None, {}, designation="7008C")
-    (line,) = [line for line in told if line.startswith("lubrication: ")]
-    assert "lubrication: not given, so K_s/H (7.6e-16 m2/N for steel) is assumed" in line
-    assert "lives, which go as 1/(K_s/H), only compare designs; --lubrication dry" in line
+def test_a_scene_without_a_lubrication_states_its_assumed_wear():
+    """K_s/H is that of the scene, and the line names the option that replaces it."""
+    text, lines = scene_text("a", None, None, {}, designation="7008C")
+    (line,) = [line for line in lines if line.startswith("lubrication: ")]
+    assert "assumed" in line and 7.6e-16 in numbers_in(line) and "--lubrication" in line
     steel = scene_from_dict(data_of(text, "a"), "a").materials["bearing_steel"]
     assert_allclose(steel.wear_coefficient / (1e9 * steel.brinell_hardness_GPa), 7.6e-16, rtol=0.01)
 

@@ -96,14 +96,14 @@ ARRANGEMENT = [
 
 def test_contradictions_are_refused_in_one_line():
     wrong = []
-    for changes, message in FRICTION + WARMTH + ARRANGEMENT:
+    for changes, problem in FRICTION + WARMTH + ARRANGEMENT:
         try:
             variant(scene_file("gyro_s1"), changes)
         except SceneError as error:
-            if message not in str(error) or "\n" in str(error):
-                wrong.append((message, str(error)))
+            if problem not in str(error) or "\n" in str(error):
+                wrong.append((problem, str(error)))
         else:
-            wrong.append((message, "accepted"))
+            wrong.append((problem, "accepted"))
     assert not wrong
 
 
@@ -117,5 +117,5 @@ def test_contradictions_are_refused_in_one_line():
     ],
 )
 def test_what_wears_through(scene, changes, thick, changing):
-    given = scene("gyro_s1", changes)
-    assert (has_thickness(given), changes_as_it_wears(given)) == (thick, changing)
+    changed_scene = scene("gyro_s1", changes)
+    assert (has_thickness(changed_scene), changes_as_it_wears(changed_scene)) == (thick, changing)

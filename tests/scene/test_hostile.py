@@ -45,13 +45,13 @@ def test_one_line_or_a_scene(base):
         start, is_number = base.with_(around), key_of_scene(key).kind == "number"
         for value in HOSTILE:
             try:
-                made = start.with_({key: value})
+                scene = start.with_({key: value})
             except SceneError as error:
                 if "\n" in str(error) or len(str(error)) >= 400:
                     wrong.append((key, value, str(error)))
             else:
                 if is_number and is_no_number(value) and value is not None:
                     wrong.append((key, value, "taken for a number"))
-                if as_scene(made.to_dict()) != made:
+                if as_scene(scene.to_dict()) != scene:
                     wrong.append((key, value, "changed when read again"))
     assert len(KEYS) > 100 and not wrong

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from support import numbers_in
 
 import bearingwear
 from bearingwear.cli import main
@@ -12,6 +13,7 @@ from bearingwear.scene.new.minimum_preload import (
     minimum_preload_lines,
     skf_factors,
 )
+from bearingwear.scene.read import load_scene
 
 GMN = {"designation": "S 6007 E", "maker": "GMN", "preload": 140.0}
 
@@ -44,12 +46,13 @@ def test_skf_prints_a_factor():
     """A (n/1000)^2 kN, with A = 0.00584 for a 7210 AC."""
     scene = bearingwear.new(designation="7210AC", preload=100.0, speed=5000.0)
     assert least(scene).load == pytest.approx(1e3 * 0.00584 * 25.0)
-    assert minimum_preload_lines(scene.plain) == [
-        "SKF minimum preload for a 7210AC: 146 N at 5000 r/min (0.00584 (n/1000)^2 kN); "
-        "preload here 100 N"
-    ]
+    (line,) = minimum_preload_lines(scene.plain)
+    assert "SKF" in line and "7210AC" in line
+    _, _, numbers = line.partition("7210AC: ")
+    assert [146, 5000, 0.00584] == numbers_in(numbers)[:3] and numbers_in(numbers)[-1] == 100
     fast = scene.with_({"operation.shaft_speed_rpm": 14000.0})
-    assert ": 1140 N at 14000 r/min" in minimum_preload_lines(fast.plain)[0]
+    _, _, numbers = minimum_preload_lines(fast.plain)[0].partition("7210AC: ")
+    assert numbers_in(numbers)[:2] == [1140, 14000]
 
 
 @pytest.mark.parametrize("designation", ["7214ACB", "7205 ACCBM", "7310AC", "7217BECBP"])
@@ -57,7 +60,7 @@ def test_a_factor_that_is_missing_is_named(designation):
     """Bearings of SKF's tables whose place in the text is unclear: no silence, and no guess."""
     scene = bearingwear.new(designation=designation, preload=100.0, speed=5000.0)
     (line,) = minimum_preload_lines(scene.plain)
-    assert line.endswith(": factor not known here; see SKF's product table")
+    assert f"{scene.bearing.designation}: factor not known" in line
     assert least(scene) is None
 
 
@@ -93,11 +96,9 @@ def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):
             file.write(LAUNCHED)
     capsys.readouterr()
     assert main(command.split()) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert (
-        "GMN minimum preload for a S 6007 E: 179 N at 15000 r/min (715 N at 30000 r/min, taken "
-        "with the square of the speed); preload here 140 N" in said
-    )
+    (line,) = minimum_preload_lines(load_scene(Path("a.yaml")).plain)
+    assert numbers_in(line.partition("E: ")[2]) == [179, 15000, 715, 30000, 140]
+    assert line in " ".join(capsys.readouterr().out.split())
 
 
 def test_it_stands_on_the_line_of_pages_and_answers():

@@ -54,19 +54,19 @@ def test_what_is_written_solves(size, tmp_path):
 
 
 def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
-    given = {"--balls": 16, "--ball-diameter": 7.938, "--pitch-diameter": 53.5, "--speed": 24000,
+    inputs = {"--balls": 16, "--ball-diameter": 7.938, "--pitch-diameter": 53.5, "--speed": 24000,
              "--contact-angle": 18, "--preload": 120, "--friction": 0.05}  # fmt: skip
     path = tmp_path / "Spindle-7008.yaml"
-    argv = [part for pair in given.items() for part in pair]
+    argv = [part for pair in inputs.items() for part in pair]
     assert new(path, *SIZE, *argv, "--preload-method", "fixed_position") == 0
-    told, text = capsys.readouterr().out, path.read_text(encoding="utf-8")
+    output, text = capsys.readouterr().out, path.read_text(encoding="utf-8")
     scene = load_scene(path)
     assert scene.name == "Spindle-7008" and scene.operation.preload_method == "fixed_position"
     plain = scene.to_dict()
     for option, key, *_ in OPTIONS:
         block, name = key.split(".")
-        assert plain[block][name] == given[option]
-        assert re.search(rf"^  {name}: \S+  # given$", text, re.M) and key not in told
+        assert plain[block][name] == inputs[option]
+        assert re.search(rf"^  {name}: \S+  # given$", text, re.M) and key not in output
 
 
 @pytest.mark.parametrize("name", ["7008", "true", "null", "1e-5", "1e5", "my-spindle"])
@@ -84,7 +84,7 @@ def test_nothing_is_replaced(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "problem"),
     [
         (["--bore", "40"], "--outside"),
         ([], "--bore: got nothing, expected a designation such as 7008C, or --bore and --outside"),
@@ -114,9 +114,9 @@ def test_nothing_is_replaced(tmp_path, capsys):
         ([*SIZE, "--contact-angle", "90"], "--contact-angle: got 90, expected a number from 0"),
     ],
 )
-def test_bad_numbers_take_one_line(argv, said, tmp_path, capsys):
+def test_bad_numbers_take_one_line(argv, problem, tmp_path, capsys):
     assert new(tmp_path / "a.yaml", *argv) == 2
-    assert said in only_line(capsys)
+    assert problem in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
@@ -130,7 +130,7 @@ def test_bad_names_take_one_line(name, tmp_path, capsys):
     assert os.listdir(tmp_path) == []
 
 
-def told(capsys) -> str:
+def output_of(capsys) -> str:
     return capsys.readouterr().out
 
 
@@ -145,7 +145,7 @@ def told(capsys) -> str:
         (["--bore", "20", "--outside", "47", "--clearance", "CN"], 12.5),
     ],
 )
-def test_clearance(argv, clearance, tmp_path):
+def test_the_radial_clearance_gives_the_free_contact_angle(argv, clearance, tmp_path):
     assert new(tmp_path / "a.yaml", *argv) == 0
     b = load_scene(tmp_path / "a.yaml").bearing
     play = 0.05 * b.ball_diameter_mm
@@ -191,23 +191,22 @@ def test_preload_classes_meet_a_catalogue_within_30_percent(
 def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path, capsys):
     path = tmp_path / "my-spindle.yaml"
     assert new(path, "7008C") == 0
-    lines = told(capsys).splitlines()
-    assert any(line.startswith("solved and verified: ") for line in lines)
+    lines = output_of(capsys).splitlines()
+    assert any(line.startswith("solved and verified") for line in lines)
     commands = [shlex.split(line)[1:] for line in lines if line.startswith("  bearingwear ")]
     *short, study = commands
-    known = ["check", "solve", "life", "uncertainty", "recommend"]
-    assert [argv[0] for argv in short] == known
+    assert [argv[0] for argv in short] == ["check", "solve", "life", "uncertainty", "recommend"]
     assert study[:2] == ["study", str(path)]  # tests/workflow/test_own.py types that
     for argv in short:
         assert main(argv) == 0, argv
     assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
-    assert "cannot be solved (undetermined)" in told(capsys)
+    assert "undetermined" in output_of(capsys)
 
 
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(PROJECT.__dict__, "code_folder", str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
-    assert "the first solve must compile" in told(capsys)
+    assert "not solved" in output_of(capsys) and not (tmp_path / "empty").exists()
 
 
 @pytest.mark.parametrize(
@@ -220,15 +219,15 @@ def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
         ),
     ],
 )
-def test_completion(line, offered, tmp_path):
+def test_the_shell_completes_options_and_keys(line, offered, tmp_path):
     shell = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": "bash", "_ARGCOMPLETE_IFS": "\n",
              "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9",
              "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "offered")}  # fmt: skip
     subprocess.run(
         [sys.executable, "-m", "bearingwear"], env=os.environ | shell, check=True, timeout=60
     )
-    found = (tmp_path / "offered").read_text(encoding="utf-8").split("\n")
-    assert {text.strip() for text in found} == offered
+    words = (tmp_path / "offered").read_text(encoding="utf-8").split("\n")
+    assert {text.strip() for text in words} == offered
 
 
 @pytest.mark.parametrize("block", ["temperature", "thermal", "arrangement"])
@@ -266,9 +265,9 @@ def test_an_instrument_bearing_has_the_stiffness_of_its_maker(tmp_path):
 def test_small_bearings_have_uncertain_grooves(argv, is_small, grooves, tmp_path, capsys):
     """Those without an ISO designation are instrument bearings: Dynaroll prints 0.56 +-0.03."""
     assert new(tmp_path / "a.yaml", *argv) == 0
-    lines = told(capsys)
-    assert ("makers of small bearings use 0.52 to 0.58" in lines) == is_small
-    assert ("Dynaroll: 0.56 +-0.03" in lines) == (grooves[0] == 0.57)
+    lines = output_of(capsys)
+    assert ("0.52 to 0.58" in lines) == is_small
+    assert ("Dynaroll" in lines) == (grooves[0] == 0.57)
     scene = load_scene(tmp_path / "a.yaml")
     assert (scene.bearing.inner_groove_factor, scene.bearing.outer_groove_factor) == grooves
     for race in ("inner", "outer"):
@@ -286,7 +285,7 @@ def test_fits_are_written_with_the_range_of_their_class(size, ends, gap):
     """ISO 286 and ISO 492, entered once more: 10 x 26, 40 x 68 and 100 x 150 mm."""
     text, _ = scene_text("mine", None, None, {}, designation=size)
     (line,) = re.findall("^fits: .*", text, re.MULTILINE)
-    assert f"assumed: no interference; a shaft js4 in a bore of class P4 gives {ends} um" in line
+    assert f"{ends} um" in line and "js4" in line and "P4" in line
     scene = scene_from_dict(data_of(text, "mine"), "mine")
     assert scene.fits.shaft_interference_um == 0.0
     assert scene.fits.housing_interference_um == -gap

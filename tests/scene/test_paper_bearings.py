@@ -16,10 +16,10 @@ def test_the_scene_is_found_again(bearings, scene):
     """gyro_s1 was chosen among them: with its own values, the search comes back to its angle."""
     own = replace(scene("gyro_s1"), cage=None)
     angle = own.bearing.contact_angle_deg
-    (found,) = bearings.angles_with_loss(own, [angle - 2.0, angle + 2.0])
-    assert found == pytest.approx(angle, abs=0.5)
-    one = bearings.candidate(bearings.with_angle(own, found))
-    assert one.failed == "" and len(one.drags) > 0 and np.isfinite(one.lives_h).all()
+    (result,) = bearings.angles_with_loss(own, [angle - 2.0, angle + 2.0])
+    assert result == pytest.approx(angle, abs=0.5)
+    bearing = bearings.candidate(bearings.with_angle(own, result))
+    assert bearing.failed == "" and len(bearing.drags) > 0 and np.isfinite(bearing.lives_h).all()
     steep = bearings.candidate(bearings.with_angle(own, 45.0))
     assert steep.failed != ""
 

@@ -42,7 +42,7 @@ def test_a_scene_with_a_duty_is_a_value(scene, tmp_path):
 
 
 def test_a_case_of_it_is_one_condition(scene):
-    assert all(one.duty is None for one in scene.in_cases.values())
+    assert all(case.duty is None for case in scene.in_cases.values())
     assert scene.in_cases["nominal"] == load_scene(scene_file("gyro_s1"))
 
 

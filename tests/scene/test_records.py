@@ -55,11 +55,21 @@ def plan(**changes: Any) -> dict[str, Any]:
 
 def test_data_become_records():
     sweep = {"title": "One", "from": "steady", "set": {"a.b": 1}, "along": [1, 2]}
-    found = record(Plan, plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0}))
-    assert found.sampling == Sampling(samples=8) and isinstance(found.sampling.samples, int)
-    assert found.sweeps["one"].base == "steady" and found.sweeps["one"].settings == {"a.b": 1}
-    assert found.sweeps["one"].along == Axis((1.0, 2.0))
-    assert found.scenes == ("a",) and isinstance(found.factor, float) and found.aim == 3.0
+    plan_record = record(
+        Plan, plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0})
+    )
+    assert plan_record.sampling == Sampling(samples=8) and isinstance(
+        plan_record.sampling.samples, int
+    )
+    assert plan_record.sweeps["one"].base == "steady" and plan_record.sweeps["one"].settings == {
+        "a.b": 1
+    }
+    assert plan_record.sweeps["one"].along == Axis((1.0, 2.0))
+    assert (
+        plan_record.scenes == ("a",)
+        and isinstance(plan_record.factor, float)
+        and plan_record.aim == 3.0
+    )
     assert record(Plan, plan(sampling=None, factor=None)) == record(Plan, plan())
 
 

@@ -225,9 +225,9 @@ def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
 )
 def test_wear_of_a_cage_takes_finer_steps(changes, expected):
     """The presets' own tolerance is meant for balls; what the scene says stays."""
-    found = variant(S1, changes)
-    assert found.model.dynamic_tolerance == expected
-    assert config.as_scene(found) == found
+    changed_scene = variant(S1, changes)
+    assert changed_scene.model.dynamic_tolerance == expected
+    assert config.as_scene(changed_scene) == changed_scene
 
 
 def test_plain_validators_agree(plain):
@@ -253,8 +253,8 @@ def test_key_list_is_up_to_date():
 def test_letters_of_an_arrangement(text, orientation, plain):
     """Makers' letters are the same scene, in the schema too."""
     kind = PAIRS[plain["operation"]["preload_method"]]
-    given = plain | {"arrangement": {"kind": kind, "orientation": text}}
-    jsonschema.Draft202012Validator(schema()).validate(given)
+    data = plain | {"arrangement": {"kind": kind, "orientation": text}}
+    jsonschema.Draft202012Validator(schema()).validate(data)
     words = plain | {"arrangement": {"kind": kind, "orientation": orientation}}
-    assert config.scene_from_dict(given) == config.scene_from_dict(words)
-    assert config.scene_from_dict(given).to_dict()["arrangement"]["orientation"] == orientation
+    assert config.scene_from_dict(data) == config.scene_from_dict(words)
+    assert config.scene_from_dict(data).to_dict()["arrangement"]["orientation"] == orientation

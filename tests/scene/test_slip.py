@@ -88,13 +88,13 @@ def test_it_follows_the_speed_of_a_variant_and_of_a_case(spindle):
 def test_a_given_one_stays(spindle, tmp_path):
     """Even if it is what the default was where it was given."""
     for v_r in (STANDARD, 1e-3, 1e-6):
-        given = spindle.with_({KEY: v_r})
+        scene = spindle.with_({KEY: v_r})
         for slow in (
-            given.with_({SPEED: 60.0}),
-            given.with_({"operation.preload_N": 50.0}).with_({SPEED: 60.0, "model.strips": 30}),
-            given.with_({"friction.ball_race": 0.1, SPEED: 60.0}),
-            given.with_({"cases": {"slow": {SPEED: 60.0}}}).in_cases["slow"],
-            scene_from_dict(given.to_dict()).with_({SPEED: 60.0}),
+            scene.with_({SPEED: 60.0}),
+            scene.with_({"operation.preload_N": 50.0}).with_({SPEED: 60.0, "model.strips": 30}),
+            scene.with_({"friction.ball_race": 0.1, SPEED: 60.0}),
+            scene.with_({"cases": {"slow": {SPEED: 60.0}}}).in_cases["slow"],
+            scene_from_dict(scene.to_dict()).with_({SPEED: 60.0}),
         ):
             assert slow.friction.slip_regularisation_m_s == v_r
         file = tmp_path / "given.yaml"
@@ -107,5 +107,5 @@ def test_a_given_one_stays(spindle, tmp_path):
 def test_a_written_scene_keeps_following(spindle, tmp_path):
     for scene in (spindle, spindle.with_({KEY: STANDARD})):
         bearingwear.save(scene, tmp_path / "a.yaml")
-        found = load_scene(tmp_path / "a.yaml").with_({SPEED: 60.0}).friction
-        assert found == scene.with_({SPEED: 60.0}).friction
+        result = load_scene(tmp_path / "a.yaml").with_({SPEED: 60.0}).friction
+        assert result == scene.with_({SPEED: 60.0}).friction

@@ -46,8 +46,8 @@ def test_variants_are_what_set_makes():
     ],
 )
 def test_new_blocks_of_a_checked_scene_are_those_of_its_file(changes):
-    found, expected = load_scene(S1).with_(changes), variant(S1, changes)
-    assert found == expected and found.json == expected.json
+    scene, expected = load_scene(S1).with_(changes), variant(S1, changes)
+    assert scene == expected and scene.json == expected.json
 
 
 def test_fault_of_a_change_is_told_as_its_own():
@@ -84,7 +84,7 @@ def test_file_based_on_another(folder):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "problem"),
     [
         ("based_on: ../gyro_s1\n", "based_on: got '../gyro_s1', expected a-z"),
         ("based_on: other\n", "other.yaml: got a file that cannot be read"),
@@ -93,8 +93,8 @@ def test_file_based_on_another(folder):
         ("based_on: gyro_s1\nset: {a..b: 30}\n", "set: got 'a..b', expected keys"),
     ],
 )
-def test_broken_file_based_on_another(text, said, folder):
+def test_broken_file_based_on_another(text, problem, folder):
     path = write(folder, "broken", text)
     with pytest.raises(SceneError) as caught:
         load_scene(path)
-    assert str(caught.value).startswith(str(folder)) and said in str(caught.value)
+    assert str(caught.value).startswith(str(folder)) and problem in str(caught.value)

@@ -256,10 +256,10 @@ def test_averages_are_those_of_the_steady_state(scene):
         "axial_stiffness", "axial_displacement", "ball_wear_rate", "race_wear_rate",
         "gyroscopic_slip_share", "ball_diameter_loss_rate",
     ):  # fmt: skip
-        one = np.asarray(steady[name])
+        of_ball = np.asarray(steady[name])
         of_all = np.asarray(values[name])
-        floor = 1e-9 * np.abs(one).max()
-        expected = np.broadcast_to(one, of_all.shape)
+        floor = 1e-9 * np.abs(of_ball).max()
+        expected = np.broadcast_to(of_ball, of_all.shape)
         assert_allclose(of_all, expected, rtol=2e-6, atol=floor, err_msg=name)
 
 

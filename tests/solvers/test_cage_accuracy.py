@@ -15,7 +15,7 @@ TURNS = 15.0
 def pocket_power(scene):
     """Of a weightless cage that whirls at a friction of 0.05, over the last 15 of 30 turns [W]."""
 
-    def found(changes):
+    def work_of(changes):
         whirling = scene("gyro_s1", {"friction.cage": 0.05} | changes)
         system = DynamicSystem.of(whirling, start_of(whirling).u)
         system.start_cage(CageStart(offset=0.95, whirl=0.6875, lag=0.0))
@@ -26,7 +26,7 @@ def pocket_power(scene):
             work.append(system.y[pockets].sum())
         return (work[1] - work[0]) / (TURNS * system.turn)
 
-    return found
+    return work_of
 
 
 def test_presets_meet_the_stated_error_of_cage_wear_where_it_is_asked_for(pocket_power):

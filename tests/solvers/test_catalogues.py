@@ -1,5 +1,7 @@
 """Numbers of catalogues and of a commercial program; `benchmarks/catalogues.py` finds ours."""
 
+import re
+
 import numpy as np
 import pytest
 from support import benchmark
@@ -75,9 +77,9 @@ def groups(catalogues):
         ("starting torque of a 108H pair", "NASA", 3),
     ],
 )
-def test_group(groups, name, source, count):
+def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
     """Every row is judged, and the mean square of all."""
-    (group,) = [one for one in groups if (one.name, one.source) == (name, source)]
+    (group,) = [item for item in groups if (item.name, item.source) == (name, source)]
     assert len(group.rows) == count
     misprints = ["KH 61903 E M, axial rigidity"] if name.endswith("KH") else []
     assert group.rms > group.allowed if group.fails else group.rms <= group.allowed
@@ -100,7 +102,7 @@ def test_no_group_without_a_test(groups, catalogues):
     assert len(groups) == 14 and sum(len(group.rows) for group in groups) == 1336
     kept = sum(not group.fails for group in groups)
     first_screen = catalogues.PAGE.read_text("utf-8").partition("<!-- totals")[0]
-    assert f"{kept} of 14 comparisons, with 1336 values, keep their limits" in first_screen
+    assert re.search(rf"\b{kept} of 14 comparisons\b.* 1336 values", first_screen)
 
 
 def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
@@ -124,12 +126,14 @@ def test_the_page_has_these_totals(catalogues, groups):
     assert catalogues.totals(groups) in page
     at_rest = [group for group in groups if group.source in ("NSK", "GMN")]
     relative = [group.rms for group in at_rest if not group.rows[0].absolute]
-    ends = f"{100.0 * min(relative):.1f} to {100.0 * max(relative):.1f} % rms"
+    ends = f"{100.0 * min(relative):.1f} to {100.0 * max(relative):.1f} %"
     values = sum(len(group.rows) for group in at_rest)
-    assert f"| {values} values of NSK and GMN, {ends} |" in page
+    cells = [cell for line in page.splitlines() if line[:1] == "|" for cell in line.split("|")]
+    assert any(cell.startswith(f" {values} ") and ends in cell for cell in cells)
     (torque,) = [group for group in groups if group.fails]
     starting = max(group.differences.max() for group in groups if group.source == "NASA")
-    assert f"{100.0 * starting:+.0f} %; one maker, {100.0 * torque.rms:.0f} % rms |" in page
+    off, rms = f"{100.0 * starting:+.0f} %", f"{100.0 * torque.rms:.0f} %"
+    assert any(off in cell and rms in cell for cell in cells)
     assert catalogues.row_table(catalogues.makers.misprint_rows()) in page
 
 
@@ -145,7 +149,7 @@ def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designat
     known = {"designation": designation, "maker": "NSK", "preload_class": preload_class}
     scene = bearingwear.new(**known, speed=0.0).with_({"arrangement.kind": "rigid_pair"})
     axial, radial = RestingPair.of(scene).rigidity
-    with pytest.warns(UserWarning, match="temperature is neglected"):
+    with pytest.warns(UserWarning, match="temperature"):
         case = bearingwear.solve(scene)
     assert case.status == "ok"
     assert float(case.system_axial_stiffness) == pytest.approx(axial, rel=1e-6)

@@ -101,11 +101,11 @@ def test_order_of_convergence(scene, contact, method, counts, lowest, highest):
 def test_integrators_agree_with_scipy(scene, contact):
     """A quarter of a turn under radial load, from the same start: QV of every contact to 1e-4."""
     s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0], "model.contact": contact})
-    found = {}
+    result = {}
     for name, method in METHODS.items():
         motion = started(s)
         assert motion.advance(0.25 * motion.turn, 1e-4, method).status == OK
-        found[name] = motion.qv.copy()
+        result[name] = motion.qv.copy()
     reference = started(s)
     n = BALL * 9
 
@@ -121,7 +121,7 @@ def test_integrators_agree_with_scipy(scene, contact):
     )  # fmt: skip
     assert path.success
     exact = path.y[reference.layout.qv : reference.layout.pockets, -1].reshape(-1, 2)
-    for name, qv in found.items():
+    for name, qv in result.items():
         assert_allclose(qv, exact, rtol=1e-4, err_msg=name)
 
 

@@ -89,11 +89,11 @@ def case(solver, tmp_path):
 
 
 def test_python_and_command_agree(case):
-    made = bearingwear.solve(S1, fidelity="dynamic")
-    assert made.attrs.pop("wall_time_s") > 0.0
+    result = bearingwear.solve(S1, fidelity="dynamic")
+    assert result.attrs.pop("wall_time_s") > 0.0
     read = bearingwear.load(case)
-    xr.testing.assert_identical(made, read)
-    assert {n: v.dtype for n, v in made.variables.items()} == {
+    xr.testing.assert_identical(result, read)
+    assert {n: v.dtype for n, v in result.variables.items()} == {
         n: v.dtype for n, v in read.variables.items()
     }
 
@@ -112,8 +112,8 @@ def test_histories(case):
     }  # fmt: skip
     values, _ = made_up(load_scene(S1))
     with netCDF4.Dataset(case) as file:
-        found = {n.removeprefix("history_") for n in file.variables if n.startswith("history_")}
-        assert found == set(contract)
+        result = {n.removeprefix("history_") for n in file.variables if n.startswith("history_")}
+        assert result == set(contract)
         for name, (dims, units) in contract.items():
             variable = file[f"history_{name}"]
             assert variable.dimensions == dims and variable.units == units, name
@@ -143,9 +143,9 @@ def test_averages_say_so(case, tmp_path):
 
 def test_no_histories(solver, tmp_path):
     assert solve(tmp_path / "x.nc", "--set", "model.history_points_per_turn=0") == 0
-    found = load(tmp_path / "x.nc")
-    assert "time" not in found.variables and "final_state" in found
-    assert not any(str(name).startswith("history_") for name in found.variables)
+    dataset = load(tmp_path / "x.nc")
+    assert "time" not in dataset.variables and "final_state" in dataset
+    assert not any(str(name).startswith("history_") for name in dataset.variables)
 
 
 def test_failed_case(monkeypatch, solver, tmp_path, capsys):
@@ -188,16 +188,16 @@ def test_the_time_left_is_told_from_the_recent_rate(monkeypatch):
     for turn in range(1, 61):
         now[0] += 0.5 if turn <= 30 else 5.0
         report(float(turn), None)
-    told = [re.search(r"about (\d+) s left", line) for line in lines]
-    assert all(told) and "at most" not in "".join(lines)
-    assert int(told[0][1]) == pytest.approx(0.5 * 94, abs=1.0)  # after the first six turns
-    assert int(told[-1][1]) == pytest.approx(5.0 * 40, abs=1.0)
+    matches = [re.search(r"about (\d+) s left", line) for line in lines]
+    assert all(matches) and "at most" not in "".join(lines)
+    assert int(matches[0][1]) == pytest.approx(0.5 * 94, abs=1.0)  # after the first six turns
+    assert int(matches[-1][1]) == pytest.approx(5.0 * 40, abs=1.0)
 
 
 # going on from a state
 
 
-def test_restart(case, tmp_path):
+def test_a_restart_goes_on_in_time(case, tmp_path):
     again = tmp_path / "more.nc"
     assert solve(again, "--restart", str(case), "--set", "model.simulated_turns=5") == 0
     more = load(again)
@@ -206,9 +206,9 @@ def test_restart(case, tmp_path):
     np.testing.assert_array_equal(more["final_state"], np.full(12, TURNS + 5.0))
     assert more.attrs["start"] == "the end of a run at 0.08 s"
     scene = load_scene(S1, ["model.simulated_turns=5"])
-    made = bearingwear.solve(scene, "dynamic", restart=case)
-    del made.attrs["wall_time_s"]
-    xr.testing.assert_identical(made, bearingwear.load(again))
+    result = bearingwear.solve(scene, "dynamic", restart=case)
+    del result.attrs["wall_time_s"]
+    xr.testing.assert_identical(result, bearingwear.load(again))
 
 
 def refused(capsys, argv) -> str:
@@ -297,17 +297,17 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
     "settings, fidelity, why",
     [
         ([], "steady", "pure thrust load"),
-        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load, so no steady state"),
-        (["operation.rotating_load_N=1"], "dynamic", "rotating load, so no steady state"),
-        (["operation.tilt_mrad=1"], "dynamic", "tilt, so no steady state"),
-        ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "unequal ball diameters"),
-        (["model.cage_results=true"], "dynamic", "cage motion and wear"),
+        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load"),
+        (["operation.rotating_load_N=1"], "dynamic", "rotating load"),
+        (["operation.tilt_mrad=1"], "dynamic", "tilt"),
+        ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "ball diameters"),
+        (["model.cage_results=true"], "dynamic", "cage"),
         (["model.fidelity=dynamic"], "dynamic", "requested"),
         (["operation.tilt_mrad=1", "model.fidelity=race_control"], "race_control", "requested"),
         (["operation.tilt_mrad=1", "operation.shaft_speed_rpm=0"], "race_control", "at rest"),
     ],
 )
-def test_choice(settings, fidelity, why):
+def test_the_model_is_chosen_by_what_the_scene_has(settings, fidelity, why):
     chosen = choice(load_scene(S1, settings))
     assert chosen.fidelity == fidelity
     assert chosen.reasons[0].startswith(f"{fidelity}: ") and why in chosen.reasons[0]
@@ -349,11 +349,10 @@ def test_what_does_not_apply(settings, fidelity, problem):
 
 def test_limits_of_the_cage_need_its_wear():
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
-    assert (
-        "not evaluated: guide_clearance_mm" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
-    )
-    in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
-    assert not any("not evaluated" in reason for reason in in_time.reasons)
+    scene = load_scene(S1, [limit])
+    assert "guide_clearance_mm" in choice_for_life(scene).reasons[-1]
+    in_time = choice_for_life(scene, "dynamic")
+    assert not any("guide_clearance_mm" in reason for reason in in_time.reasons)
     alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
     assert choice_for_life(alone, "dynamic").fidelity == "dynamic"
     with pytest.raises(NotAvailable, match="only guide_clearance_mm,.* expected.*fidelity dynamic"):
@@ -363,8 +362,8 @@ def test_limits_of_the_cage_need_its_wear():
 def test_limits_of_slip_need_a_balance_of_friction():
     radial = "operation.radial_load_N=[0, 1]"
     scene = load_scene(S1, [radial])
-    told = choice_for_life(scene, "race_control").reasons[-1]
-    assert told == "end-of-life criteria not evaluated: gyroscopic_slip_share, skid_ratio"
+    last_reason = choice_for_life(scene, "race_control").reasons[-1]
+    assert re.findall(r"\w+_\w+", last_reason) == ["gyroscopic_slip_share", "skid_ratio"]
     alone = load_scene(S1, [radial, "wear.end_of_life={skid_ratio: 0.1}"])
     with pytest.raises(NotAvailable, match="only skid_ratio,.* expected.*fidelity auto"):
         choice_for_life(alone, "race_control")
@@ -439,8 +438,8 @@ def test_interrupt_of_a_real_run(tmp_path):
 def test_stiffness_is_that_of_the_bearing_without_its_cage():
     """A ball that its pocket holds tightly is no stiffer against the race."""
     run = ["model.simulated_turns=3", "model.history_points_per_turn=0", "friction.cage=0.0"]
-    found = {}
+    result = {}
     for clearance in (0.15, 1e-4):
         changes = [f"cage.pocket_clearance_mm={clearance}", *run]
-        found[clearance] = dynamic_run.solve_dynamic(load_scene(S1, changes))[0]["axial_stiffness"]
-    assert found[1e-4] == pytest.approx(found[0.15], rel=1e-2)
+        result[clearance] = dynamic_run.solve_dynamic(load_scene(S1, changes))[0]["axial_stiffness"]
+    assert result[1e-4] == pytest.approx(result[0.15], rel=1e-2)

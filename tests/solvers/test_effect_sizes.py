@@ -17,9 +17,9 @@ BY_DEPTH = "wear.end_of_life={groove_depth_um: 0.01, ball_diameter_loss_um: 0.01
 
 
 def sizes(*changes, fidelity=None):
-    found = list(effect_sizes(choice(load_scene(S1, changes), fidelity)))
-    assert len({one.name for one in found}) == len(found)
-    return {one.name: one for one in found}
+    effects = list(effect_sizes(choice(load_scene(S1, changes), fidelity)))
+    assert len({one.name for one in effects}) == len(effects)
+    return {item.name: item for item in effects}
 
 
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_hertz", "turbopump", "bearing218"])
@@ -81,11 +81,11 @@ def test_check_prints_a_line_for_each_effect(capsys):
     assert main(["check", str(S1), "--set", HELD]) == 0
     text = capsys.readouterr().out
     assert all(len(line) < 120 for line in text.split("\n"))
-    found = sizes(HELD)
-    for name, effect in found.items():
+    effects = sizes(HELD)
+    for name, effect in effects.items():
         (line,) = (line for line in text.split("\n") if line.startswith(f"  {name} "))
         assert (" on " if effect.is_on else " off ") in line
     assert main(["check", str(S1), "--set", HELD, "--json"]) == 0
     sheet = json.loads(capsys.readouterr().out)
-    assert [row["label"] for row in sheet["quantities"]] == list(found)
+    assert [row["label"] for row in sheet["quantities"]] == list(effects)
     assert sheet["fidelity"] == "steady" and any("temperature" in w for w in sheet["warnings"])

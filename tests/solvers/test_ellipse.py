@@ -95,5 +95,5 @@ def test_slow_torque_goes_with_the_power_four_thirds(scene):
 )
 def test_life_with_even_wear(scene, method, hours):
     """To 0.7 um and to 40 % of the preload, against the program written apart: 2e-3."""
-    found = life(scene("gyro_s1", HERTZ | {"operation.preload_method": method})).values
-    assert_allclose(found["life"] / 3600.0, hours, rtol=2e-3)
+    values = life(scene("gyro_s1", HERTZ | {"operation.preload_method": method})).values
+    assert_allclose(values["life"] / 3600.0, hours, rtol=2e-3)

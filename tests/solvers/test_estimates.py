@@ -40,13 +40,13 @@ def test_estimates_in_time():
 def test_a_coarser_setting_has_a_larger_estimate(scene, key):
     fine, coarse = {"slip_regularisation_m_s": (1e-4, 1e-3), "strips": (100, 20)}[key]
     where = f"{'friction' if key != 'strips' else 'model'}.{key}"
-    made = [
+    result = [
         solve(scene("gyro_s1", {where: value, "model.quadrature": "strips"})).values
         for value in (fine, coarse)
     ]
     names = ("qv_error_estimate", "wear_rate_error_estimate", "friction_power_error_estimate")
     for name in (*names, "shaft_torque_error_estimate"):
-        assert (np.asarray(made[0][name]) < np.asarray(made[1][name])).all()
+        assert (np.asarray(result[0][name]) < np.asarray(result[1][name])).all()
 
 
 def test_no_estimate_without_an_answer(scene):
@@ -66,8 +66,11 @@ def test_the_dial_sets_what_the_scene_leaves_open(scene):
     assert bare.model.dynamic_tolerance == NAMED_PRESETS["draft"].dynamic_tolerance
     assert bare.model.strips == NAMED_PRESETS["draft"].strips
     assert bare.friction.slip_regularisation_m_s == 1e-3  # the scene's own
-    own = scene("gyro_s1", {"model.accuracy": "draft", "model.strips": 60})
-    assert own.model.strips == 60 and own.model.quadrature == NAMED_PRESETS["draft"].quadrature
+    changed_scene = scene("gyro_s1", {"model.accuracy": "draft", "model.strips": 60})
+    assert (
+        changed_scene.model.strips == 60
+        and changed_scene.model.quadrature == NAMED_PRESETS["draft"].quadrature
+    )
 
 
 def test_targets_take_the_cheapest_rung_that_is_meant_for_them():

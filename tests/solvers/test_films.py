@@ -68,12 +68,12 @@ def test_law_goes_by_the_inverse_cube_root_of_the_load_to_its_limit():
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
 def test_each_contact_has_the_coefficient_of_its_mean_pressure(scene, fidelity):
-    found = solve(scene("gyro_s1", FILM | POSITION), fidelity).values
-    peak = found["maximum_pressure"]
+    values = solve(scene("gyro_s1", FILM | POSITION), fidelity).values
+    peak = values["maximum_pressure"]
     assert peak[0, 0] != pytest.approx(peak[0, 1], rel=1e-2)
     expected = S_0 / (2 / 3 * peak) + ALPHA_S
-    assert_allclose(found["friction_coefficient"], expected, rtol=1e-12)
-    ratio = found["friction_heat"] / found["qv"]
+    assert_allclose(values["friction_coefficient"], expected, rtol=1e-12)
+    ratio = values["friction_heat"] / values["qv"]
     even = expected - ALPHA_S  # sheared at the edge too, where slip is large and pressure small
     assert np.all(ratio > expected) and np.all(ratio < ALPHA_S + 1.25 * even)
 
@@ -137,8 +137,10 @@ def test_in_time_as_steady(scene):
     """Thrust alone, marched from the steady state: the same friction of the same loads."""
     many = {"model.strips": 100, "model.points_across": 32}  # the two do not take the same points
     march = {"model.dynamic_solution": "march", "model.simulated_turns": 2} | many
-    given = scene("gyro_s1", FILM | march | {"model.normal_balance": "frictionless"}).without_cage
-    steady, dynamic = (solve(given, fidelity).values for fidelity in ("steady", "dynamic"))
+    marching = scene(
+        "gyro_s1", FILM | march | {"model.normal_balance": "frictionless"}
+    ).without_cage
+    steady, dynamic = (solve(marching, fidelity).values for fidelity in ("steady", "dynamic"))
     for name in ("friction_coefficient", "qv", "friction_heat"):
         both = np.broadcast_to(steady[name], dynamic[name].shape)
         assert_allclose(dynamic[name], both, rtol=1e-6)
@@ -162,16 +164,20 @@ def test_a_film_like_what_lies_below_changes_nothing(scene):
 
 def test_time_to_wear_through_is_thickness_over_rate(scene):
     """While wear is even: of a film so thin that nothing else changes."""
-    given = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
-    state = solver_of(given).at(0.0)
+    changed_scene = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
+    state = solver_of(changed_scene).at(0.0)
     rate = state["loss_per_wear"][1] * 1e-6 / 6.6e9
     first, later = np.argsort(-rate)
-    found = through(life(given))
-    assert found[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
+    result = through(life(changed_scene))
+    assert result[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
     # then one track is bare, and the other slips as it did not before
-    after = solver_of(given).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
-    rest = (1e-11 - found[first] * rate[later]) / after[later]
-    assert found[later] == pytest.approx(found[first] + rest, rel=1e-4)
+    after = (
+        solver_of(changed_scene).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1]
+        * 1e-6
+        / 6.6e9
+    )
+    rest = (1e-11 - result[first] * rate[later]) / after[later]
+    assert result[later] == pytest.approx(result[first] + rest, rel=1e-4)
 
 
 def test_volume_of_a_film_balances(scene):
@@ -306,8 +312,8 @@ def test_wear_through_in_closed_form(scene):
 
 def test_warned_where_the_friction_of_a_worn_film_is_kept(scene):
     kept = THIN | {"friction.film.bare_ball_race": None}
-    ids = {one["id"] for one in warnings_in(life(scene("gyro_s1", kept)).attrs)}
+    ids = {warning["id"] for warning in warnings_in(life(scene("gyro_s1", kept)).attrs)}
     assert "film_worn" in ids
     for changes in (THIN, kept | {"wear.end_of_life.film_worn_share": 0.5}, FILM):
         result = life(scene("gyro_s1", changes))
-        assert "film_worn" not in {one["id"] for one in warnings_in(result.attrs)}
+        assert "film_worn" not in {item["id"] for item in warnings_in(result.attrs)}

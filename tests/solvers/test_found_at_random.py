@@ -40,7 +40,7 @@ def test_ends_as_it_should(found):
 
 def test_the_steady_solver_takes_its_ways_out(monkeypatch):
     """What it does where Newton fails, counted with the kernels as plain Python."""
-    cases, taken = [found for found in FOUND if "paths" in found], Counter()
+    cases, taken = [result for result in FOUND if "paths" in result], Counter()
 
     def counted(name, kernel):
         def call(*args):
@@ -50,7 +50,7 @@ def test_the_steady_solver_takes_its_ways_out(monkeypatch):
         return call
 
     in_python.cache_clear()  # what was made before counts nothing
-    for name in {name for found in cases for name in found["paths"]}:
+    for name in {name for case in cases for name in case["paths"]}:
         monkeypatch.setattr(solver, name, counted(name, getattr(solver, name)))
     monkeypatch.setattr(thrust_problem, "thrust_case", in_python(thrust_problem.thrust_case))
     for found in cases:

@@ -39,18 +39,18 @@ def numbers(case):
         ],
     )
     values = solve(scene, fidelity).values
-    found = {n: np.asarray(values[n]).ravel().tolist() for n in NAMES}
+    result = {n: np.asarray(values[n]).ravel().tolist() for n in NAMES}
     if fidelity == "steady":
-        found["life"] = [life(scene).values["life"]]
-    return found
+        result["life"] = [life(scene).values["life"]]
+    return result
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_golden(case):
     golden = json.loads(GOLDEN.read_text())[case]
-    found = numbers(case)
-    assert found.keys() == golden.keys()
-    for name, value in found.items():
+    result = numbers(case)
+    assert result.keys() == golden.keys()
+    for name, value in result.items():
         scale = np.abs(golden[name]).max()
         assert_allclose(value, golden[name], rtol=1e-9, atol=1e-9 * scale, err_msg=name)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import benchmark
+from support import benchmark, numbers_in
 
 import bearingwear
 from bearingwear.applications.launch.sheet import launch_document
@@ -78,24 +78,24 @@ def pair():
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
 def test_a_program_written_apart(case):
     """Allowed 1e-3; found 1e-6."""
-    given, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
-    rest = RotorAtRest.of(scene_of(given))
-    found = rest.under(given["axial_load_N"], given["radial_load_N"])
-    assert found.residual < 1e-12
-    assert 1e6 * found.shift == pytest.approx(case["rotor"]["ux_um"], **near)
-    assert 1e6 * found.across == pytest.approx(case["rotor"]["uy_um"], **near)
-    assert 1e6 * abs(found.tilt) == pytest.approx(case["rotor"]["tilt_z_urad"], **near)
-    for k, one in enumerate(found.bearings, 1):
+    inputs, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
+    rest = RotorAtRest.of(scene_of(inputs))
+    loaded = rest.under(inputs["axial_load_N"], inputs["radial_load_N"])
+    assert loaded.residual < 1e-12
+    assert 1e6 * loaded.shift == pytest.approx(case["rotor"]["ux_um"], **near)
+    assert 1e6 * loaded.across == pytest.approx(case["rotor"]["uy_um"], **near)
+    assert 1e6 * abs(loaded.tilt) == pytest.approx(case["rotor"]["tilt_z_urad"], **near)
+    for k, bearing in enumerate(loaded.bearings, 1):
         other = case[f"bearing{k}"]
         values = {
-            "axial_N": one.axial,
-            "radial_N": one.radial,
-            "Q_max_N": one.load.max(),
-            "Q_min_N": one.load.min(),
-            "p_max_inner_MPa": 1e-6 * one.pressure[:, 0].max(),
-            "p_max_outer_MPa": 1e-6 * one.pressure[:, 1].max(),
-            "unloaded_balls": (one.load == 0.0).sum(),
-            "axial_gap_um": 1e6 * one.gap,
+            "axial_N": bearing.axial,
+            "radial_N": bearing.radial,
+            "Q_max_N": bearing.load.max(),
+            "Q_min_N": bearing.load.min(),
+            "p_max_inner_MPa": 1e-6 * bearing.pressure[:, 0].max(),
+            "p_max_outer_MPa": 1e-6 * bearing.pressure[:, 1].max(),
+            "unloaded_balls": (bearing.load == 0.0).sum(),
+            "axial_gap_um": 1e6 * bearing.gap,
         }
         for name, value in values.items():
             assert value == pytest.approx(other[name], **near), (k, name)
@@ -157,12 +157,16 @@ def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
     a = pair.arrangement
     K = RestingPair.of(pair).bearing.stiffness_matrix(75.0)
     known = natural_frequencies(a, np.array([K, K]), 2.0 * K[0, 0])
-    found = RotorAtRest.of(pair).frequencies(a)
-    assert found[:2] == pytest.approx(known[:2], rel=1e-3)
-    assert found[2] == pytest.approx(known[2], rel=5e-3)
+    frequencies = RotorAtRest.of(pair).frequencies(a)
+    assert frequencies[:2] == pytest.approx(known[:2], rel=1e-3)
+    assert frequencies[2] == pytest.approx(known[2], rel=5e-3)
     moved = pair.with_({"arrangement.rotor_offset_mm": 10.0})
     off = RotorAtRest.of(moved).frequencies(moved.arrangement)
-    assert off[0] == pytest.approx(found[0]) and off[1] < found[1] and off[2] > found[2]
+    assert (
+        off[0] == pytest.approx(frequencies[0])
+        and off[1] < frequencies[1]
+        and off[2] > frequencies[2]
+    )
 
 
 def test_miles_equation(pair):
@@ -171,16 +175,16 @@ def test_miles_equation(pair):
     random = pair.with_(
         {"launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0, "launch.duration_s": 0.0}
     )
-    found = launch_result(random)
-    by_hand = 3.0 * math.sqrt(0.5 * math.pi * found.frequencies[0] * 20.0 * 0.1)
-    assert found.axial_g == pytest.approx(by_hand, rel=1e-12)
+    launch = launch_result(random)
+    by_hand = 3.0 * math.sqrt(0.5 * math.pi * launch.frequencies[0] * 20.0 * 0.1)
+    assert launch.axial_g == pytest.approx(by_hand, rel=1e-12)
     longer = launch_result(random.with_({"launch.duration_s": 120.0}))
-    factor = math.sqrt(2.0 * math.log(120.0 * found.frequencies[0]))
+    factor = math.sqrt(2.0 * math.log(120.0 * launch.frequencies[0]))
     assert longer.random["axial"].three_sigma_g == pytest.approx(by_hand, rel=1e-12)
     assert longer.axial_g == pytest.approx(by_hand * factor / 3.0, rel=1e-12)
-    assert longer.pressure_share > found.pressure_share
+    assert longer.pressure_share > launch.pressure_share
     plain = launch_result(pair.with_({"launch.axial_g": by_hand}))
-    assert plain.gap == pytest.approx(found.gap, rel=1e-12) and plain.gap > 0.0
+    assert plain.gap == pytest.approx(launch.gap, rel=1e-12) and plain.gap > 0.0
 
 
 def test_the_largest_expected_of_a_narrow_band_response():
@@ -198,7 +202,7 @@ def test_carts_on_a_shaker_saw_more_than_three_sigma():
     carts = benchmark("launch_tests").CARTS
     factor = expected_peak(300.0, 120.0) / 3.0
     ratios = {cart.name: cart.load_ratios for cart in carts}
-    assert len(ratios) == 3 and all(one.size == 6 for one in ratios.values())
+    assert len(ratios) == 3 and all(ratio.size == 6 for ratio in ratios.values())
     hard = ratios.pop("hard, 160 N")
     assert np.all(abs(hard / factor - 1.0) < 0.1)
     assert abs(hard.mean() / factor - 1.0) < 0.05
@@ -221,7 +225,7 @@ def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
     assert through.gap == first.past > 100e-6 and first.is_open
     assert launch_values(soft)["launch_gap"] > 100e-6
     heading = launch_document(soft, {"new": launch_result(soft)}).heading
-    assert any("passes its gap" in line for line in heading)
+    assert any("passes" in line for line in heading)
     assert not any("no gap" in line for line in heading)
 
 
@@ -234,8 +238,8 @@ def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
         ({"launch.axial_g": 100.0}, False),
     ):
         scene = pair.with_(changes)
-        found = {"new": launch_result(scene)}
-        heading = launch_document(scene, found).heading
+        launches = {"new": launch_result(scene)}
+        heading = launch_document(scene, launches).heading
         assert (SOFT_PAIR_GAPS in heading) == is_told
         assert any(SOFT_PAIR_GAPS in line for line in machine_answers(scene)["said"]) == is_told
     rows = {row.name: row.values[0] for row in launch_document(pair.with_(soft), {
@@ -254,47 +258,48 @@ def test_warmth_changes_what_a_rigid_pair_holds(pair):
 
 def test_what_limits_look_at(pair):
     assert launch_values(bearingwear.example()) == {}
-    found = launch_values(pair.with_({"launch.axial_g": 100.0, "launch.radial_g": 20.0}))
-    assert found["opening_acceleration"] == pytest.approx(228.9157064 / 3.0, rel=1e-7)
-    assert found["launch_gap"] == pytest.approx(31.98130314e-6, rel=1e-6)
-    assert found["launch_pressure_share"] == pytest.approx(1859.437676 / 4200.0, rel=1e-6)
+    launch = launch_values(pair.with_({"launch.axial_g": 100.0, "launch.radial_g": 20.0}))
+    assert launch["opening_acceleration"] == pytest.approx(228.9157064 / 3.0, rel=1e-7)
+    assert launch["launch_gap"] == pytest.approx(31.98130314e-6, rel=1e-6)
+    assert launch["launch_pressure_share"] == pytest.approx(1859.437676 / 4200.0, rel=1e-6)
     lost = launch_values(pair.with_(SPRING | {"launch.axial_g": 100.0}))
     assert lost["launch_gap"] == 1.0 and lost["opening_acceleration"] < 3.0 * GRAVITY
 
 
 def test_a_launch_is_judged_new_and_worn(pair):
     """The worse of both, and no more wear than the scene says that there is before a launch."""
-    asked = pair.with_({"launch.axial_g": 100.0})
-    worn = launch_result(asked.with_({"wear.ball_diameter_loss_um": 0.5}))
-    new = launch_result(asked)
+    scene = pair.with_({"launch.axial_g": 100.0})
+    worn = launch_result(scene.with_({"wear.ball_diameter_loss_um": 0.5}))
+    new = launch_result(scene)
     assert worn.opening_g < 0.9 * new.opening_g and worn.gap > new.gap
-    found = launch_values(asked, [(0.0,), (0.5e-6,)])
-    assert found["opening_acceleration"] == pytest.approx(GRAVITY * worn.opening_g, rel=1e-12)
-    assert found["denting_acceleration"] == pytest.approx(
+    launch = launch_values(scene, [(0.0,), (0.5e-6,)])
+    assert launch["opening_acceleration"] == pytest.approx(GRAVITY * worn.opening_g, rel=1e-12)
+    assert launch["denting_acceleration"] == pytest.approx(
         GRAVITY * min(new.denting_g, worn.denting_g), rel=1e-12
     )
-    assert found["launch_gap"] == pytest.approx(worn.gap, rel=1e-12)
-    early = launch_values(asked.with_({"launch.after_wear_um": 0.0}), [(0.0,), (0.5e-6,)])
-    assert early == launch_values(asked)
+    assert launch["launch_gap"] == pytest.approx(worn.gap, rel=1e-12)
+    early = launch_values(scene.with_({"launch.after_wear_um": 0.0}), [(0.0,), (0.5e-6,)])
+    assert early == launch_values(scene)
 
 
-def test_the_sheet_of_a_launch_says_new_and_worn(pair):
-    asked = pair.with_(
+def test_a_launch_is_checked_new_and_worn(pair):
+    scene = pair.with_(
         {"launch.axial_g": 100.0, "wear.end_of_life.ball_diameter_loss_um": 0.5,
          "wear.end_of_life.preload_fraction": 0.01}
     )  # fmt: skip
-    found = launched_by_wear(asked)
-    assert list(found) == ["new", "worn"]
-    by_hand = launch_result(asked.with_({"wear.ball_diameter_loss_um": 0.5})).opening_g
+    launches = launched_by_wear(scene)
+    assert list(launches) == ["new", "worn"]
+    by_hand = launch_result(scene.with_({"wear.ball_diameter_loss_um": 0.5})).opening_g
     # within what a life's end is found to
-    assert found["worn"].opening_g == pytest.approx(by_hand, rel=1e-3)
-    sheet = launch_document(asked, found)
+    assert launches["worn"].opening_g == pytest.approx(by_hand, rel=1e-3)
+    sheet = launch_document(scene, launches)
     assert sheet.blocks[0].columns == ("new", "worn")
-    assert any("gaps by" in line and line.endswith(", worn") for line in sheet.heading)
-    assert list(launched_by_wear(asked.with_({"wear.end_of_life": None}))) == ["new"]
-    early = launched_by_wear(asked.with_({"launch.after_wear_um": 0.2}))
-    assert list(early) == ["new", "after 0.2 um of wear"]
-    assert by_hand < early["after 0.2 um of wear"].opening_g < found["new"].opening_g
+    assert any(line.endswith(", worn") for line in sheet.heading)
+    assert list(launched_by_wear(scene.with_({"wear.end_of_life": None}))) == ["new"]
+    early = launched_by_wear(scene.with_({"launch.after_wear_um": 0.2}))
+    new, after_wear = early
+    assert new == "new" and numbers_in(after_wear) == [0.2]
+    assert by_hand < early[after_wear].opening_g < launches["new"].opening_g
 
 
 def test_a_required_acceleration_at_launch_holds_worn():
@@ -307,10 +312,10 @@ def test_a_required_acceleration_at_launch_holds_worn():
     )  # fmt: skip
     limits = DesignLimits(launch_g=30.0)
     method = PRELOAD_METHODS.index("fixed_position")
-    found = recommendation(scene, limits).sel(preload_method=method)
+    point = recommendation(scene, limits).sel(preload_method=method)
     worn = scene.with_(
-        {"operation.preload_N": float(found["preload"]),
-         "wear.ball_diameter_loss_um": 1e6 * float(found["loss_at_end"])}
+        {"operation.preload_N": float(point["preload"]),
+         "wear.ball_diameter_loss_um": 1e6 * float(point["loss_at_end"])}
     )  # fmt: skip
     assert launch_result(worn).opening_g == pytest.approx(30.0, rel=0.01)
     assert launch_result(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0

@@ -82,10 +82,10 @@ def test_friction_that_holds_the_balls_by_a_closed_formula(minimum, designation)
     entry = entry_of("GMN", designation)[0]
     scene = minimum.gmn_scene(entry, entry.speed_oil, 0.08)
     with pytest.warns(UserWarning):
-        found = bearingwear.solve(scene, "race_control")
+        result = bearingwear.solve(scene, "race_control")
     D, dm = 1e-3 * entry.ball, 1e-3 * entry.pitch
     omega = entry.speed_oil * math.pi / 30.0
-    inner, outer = (math.radians(float(a)) for a in np.ravel(found.contact_angle)[:2])
+    inner, outer = (math.radians(float(a)) for a in np.ravel(result.contact_angle)[:2])
     gamma = D / dm
     pitch = math.atan2(math.sin(outer), math.cos(outer) + gamma)
     # Harris, outer race control, the inner ring turns
@@ -95,9 +95,9 @@ def test_friction_that_holds_the_balls_by_a_closed_formula(minimum, designation)
     orbit = omega * (1.0 - gamma * math.cos(inner)) / (1.0 + math.cos(inner - outer))
     mass = 7800.0 * math.pi / 6.0 * D**3
     moment = 0.1 * mass * D**2 * spin * orbit * math.sin(pitch)
-    load = float(np.ravel(found.contact_load)[:2].sum())
+    load = float(np.ravel(result.contact_load)[:2].sum())
     expected = moment / (load * 0.5 * D)
-    friction = 0.08 * float(np.max(found.friction_used_by_gyroscopic_moment))
+    friction = 0.08 * float(np.max(result.friction_used_by_gyroscopic_moment))
     assert friction == pytest.approx(expected, rel=0.02)
 
 

@@ -80,8 +80,8 @@ def test_unequal_wear(solved, losses, shift, preload):
 
 def test_slope_of_the_force(scene):
     """4.86141 N/um, the angle 20.4758 degrees and 2.21610 um of one bearing."""
-    one = scene("gyro_s1")
-    g, place, h = parameters.geometry(one), parameters.static_place(one), 1e-10
+    changed_scene = scene("gyro_s1")
+    g, place, h = parameters.geometry(changed_scene), parameters.static_place(changed_scene), 1e-10
     at_rest = Mechanics(g, g.D0)
     slope = (at_rest.force(place + h) - at_rest.force(place - h)) / (2.0 * h)
     assert_allclose([slope * 1e-6, place * 1e6], [4.86141, 2.21610], atol=6e-6)
@@ -94,23 +94,23 @@ def test_slope_of_the_force(scene):
 @pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
 @pytest.mark.parametrize("loss", [0.0, 0.3])
 def test_symmetric_pair_is_the_single_bearing(solved, fidelity, single, pair, loss):
-    one, two = (solved(changes | {LOSS: loss}, fidelity) for changes in (single, pair))
+    alone, two = (solved(changes | {LOSS: loss}, fidelity) for changes in (single, pair))
     for k in range(2):
         other = of_bearing(two, k)
-        for name, value in one.items():
+        for name, value in alone.items():
             assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
-    assert set(two) - set(one) <= SHARED
+    assert set(two) - set(alone) <= SHARED
 
 
 def test_mirror_image(solved):
     """Which bearing is called the first changes signs alone."""
     force = {"arrangement.external_axial_N": 2.0, LOSS: 0.1, "arrangement.second": {LOSS: 0.4}}
     back = {"arrangement.external_axial_N": -2.0, LOSS: 0.4, "arrangement.second": {LOSS: 0.1}}
-    one, two = solved(RIGID | force), solved(RIGID | back)
-    assert_allclose(one["rotor_axial_shift"], -two["rotor_axial_shift"], rtol=1e-9)
+    pushed, two = solved(RIGID | force), solved(RIGID | back)
+    assert_allclose(pushed["rotor_axial_shift"], -two["rotor_axial_shift"], rtol=1e-9)
     for name in ("total_qv", "residual_preload", "contact_angle"):
-        assert_allclose(one[name], two[name][::-1], rtol=1e-9)
-    assert_allclose(one["system_axial_stiffness"], two["system_axial_stiffness"], rtol=1e-9)
+        assert_allclose(pushed[name], two[name][::-1], rtol=1e-9)
+    assert_allclose(pushed["system_axial_stiffness"], two["system_axial_stiffness"], rtol=1e-9)
 
 
 # independent checks
@@ -155,13 +155,13 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
         LOSS: 0.3,
     }  # fmt: skip
     v = solved(changes)
-    one = scene("gyro_s1")
-    g, mounted = parameters.geometry(one), parameters.static_place(one)
+    changed_scene = scene("gyro_s1")
+    g, mounted = parameters.geometry(changed_scene), parameters.static_place(changed_scene)
     worn = Mechanics(g, g.D0 - 0.3e-6)
 
     def left(F_2):
-        given = worn.place(F_2 + F_ext) + worn.place(F_2) - 2.0 * mounted
-        return 7.0 - k_s * given - F_2
+        offset = worn.place(F_2 + F_ext) + worn.place(F_2) - 2.0 * mounted
+        return 7.0 - k_s * offset - F_2
 
     F_2 = brentq(left, 3.6, 9.0, xtol=1e-13)
     assert_allclose(v["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
@@ -179,15 +179,15 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
 
 def test_check_of_the_rotor_says_no(scene):
     """Another place or force by a millionth is seen."""
-    made = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
-    pair = solver_of(made, "steady", Accuracy.CHECKED).bearings
+    changed_scene = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
+    pair = solver_of(changed_scene, "steady", Accuracy.CHECKED).bearings
     state = pair.solve(pair.start)
-    each = [side.case(one)[0] for side, one in zip(pair.sides, state.sides, strict=True)]
+    each = [side.case(value)[0] for side, value in zip(pair.sides, state.sides, strict=True)]
     mounted = [side.mounted for side in pair.sides]
-    assert rotor_balance(made, mounted, each) < 1e-9
+    assert rotor_balance(changed_scene, mounted, each) < 1e-9
     for name in ("residual_preload", "axial_displacement"):
         wrong = [each[0] | {name: each[0][name] * (1.0 + 1e-6)}, each[1]]
-        assert rotor_balance(made, mounted, wrong) > 1e-7
+        assert rotor_balance(changed_scene, mounted, wrong) > 1e-7
 
 
 # lift-off
@@ -244,15 +244,15 @@ def test_frequencies_of_closed_forms():
     """Springs at both ends; half of the sum of two unlike springs' roots is that of the trace."""
     a = Arrangement(kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0)
     side = np.diag([5e6, 15e6, 15e6, 0.0, 0.0])
-    found = natural_frequencies(a, np.array([side, side]), 10e6)
+    frequencies = natural_frequencies(a, np.array([side, side]), 10e6)
     inertia = 0.03 * 0.02**2 / 12.0
     expected = np.sqrt([10e6 / 0.03, 30e6 / 0.03, 30e6 * 0.01**2 / inertia]) / (2.0 * math.pi)
-    assert_allclose(found, expected, rtol=1e-12)
-    given = Arrangement(
+    assert_allclose(frequencies, expected, rtol=1e-12)
+    arrangement = Arrangement(
         kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0, rotor_transverse_inertia_kg_mm2=4.0
     )
-    heavier = natural_frequencies(given, np.array([side, side]), 10e6)
-    assert_allclose(heavier[2] / found[2], math.sqrt(inertia / 4e-6), rtol=1e-12)
+    heavier = natural_frequencies(arrangement, np.array([side, side]), 10e6)
+    assert_allclose(heavier[2] / frequencies[2], math.sqrt(inertia / 4e-6), rtol=1e-12)
 
 
 def test_back_to_back_resists_tilting_more(solved):
@@ -261,10 +261,10 @@ def test_back_to_back_resists_tilting_more(solved):
         way: rotor_stiffness(Arrangement(kind="rigid_pair", span_mm=20.0, orientation=way), K)
         for way in ("back_to_back", "face_to_face")
     }
-    for one in by.values():
-        assert_allclose(one, one.T, rtol=0, atol=1e-9 * np.abs(one).max())
-        assert_allclose(one[1, 4], 0.0, atol=1e-9 * np.abs(one).max())  # a symmetric pair
-        assert_allclose(one[0, 0], 2.0 * K[0, 0, 0], rtol=1e-12)
+    for case in by.values():
+        assert_allclose(case, case.T, rtol=0, atol=1e-9 * np.abs(case).max())
+        assert_allclose(case[1, 4], 0.0, atol=1e-9 * np.abs(case).max())  # a symmetric pair
+        assert_allclose(case[0, 0], 2.0 * K[0, 0, 0], rtol=1e-12)
     lever = 4.0 * 0.01 * abs(K[0, 2, 3])
     assert_allclose(by["back_to_back"][3, 3] - by["face_to_face"][3, 3], 2.0 * lever, rtol=1e-9)
 
@@ -326,10 +326,10 @@ def test_each_bearing_has_its_own_network(solved, fidelity):
     assert v["part_temperature"][0, 0] > v["part_temperature"][1, 0] + 0.1
     assert_allclose(np.subtract(*v["residual_preload"]), 4.0, atol=1e-7)
     assert (v["heat_flow_residual"] < 1e-5).all()
-    given = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C", "shaft_C", "housing_C"),
+    inputs = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C", "shaft_C", "housing_C"),
                      v["part_temperature"].T, strict=True))  # fmt: skip
-    first = {f"temperature.{name}": float(t[0]) for name, t in given.items()}
-    second = {f"temperature.{name}": float(t[1]) for name, t in given.items()}
+    first = {f"temperature.{name}": float(t[0]) for name, t in inputs.items()}
+    second = {f"temperature.{name}": float(t[1]) for name, t in inputs.items()}
     same = solved(RIGID | first | {"arrangement.external_axial_N": 4.0,
                                    "arrangement.second": second}, fidelity)  # fmt: skip
     for name in ("residual_preload", "total_qv", "rotor_axial_shift", "system_axial_stiffness"):

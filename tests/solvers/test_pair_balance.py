@@ -28,8 +28,8 @@ def search(left, start=0.0, nearby=None):
         states = (lost if beyond else solved, solved)
         return RotorTrial(states, left(x), HELD, 10.0)
 
-    x, found = balanced_place(trial, start, 1e-20, nearby or Nearby())
-    return x, found if isinstance(found, int) else code.OK, len(trials)
+    x, result = balanced_place(trial, start, 1e-20, nearby or Nearby())
+    return x, result if isinstance(result, int) else code.OK, len(trials)
 
 
 @pytest.mark.parametrize("steeper", [0.2, 0.9, 1.0, 2.0, 3.5, 40.0])

@@ -32,9 +32,9 @@ def worn(scene):
                 "friction.ball_race": mu,
                 "wear.end_of_life": {"ball_diameter_loss_um": 0.75},
             }
-            found = follow_grooves(Grooves(scene("gyro_s1_hertz", changes)))
-            assert found.status == code.OK
-            states = found.states
+            groove_life = follow_grooves(Grooves(scene("gyro_s1_hertz", changes)))
+            assert groove_life.status == code.OK
+            states = groove_life.states
             loss = [1e6 * s.loss for s in states]
 
             def at(values):

@@ -21,7 +21,7 @@ TIGHT = 1e-3  # tolerance of a march that is compared with
 
 
 @pytest.fixture(scope="module")
-def found(scene):
+def result_of(scene):
     """Function (changes) -> the solved result."""
     kept = {}
 
@@ -35,12 +35,12 @@ def found(scene):
 
 
 @pytest.mark.parametrize("changes", [RADIAL, ROTATING, TILTED], ids=["radial", "rotating", "tilt"])
-def test_as_a_settled_march(scene, found, changes):
+def test_as_a_settled_march(scene, result_of, changes):
     """QV of both contacts over an orbit after twelve others, mean of the balls.
 
     The start leaves the balls of a march unevenly spaced for good, and each with a QV of its own.
     """
-    direct = found(changes).values
+    direct = result_of(changes).values
     bare = scene("gyro_s1", changes).without_cage
     system = DynamicSystem.of(bare, start_of(bare).u)
     orbit = 3.0 * direct["simulated_turns"] * system.turn  # three of nine passings are recorded
@@ -52,8 +52,8 @@ def test_as_a_settled_march(scene, found, changes):
     assert direct["simulated_turns"] < 1.0
 
 
-def test_every_ball_does_the_same(found):
-    values = found(RADIAL).values
+def test_every_ball_does_the_same(result_of):
+    values = result_of(RADIAL).values
     for name in ("qv", "maximum_contact_load", "minimum_contact_load", "orbit_speed"):
         each = values[name]
         assert_allclose(each, np.broadcast_to(each.mean(axis=0), each.shape), rtol=1e-5)
@@ -64,10 +64,10 @@ def test_every_ball_does_the_same(found):
 
 
 @pytest.mark.parametrize("name, load", [("gyro_s1", 1.5), ("turbopump", 300.0)])
-def test_the_estimate_covers_what_tight_steps_change(found, name, load):
+def test_the_estimate_covers_what_tight_steps_change(result_of, name, load):
     changes = BARE | {"operation.radial_load_N": [0.0, -load]}
-    rough = found(changes, name).values
-    tight = found(changes | {"model.dynamic_tolerance": 1e-5}, name).values
+    rough = result_of(changes, name).values
+    tight = result_of(changes | {"model.dynamic_tolerance": 1e-5}, name).values
     error = abs(rough["total_qv"] / tight["total_qv"] - 1.0)
     assert 1e-9 < error <= rough["qv_error_estimate"]
 
@@ -94,16 +94,14 @@ def test_where_none_is_found(scene, monkeypatch):
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
     asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage
     failed = solve(asked)
-    assert failed.status == "not_converged" and "no periodic motion" in failed.attrs["residual"]
+    assert failed.status == "not_converged" and "periodic" in failed.attrs["residual"]
     marched = solve(scene("gyro_s1", RADIAL).without_cage)
-    assert marched.status == "ok" and marched.attrs["start"] == (
-        "the steady state under pure thrust"
-    )
+    assert marched.status == "ok" and "steady state" in marched.attrs["start"]
 
 
-def test_a_run_goes_on_from_a_periodic_motion(scene, found):
+def test_a_run_goes_on_from_a_periodic_motion(scene, result_of):
     """At its end each ball is back where it was, at a later time."""
-    first = found(ROTATING).values
+    first = result_of(ROTATING).values
     again = solve(
         scene("gyro_s1", ROTATING).without_cage,
         restart={"state": first["final_state"], "time": first["final_time"]},

@@ -40,12 +40,12 @@ def test_outer_control_thrust(name):
     w_x, w_z = k.Omega - k.w_R * math.cos(k.beta) - omega, k.w_R * math.sin(k.beta)
     spin = w_x * math.sin(s.alpha_i) + w_z * math.cos(s.alpha_i)
     roll = w_x * math.cos(s.alpha_i) - w_z * math.sin(s.alpha_i)
-    found = [
+    result = [
         delta_a, math.degrees(s.alpha_i), math.degrees(s.alpha_o), s.Q_i, s.Q_o, k.Omega, k.w_R,
         math.degrees(k.beta), 0.1 * m * g.D0**2 * k.w_R * k.Omega * math.sin(k.beta),
         m * 0.5 * g.dm * k.Omega**2, abs(spin / roll),
     ]  # fmt: skip
-    assert_allclose(found, reference, rtol=1e-5)
+    assert_allclose(result, reference, rtol=1e-5)
 
 
 @pytest.mark.parametrize("law", [OUTER_CONTROL, INNER_CONTROL])

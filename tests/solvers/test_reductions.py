@@ -47,8 +47,8 @@ def test_the_cage_left_out(scene, name, load):
     reduced, full = solve(s).values, solve(s, "dynamic").values
     assert "cage_wear_rate" in full and "cage_wear_rate" not in reduced
     assert_allclose(reduced["total_qv"], full["total_qv"], rtol=0.01)
-    one, other = reduced["ball_diameter_loss_rate"], full["ball_diameter_loss_rate"]
-    assert_allclose(one, other, rtol=0.02)
+    rate, other = reduced["ball_diameter_loss_rate"], full["ball_diameter_loss_rate"]
+    assert_allclose(rate, other, rtol=0.02)
     balls, in_pockets = reduced["ball_wear_rate"].mean(), full["ball_wear_rate"].mean()
     assert 0.85 * in_pockets < balls < in_pockets
     assert reduced["total_qv"] != full["total_qv"]  # and it is a reduction

@@ -19,44 +19,44 @@ def test_a_solve_with_a_number_that_is_not_finite_is_not_ok(scene, monkeypatch, 
     monkeypatch.setattr(steady, "drag_power", lambda *args: wrong)
     result = solve(scene("gyro_s1"), "steady")
     assert result.status == "unverified"
-    assert result.attrs["residual"] == "not finite: drag_power"
+    assert result.attrs["residual"].endswith(": drag_power")
 
 
 def test_each_value_of_a_case_is_looked_at(scene):
     """One number of an array is enough; a plain number, a list and an array alike."""
-    found = solve(scene("gyro_s1", {"bearing.bore_mm": 5.0}), "steady")
-    assert found.status == "ok" and not not_finite(found.values, found.scene)
-    for name, value in found.values.items():
+    result = solve(scene("gyro_s1", {"bearing.bore_mm": 5.0}), "steady")
+    assert result.status == "ok" and not not_finite(result.values, result.scene)
+    for name, value in result.values.items():
         if (whole := np.array(value)).dtype.kind == "f":
             whole.flat[-1] = math.nan
             spoilt = whole if whole.ndim else float(whole)
-            assert not_finite(found.values | {name: spoilt}, found.scene) == [name]
+            assert not_finite(result.values | {name: spoilt}, result.scene) == [name]
 
 
 def test_what_may_be_unknown(scene):
-    found = solve(scene("gyro_s1"), "steady")
+    result = solve(scene("gyro_s1"), "steady")
     for name, value, allowed in (
         ("friction_used_by_gyroscopic_moment", [math.inf], True),  # a ball without load
         ("friction_used_by_gyroscopic_moment", [math.nan], False),
         ("friction_used_by_gyroscopic_moment", [-math.inf], False),
         ("part_temperature", [60.0, 50.0, 55.0, math.nan, math.nan], True),  # no shaft
     ):
-        assert (not_finite(found.values | {name: value}, found.scene) == []) == allowed
-    pair = found.scene | {"arrangement": {"kind": "spring_pair"}}
-    one = {"status": OK, "qv_error_estimate": np.array([1e-3, math.nan])}
-    assert not_finite(one, pair) == []  # of one bearing alone
-    neither = one | {"qv_error_estimate": np.array([math.nan, math.nan])}
+        assert (not_finite(result.values | {name: value}, result.scene) == []) == allowed
+    pair = result.scene | {"arrangement": {"kind": "spring_pair"}}
+    values = {"status": OK, "qv_error_estimate": np.array([1e-3, math.nan])}
+    assert not_finite(values, pair) == []  # of one bearing alone
+    neither = values | {"qv_error_estimate": np.array([math.nan, math.nan])}
     assert not_finite(neither, pair) == ["qv_error_estimate"]
     assert not_finite({"status": OK, "natural_frequency": np.array([1e3, math.nan])}, pair)
 
 
 def test_a_life_and_its_histories_are_looked_at(scene):
-    found = life(scene("gyro_s1", FIXED))
-    assert found.status == "ok" and not not_finite(found.values, found.scene)
+    result = life(scene("gyro_s1", FIXED))
+    assert result.status == "ok" and not not_finite(result.values, result.scene)
     for name, k in (("life", ()), ("history_time", -1), ("history_total_qv", 0)):
-        spoilt = np.array(found.values[name])
+        spoilt = np.array(result.values[name])
         spoilt[k] = math.nan
-        assert not_finite(found.values | {name: spoilt}, found.scene) == [name]
+        assert not_finite(result.values | {name: spoilt}, result.scene) == [name]
 
 
 def test_a_stiffness_may_be_unknown_between_the_ends_of_a_life(scene):

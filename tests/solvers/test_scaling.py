@@ -38,11 +38,11 @@ losses = st.floats(0.0, 0.8)
 @given(method=methods, mu=frictions, loss=losses, s=st.floats(0.3, 8.0))
 def test_similar_bearings(method, mu, loss, s):
     """Lengths x s, loads x s^2, speed / s, v_r the same: QV x s^2, pressure and slip the same."""
-    one = solve(gyro(method, mu, loss))
+    result = solve(gyro(method, mu, loss))
     base = gyro(method, mu, loss)
     other = solve(scaled(base, s))
-    assert one.status == other.status == "ok"
-    a, b = one.values, other.values
+    assert result.status == other.status == "ok"
+    a, b = result.values, other.values
     assert_allclose(b["contact_load"], s**2 * a["contact_load"], rtol=1e-8)
     assert_allclose(b["maximum_pressure"], a["maximum_pressure"], rtol=1e-8)
     assert_allclose(b["contact_angle"], a["contact_angle"], rtol=1e-8)
@@ -94,7 +94,7 @@ def test_mirror_image_turns_the_other_way(method, mu, loss, outer):
 
 
 @pytest.mark.parametrize("tilt", [0.0, 1.0])
-def test_mirrored_radial_load(tilt):
+def test_a_mirrored_radial_load_mirrors_the_balls(tilt):
     """Load along -Y instead of +Y: the balls at psi and -psi change places."""
     values = [
         solve(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import numbers_in
 
 from bearingwear.kernels.layout import PSI
 from bearingwear.results.warnings import warnings_in
@@ -44,7 +45,7 @@ def test_known_multipliers(largest, others):
     assert_allclose(growth.other, np.log(others) / turns, rtol=1e-12)
 
 
-def test_next_to_the_thrust_alone(scene):
+def test_a_small_radial_load_settles_like_the_steady_state(scene):
     """Hardly any load: balls return as the steady state's linear motion has it, and stay apart."""
     nearly = scene("gyro_s1", RADIAL | {"operation.radial_load_N": [0.0, -1e-3]}).without_cage
     system, motion = motion_of(nearly)
@@ -94,22 +95,20 @@ def test_uneven_spacing_grows_in_a_march_as_stated(scene):
 
 def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
     with_cage = scene("turbine", TURBINE)
-    for one, expected in ((with_cage, False), (with_cage.without_cage, True)):
-        result = solve(one)
+    for variant, expected in ((with_cage, False), (with_cage.without_cage, True)):
+        result = solve(variant)
         assert result.values["spacing_growth_per_turn"] > 0.0
-        assert "even ball spacing grow" in result.attrs["settled"]
-        told = {warning["id"] for warning in warnings_in(result.attrs)}
-        assert ("motion_unstable" in told) == expected
+        assert "spacing" in result.attrs["settled"]
+        warning_ids = {warning["id"] for warning in warnings_in(result.attrs)}
+        assert ("motion_unstable" in warning_ids) == expected
 
 
 def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
     """By auto, which says why; it is kept, and warned of, where it is asked for."""
     monkeypatch.setattr(Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, other=0.1))
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
-    assert (
-        "not used, because it is unstable: disturbances grow by a factor of e in 10 turns"
-        in marched.attrs["start"]
-    )
+    assert "unstable" in marched.attrs["start"]
+    assert 10.0 in numbers_in(marched.attrs["start"])  # turns for growth by a factor of e
     assert marched.values["simulated_turns"] == 1.0
     assert "disturbance_growth_per_turn" not in marched.values
     kept = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}))

@@ -70,7 +70,9 @@ def solved(scene, mu, quadrature, points):
         ("strips", 200, 1e-3, 5e-3),  # required of 200 equal strips
     ],
 )
-def test_benchmark(scene, mu, quadrature, points, rtol, qv_rtol):
+def test_values_agree_with_the_reference_of_the_quadratures(
+    scene, mu, quadrature, points, rtol, qv_rtol
+):
     v, ref = solved(scene, mu, quadrature, points), REFERENCE[mu]
     assert_allclose(v["contact_load"][0], ref["Q"], rtol=rtol)
     assert_allclose(np.degrees(v["contact_angle"][0]), ref["alpha"], rtol=rtol)
@@ -168,7 +170,7 @@ def decaying(few, D, case, within):
 @pytest.mark.parametrize(("mu", "v_r"), [(1e-6, 1e-8), (1e-6, 1e-6), (4.8e-6, 4e-6)])
 def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     """With 32 points a motion seems to last minutes or hours; its rates converge to faster ones."""
-    given = scene(
+    changed_scene = scene(
         "gyro_s1",
         {
             "operation.preload_method": "fixed_position",
@@ -178,13 +180,13 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
             "model.strips": 32,
         },
     )
-    D = float(ball_diameters(given)[0])
-    few = ThrustProblem.of(given)
+    D = float(ball_diameters(changed_scene)[0])
+    few = ThrustProblem.of(changed_scene)
     case = few.solve(D)
     slowest = few.time_scales(D, case).real.max()
     rates = decaying(few, D, case, within=0.1)
     assert 5e-3 * rates.max() < slowest < 0.0
-    assert few.stable(D, case) and solve(given).values["status"] == code.OK
+    assert few.stable(D, case) and solve(changed_scene).values["status"] == code.OK
 
 
 @pytest.mark.parametrize(
@@ -192,7 +194,7 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
 )
 def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, v_r):
     """Few fixed points with traction: a motion seems to grow, with many all decay."""
-    given = scene(
+    changed_scene = scene(
         "gyro_s1",
         {
             "operation.shaft_speed_rpm": 3500,
@@ -203,15 +205,15 @@ def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, 
             "model.strips": strips,
         },
     )
-    D = float(ball_diameters(given)[0])
-    few = ThrustProblem.of(given)
+    D = float(ball_diameters(changed_scene)[0])
+    few = ThrustProblem.of(changed_scene)
     case = few.solve(D)
     assert case.status == code.OK and few.time_scales(D, case).real.max() > 0.0
     decaying(few, D, case, within=1e-3)
-    assert few.stable(D, case) and solve(given).values["stable"] == 1
+    assert few.stable(D, case) and solve(changed_scene).values["stable"] == 1
 
 
-def test_standstill(scene):
+def test_a_bearing_at_rest_has_no_friction_heat(scene):
     """Nothing turns: the static equilibrium, no slip, no heat."""
     v = solve(scene("gyro_s1", {"operation.shaft_speed_rpm": 0})).values
     assert v["status"] == code.OK

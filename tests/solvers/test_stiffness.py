@@ -116,11 +116,11 @@ def test_linear_response(scene, contact, method):
 
     # a hundredth of the width of the friction law, as in the tests of the Jacobian
     steps = [1e-2 * problem.op.v_r / problem.g.D0] * 4 + [1e-6 * abs(u).min()] * (k - 4) + [1e-10]
-    found = case.response[:, : k + 1]
+    result = case.response[:, : k + 1]
     expected = np.array([(at(j, h) - at(j, -h)) / (2.0 * h) for j, h in enumerate(steps)]).T
     rows = np.abs(expected).max(axis=1, keepdims=True)
     columns = np.abs(expected / rows).max(axis=0)
-    assert (np.abs(found - expected) / rows / columns).max() <= 1e-4
+    assert (np.abs(result - expected) / rows / columns).max() <= 1e-4
 
 
 # Two bearings
@@ -153,7 +153,7 @@ RIGID = FIXED | {"arrangement.kind": "rigid_pair"}
     ],
     ids=["rigid", "mixed", "warm", "spring", "unlike"],
 )
-def test_pair_is_the_slope_of_its_shift(scene, changes):
+def test_the_stiffness_of_a_pair_is_the_slope_of_force_over_its_shift(scene, changes):
     def values(force):
         more = {"operation.preload_N": 5.0, "arrangement.external_axial_N": force}
         return solve(scene("gyro_s1_hertz", more | changes)).values
@@ -169,19 +169,21 @@ def test_pair_is_the_slope_of_its_shift(scene, changes):
 
 @pytest.mark.parametrize("radial", [[0.0, 0.0], [0.3, -0.5]])
 def test_race_control(scene, radial):
-    made = scene("turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"})
-    problem = RaceControlProblem.of(made)
-    values, _ = solve_race_control(made, problem)
-    found = values["quasistatic_axial_stiffness"]
-    h = 1e-4 * float(values["residual_preload"]) / found
+    changed_scene = scene(
+        "turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"}
+    )
+    problem = RaceControlProblem.of(changed_scene)
+    values, _ = solve_race_control(changed_scene, problem)
+    stiffness = values["quasistatic_axial_stiffness"]
+    h = 1e-4 * float(values["residual_preload"]) / stiffness
     ends = []
     for place in (-h, h):
         held = replace(
             problem, constant_force=False, delta_a=float(values["axial_displacement"]) + place
         )
-        ends.append(float(solve_race_control(made, held)[0]["residual_preload"]))
-    assert_allclose((ends[1] - ends[0]) / (2.0 * h), found, rtol=1e-6)
-    assert abs(found / values["axial_stiffness"] - 1.0) > 1e-5  # the forces do follow
+        ends.append(float(solve_race_control(changed_scene, held)[0]["residual_preload"]))
+    assert_allclose((ends[1] - ends[0]) / (2.0 * h), stiffness, rtol=1e-6)
+    assert abs(stiffness / values["axial_stiffness"] - 1.0) > 1e-5  # the forces do follow
 
 
 # All five displacements
@@ -212,10 +214,10 @@ def test_matrix_is_the_answer_of_motion_in_time(scene, balance):
         ({"operation.tilt_mrad": 1e3 * tilt}, -K[1:3, 3] * tilt),
     ):
         moving = solve(scene("gyro_s1_hertz", changes | load).without_cage, "dynamic").values
-        found = moving["history_race_displacement"][:, 1:].mean(axis=0)
+        result = moving["history_race_displacement"][:, 1:].mean(axis=0)
         place = np.linalg.solve(K[1:3, 1:3], force)
         size = np.abs(place).max()
-        assert_allclose(found, place, atol=1e-3 * size)
+        assert_allclose(result, place, atol=1e-3 * size)
         held = np.linalg.solve(dynamic[1:3, 1:3], force)
         if balance == "with_traction" and "operation.tilt_mrad" not in load:
-            assert np.abs(found - held).max() > 5e-3 * size  # that balls follow is seen
+            assert np.abs(result - held).max() > 5e-3 * size  # that balls follow is seen

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file, warm_spindle
+from support import ROOT, numbers_in, scene_file, warm_spindle
 
 import bearingwear
 from bearingwear.lives.life import life
@@ -62,7 +62,7 @@ def spindle(tmp_path_factory):
 
 
 def ids(result) -> set[str]:
-    return {one["id"] for one in warnings_in(result.attrs)}
+    return {warning["id"] for warning in warnings_in(result.attrs)}
 
 
 ABSURD = {
@@ -163,8 +163,8 @@ def test_absurd_scenes(spindle, name):
     changes, expected = ABSURD[name]
     result = solve(variant(spindle, changes))
     assert ids(result) == expected
-    for one in warnings_in(result.attrs):
-        assert one["excess"] is None or one["excess"] > 1.0
+    for warning in warnings_in(result.attrs):
+        assert warning["excess"] is None or warning["excess"] > 1.0
 
 
 def test_a_low_thermal_margin_is_warned_of():
@@ -178,8 +178,8 @@ def test_a_low_thermal_margin_is_warned_of():
 def test_a_warning_names_the_pair(spindle):
     rigid = {"operation.preload_method": "fixed_position", "arrangement.kind": "rigid_pair"}
     scene = variant(spindle, rigid)
-    said = {one["id"]: one["sentence"] for one in warnings_of(scene, choice(scene))}
-    assert "the preload set at rest (rigid pair) by" in said["temperature_left_out"]
+    sentences = {item["id"]: item["sentence"] for item in warnings_of(scene, choice(scene))}
+    assert "rigid pair" in sentences["temperature_left_out"]
 
 
 @pytest.mark.parametrize(
@@ -208,9 +208,9 @@ def test_contacts_without_load(spindle):
     values = dict(solve(scene).values)
     for name in ("contact_load", "semi_major_axis", "maximum_pressure"):
         values[name] = values[name] * [0.0, 1.0]
-    told = warnings_of(scene, choice(scene), values)
-    assert {one["id"] for one in told} == {"inner_load_lost", "groove_worn"}
-    assert "Infinity" not in json.dumps(told) and "NaN" not in json.dumps(told)
+    warnings = warnings_of(scene, choice(scene), values)
+    assert {item["id"] for item in warnings} == {"inner_load_lost", "groove_worn"}
+    assert "Infinity" not in json.dumps(warnings) and "NaN" not in json.dumps(warnings)
     values["contact_load"] = values["contact_load"] * 0.0
     assert warnings_of(scene, choice(scene), values)
 
@@ -231,19 +231,22 @@ def test_what_nobody_would_build(spindle):
         ({"operation.preload_N": 20_000}, []),
         ({}, []),
     ):
-        found = solve(variant(spindle, changes))
-        said = warnings_in(found.attrs)
-        assert [one["id"] for one in said if one["impractical"]] == expected
+        result = solve(variant(spindle, changes))
+        warnings = warnings_in(result.attrs)
+        assert [warning["id"] for warning in warnings if warning["impractical"]] == expected
 
 
 def test_a_cage_of_phenolic_bears_no_heat(scene):
     """The rings bear 150 degrees, the cage does not; of steel it does."""
     hot = {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), 150)}
     for material, expected in (("phenolic", True), ("bearing_steel", False)):
-        found = scene("gyro_s1", hot | {"cage.material": material})
-        told = {one["id"]: one["sentence"] for one in warnings_of(found, choice(found))}
-        assert ("temperature_beyond_practice" in told) == expected
-        assert not expected or "the cage (phenolic)" in told["temperature_beyond_practice"]
+        changed_scene = scene("gyro_s1", hot | {"cage.material": material})
+        sentences = {
+            item["id"]: item["sentence"]
+            for item in warnings_of(changed_scene, choice(changed_scene))
+        }
+        assert ("temperature_beyond_practice" in sentences) == expected
+        assert not expected or "phenolic" in sentences["temperature_beyond_practice"]
 
 
 def test_nothing_skids_at_rest(spindle):
@@ -273,16 +276,16 @@ def test_a_cage_without_weight():
     ):
         scene = variant(scene_file("gyro_s1"), changes)
         chosen = choice(scene, fidelity)
-        assert {one["id"] for one in warnings_of(scene, chosen)} == expected
-        told = [reason for reason in chosen.reasons if "weightless" in reason]
-        assert len(told) == len(expected)
+        assert {item["id"] for item in warnings_of(scene, chosen)} == expected
+        reasons = [reason for reason in chosen.reasons if "weightless" in reason]
+        assert len(reasons) == len(expected)
 
 
 def test_every_caution_is_tested_and_documented():
-    told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
     known = {warning.id for warning in WARNINGS}
     assert len({effect.id for effect in EFFECTS}) == len(EFFECTS) > len(known) == len(WARNINGS)
-    marks = dict(re.findall(r"^- `(\w+)`(\\\*)?: ", told, re.MULTILINE))
+    marks = dict(re.findall(r"^- `(\w+)`(\\\*)?: ", page, re.MULTILINE))
     assert {name: bool(mark) for name, mark in marks.items()} == {
         warning.id: warning.impractical for warning in WARNINGS
     }
@@ -299,11 +302,11 @@ def test_every_caution_is_tested_and_documented():
 def test_hoop_stress_of_a_disc_with_a_tiny_hole(spindle):
     """Twice that in the middle of a full disc, rho omega^2 b^2 (3 + nu)/8."""
     turning = {"operation.shaft_speed_rpm": 90_000, "bearing.bore_mm": 1e-3}
-    told = warnings_of(scene := variant(spindle, turning), choice(scene))
-    (found,) = (one for one in told if one["id"] == "hoop_stress")
+    warnings = warnings_of(scene := variant(spindle, turning), choice(scene))
+    (result,) = (item for item in warnings if item["id"] == "hoop_stress")
     omega, b = 90_000 * math.pi / 30.0, 0.5e-3 * (54.0 - 8.4)
     disc = 7800 * omega**2 * b**2 * 3.3 / 8.0
-    assert_allclose(found["excess"] * 200e6, 2.0 * disc, rtol=5e-3)
+    assert_allclose(result["excess"] * 200e6, 2.0 * disc, rtol=5e-3)
 
 
 def test_edge_of_an_ellipse_that_just_reaches_its_shoulder(spindle):
@@ -349,10 +352,10 @@ def test_friction_that_is_rounded_away(scene):
     """At 50 r/min the torque is a third of what it is without rounding."""
     slow = scene("gyro_s1", {"operation.shaft_speed_rpm": 50.0})
     result = solve(slow)
-    (told,) = warnings_in(result.attrs)
-    assert told["id"] == "slip_rounded" and told["excess"] > 10.0
-    said = re.search(r"^set friction.slip_regularisation_m_s to (\S+) or less$", told["advice"])
-    better = float(said[1])
+    (warning,) = warnings_in(result.attrs)
+    assert warning["id"] == "slip_rounded" and warning["excess"] > 10.0
+    assert "friction.slip_regularisation_m_s" in warning["advice"]
+    (better,) = numbers_in(warning["advice"])
     finer = solve(replace(slow, friction=replace(slow.friction, slip_regularisation_m_s=better)))
     assert ids(finer) == set()
     # what the advice gives is right: two hundredths of the slip do not change it any more
@@ -364,7 +367,7 @@ def test_friction_that_is_rounded_away(scene):
     assert finer.values["shaft_torque_error_estimate"] < 0.01
     lost = 1.0 - result.values["shaft_torque"] / right
     assert_allclose(result.values["torque_lost_to_regularisation"], lost, rtol=1e-3)
-    assert f"the torque by {100.0 * lost:.3g} %" in told["sentence"]
+    assert float(f"{100.0 * lost:.3g}") in numbers_in(warning["sentence"])
     assert "torque_lost_to_regularisation" not in finer.values
 
 
@@ -390,10 +393,10 @@ def test_python_warns(spindle):
     with pytest.warns(
         UserWarning, match=r"^spindle_7008C: .*pressure .*3\.3\d GPa .*2 GPa"
     ) as caught:
-        found = bearingwear.solve(scene)
+        result = bearingwear.solve(scene)
     assert len(caught) == 1 and caught[0].filename == __file__
-    assert json.loads(found.attrs["warnings"])[0]["id"] == "pressure_above_practice"
-    with pytest.warns(UserWarning, match="end-of-life criterion met when new"):
+    assert json.loads(result.attrs["warnings"])[0]["id"] == "pressure_above_practice"
+    with pytest.warns(UserWarning, match="criterion .*when new"):
         bearingwear.life(variant(spindle, STEEP))
 
 
@@ -402,9 +405,10 @@ def test_gathered_at_their_worst():
         {"warnings": json.dumps([{"id": "groove_worn", "sentence": s, "advice": "a", "excess": x}])}
         for s, x in (("small", 2.0), ("large", 7.0))
     )
-    told = {"warnings": merged_warnings([small, {}, large, small])}
-    (one,) = warnings_in(told)
-    assert one["cases"] == 3 and one["sentence"] == "large"
-    assert warning_lines(told) == ["warning: 3 cases, at worst: large; a"]
-    again = merged_warnings([told, told])
+    merged = {"warnings": merged_warnings([small, {}, large, small])}
+    (warning,) = warnings_in(merged)
+    assert warning["cases"] == 3 and warning["sentence"] == "large"
+    (line,) = warning_lines(merged)
+    assert numbers_in(line) == [3.0] and line.endswith("large; a")
+    again = merged_warnings([merged, merged])
     assert warnings_in({"warnings": again})[0]["cases"] == 6

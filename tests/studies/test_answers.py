@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 import pytest
-from support import only_line, scene_file
+from support import numbers_in, only_line, scene_file
 
 from bearingwear.cli import main
 from bearingwear.scene.checking.errors import SceneError
@@ -43,8 +43,8 @@ def slept(seconds):
 def test_answers_stand_in_the_order_of_their_points(workers):
     with Workers(workers, progress=False) as pool:
         for points in ([], [3], list(range(50)), np.arange(5.0)):
-            found = [answer["square"] for answer in pool.answers_at(square, points)]
-            assert found == [x * x for x in points]
+            squares = [answer["square"] for answer in pool.answers_at(square, points)]
+            assert squares == [x * x for x in points]
 
 
 def test_rounds_share_their_processes():
@@ -57,11 +57,11 @@ def test_rounds_share_their_processes():
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_point_that_fails_leaves_the_others(workers):
-    found = list(answers_at(fails_at_two, [4, 2, 0, 1], workers, progress=False))
+    answers = list(answers_at(fails_at_two, [4, 2, 0, 1], workers, progress=False))
     problem = "scene: operation.preload_N: got -1, expected more"
-    assert found[0] == {"status": 0, "ratio": 0.25} and found[3] == {"status": 0, "ratio": 1.0}
-    assert found[1] == {"status": REFUSED, PROBLEM: problem}
-    assert found[2] == {"status": REFUSED, PROBLEM: "division by zero"}
+    assert answers[0] == {"status": 0, "ratio": 0.25} and answers[3] == {"status": 0, "ratio": 1.0}
+    assert answers[1] == {"status": REFUSED, PROBLEM: problem}
+    assert answers[2] == {"status": REFUSED, PROBLEM: "division by zero"}
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -106,9 +106,7 @@ def test_progress_has_a_line_every_few_seconds(monkeypatch):
             clock[0] += 2.0
             yield {"point": point}
 
-    found = list(module.with_progress(every_2_seconds(), 5, "sweep", lines.append))
-    assert [answer["point"] for answer in found] == [0, 1, 2, 3, 4]
-    assert lines == [
-        "sweep: 2 of 5 points, about 6 s left",
-        "sweep: 4 of 5 points, about 2 s left",
-    ]
+    answers = list(module.with_progress(every_2_seconds(), 5, "sweep", lines.append))
+    assert [answer["point"] for answer in answers] == [0, 1, 2, 3, 4]
+    assert all(line.startswith("sweep: ") for line in lines)
+    assert [numbers_in(line) for line in lines] == [[2, 5, 6], [4, 5, 2]]  # points, all, s left

@@ -97,28 +97,29 @@ def faulty(keys, value):
     return config
 
 
-@pytest.mark.parametrize(("keys", "value", "said"), FAULTS, ids=lambda one: None)
-def test_a_faulty_configuration_is_refused_in_one_line(keys, value, said):
+@pytest.mark.parametrize(("keys", "value", "problem"), FAULTS, ids=lambda one: None)
+def test_a_faulty_configuration_is_refused_in_one_line(keys, value, problem):
+    """The configuration of the study itself passes."""
     configuration.check_config(CONFIG)
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_config(faulty(keys, value))
-    assert said in str(error.value)
+    assert problem in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("keys", "value", "said"),
+    ("keys", "value", "problem"),
     [
         (["studies", 0, "frictoin"], [0.1], "studies[0]: Additional properties are not allowed"),
         (["studies", 0, "friction"], 0.1, "studies[0].friction: 0.1 is not of type 'array'"),
         (["studies", 0, "scenes"], ["../a"], "studies[0].scenes[0]: '../a' does not match"),
     ],
 )
-def test_what_the_schema_refuses_takes_one_line(keys, value, said, tmp_path):
+def test_what_the_schema_refuses_takes_one_line(keys, value, problem, tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
         configuration.validated_config(path, "config", lambda data, path: None)
-    assert str(error.value).startswith(f"{path}: {said}")
+    assert str(error.value).startswith(f"{path}: {problem}")
 
 
 def test_the_configurations_of_the_project_are_right():
@@ -126,36 +127,36 @@ def test_the_configurations_of_the_project_are_right():
     configuration.check_lives(
         {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
     )
-    design = {name: {"limits": {}, **one} for name, one in read["design"]["scenes"].items()}
+    design = {name: {"limits": {}, **scene} for name, scene in read["design"]["scenes"].items()}
     configuration.check_design({"scenes": design})
     configuration.check_sampled(configuration.read_config("config/uncertainty.yaml"))
     assert configuration.read_config("config/none.yaml") == {}
 
 
 @pytest.mark.parametrize(
-    ("life", "said"),
+    ("life", "problem"),
     [
         ({"scene": "gyro_s1", "set": {"operation.preload": 1.0}}, "lives.a: operation.preload: "),
         ({"scene": "gyro_s1", "set": {"wear.end_of_life": None}}, "lives.a: "),
         ({"scene": "nowhere", "set": {}}, "lives.a: "),
     ],
 )
-def test_a_faulty_life_is_named_in_one_line(life, said):
+def test_a_faulty_life_is_named_in_one_line(life, problem):
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_lives({"lives": {"a": life}})
-    assert said in str(error.value)
+    assert problem in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    ("changed", "problem"),
     [
         ({"limits": {"lowest_frequency_Hz": 100}}, "arrangement"),
     ],
 )
-def test_a_faulty_design_is_named_in_one_line(changed, said):
+def test_a_faulty_design_is_named_in_one_line(changed, problem):
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_design({"scenes": {"gyro_s1": {"limits": {}, **changed}}})
-    assert said in str(error.value)
+    assert problem in str(error.value)
 
 
 def test_limits_of_the_schema_are_those_of_the_measures():

@@ -22,33 +22,33 @@ def test_rows_along_axes():
         {"side": 1, "shear": [np.nan, 4.0]},
         {"shear": [5.0, 6.0], "side": 1},
     ]
-    found = dataset_of_rows(SIDES, {POINT: PLACES, RACE: None}, rows, title="sides")
-    assert list(found.variables) == ["side", "shear", "point", "race"]
-    assert found["shear"].dims == ("point", "race") and found["side"].dims == ("point",)
-    np.testing.assert_array_equal(found["shear"], [[0.5, 1.0], [np.nan, 2.0], [2.5, 3.0]])
-    np.testing.assert_allclose(found["point"], [1.0, 2.0, 3.0])
-    assert found["side"].dtype == np.int8 and found["shear"].dtype == np.float64
-    assert found["shear"].attrs == {"long_name": "time", "units": "h", "comment": "a comment"}
-    assert list(found["side"].attrs["flag_values"]) == [0, 1]
-    assert found["side"].attrs["flag_values"].dtype == np.int8
-    assert found.attrs["title"] == "sides" and found.attrs["source"].startswith("bearingwear")
+    dataset = dataset_of_rows(SIDES, {POINT: PLACES, RACE: None}, rows, title="sides")
+    assert list(dataset.variables) == ["side", "shear", "point", "race"]
+    assert dataset["shear"].dims == ("point", "race") and dataset["side"].dims == ("point",)
+    np.testing.assert_array_equal(dataset["shear"], [[0.5, 1.0], [np.nan, 2.0], [2.5, 3.0]])
+    np.testing.assert_allclose(dataset["point"], [1.0, 2.0, 3.0])
+    assert dataset["side"].dtype == np.int8 and dataset["shear"].dtype == np.float64
+    assert dataset["shear"].attrs == {"long_name": "time", "units": "h", "comment": "a comment"}
+    assert list(dataset["side"].attrs["flag_values"]) == [0, 1]
+    assert dataset["side"].attrs["flag_values"].dtype == np.int8
+    assert dataset.attrs["title"] == "sides" and dataset.attrs["source"].startswith("bearingwear")
 
 
 def test_what_a_row_lacks_is_missing(tmp_path):
-    found = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
-    assert np.isnan(found["shear"].values).all() and found["shear"].shape == (2, 2)
-    np.testing.assert_array_equal(found["side"], [1.0, np.nan])
-    assert "row" not in found.coords
-    found["shear"].encoding["dtype"] = np.dtype("f4")
-    write_dataset(found, tmp_path / "sides.nc")
-    assert found["shear"].encoding == {"dtype": np.dtype("f4")}  # is the caller's
+    dataset = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
+    assert np.isnan(dataset["shear"].values).all() and dataset["shear"].shape == (2, 2)
+    np.testing.assert_array_equal(dataset["side"], [1.0, np.nan])
+    assert "row" not in dataset.coords
+    dataset["shear"].encoding["dtype"] = np.dtype("f4")
+    write_dataset(dataset, tmp_path / "sides.nc")
+    assert dataset["shear"].encoding == {"dtype": np.dtype("f4")}  # is the caller's
 
 
 def test_rows_over_two_axes_are_in_c_order():
     rows = [{"side": k % 2, "shear": [k, 10.0 * k]} for k in range(6)]
-    found = dataset_of_rows(SIDES, {"line": 2, POINT: PLACES}, rows)
-    assert found["shear"].dims == ("line", "point", "race")
-    np.testing.assert_array_equal(found["shear"][1, :, 0], [1.5, 2.0, 2.5])
+    dataset = dataset_of_rows(SIDES, {"line": 2, POINT: PLACES}, rows)
+    assert dataset["shear"].dims == ("line", "point", "race")
+    np.testing.assert_array_equal(dataset["shear"][1, :, 0], [1.5, 2.0, 2.5])
 
 
 def test_names_shapes_and_numbers_of_rows_are_checked():
@@ -62,5 +62,5 @@ def test_names_shapes_and_numbers_of_rows_are_checked():
 
 def test_a_scene_stands_as_text(scene):
     s1 = scene("gyro_s1")
-    found = dataset_of_rows({}, {}, [{}], scene=s1)
-    assert json.loads(found.attrs["scene"]) == s1.to_dict()
+    dataset = dataset_of_rows({}, {}, [{}], scene=s1)
+    assert json.loads(dataset.attrs["scene"]) == s1.to_dict()

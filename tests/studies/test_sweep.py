@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
-from support import ROOT
+from support import ROOT, numbers_in
 
 import bearingwear
 from bearingwear import SceneError
@@ -36,17 +36,21 @@ def product_of_numbers(scene):
 
 
 def test_a_point_is_what_solve_finds(coarse):
-    made = bearingwear.sweep(coarse, {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}, workers=1)
-    assert made.total_qv.dims == ("preload_N", "friction")
-    assert made.preload_N.attrs["units"] == "N" and "preload" in made.preload_N.attrs["long_name"]
-    assert made.attrs["message"] == "all points solved and verified"
+    dataset = bearingwear.sweep(
+        coarse, {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}, workers=1
+    )
+    assert dataset.total_qv.dims == ("preload_N", "friction")
+    assert (
+        dataset.preload_N.attrs["units"] == "N"
+        and "preload" in dataset.preload_N.attrs["long_name"]
+    )
     alone = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
-    point = made.sel(preload_N=7, friction=0.05, race="inner")
+    point = dataset.sel(preload_N=7, friction=0.05, race="inner")
     for name in ("contact_load", "qv", "total_qv", "status"):
         there = alone[name].sel(race="inner") if "race" in alone[name].dims else alone[name]
         np.testing.assert_array_equal(point[name], there)
-        assert {**made[name].attrs, "flag_values": 0} == {**alone[name].attrs, "flag_values": 0}
-    assert (made.status == "ok").all() and alone.status == "ok"
+        assert {**dataset[name].attrs, "flag_values": 0} == {**alone[name].attrs, "flag_values": 0}
+    assert (dataset.status == "ok").all() and alone.status == "ok"
 
 
 def test_processes_find_the_same(coarse):
@@ -62,35 +66,35 @@ def test_processes_find_the_same(coarse):
 def test_warnings_of_a_sweep_are_counted(coarse):
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     for workers in (1, 2):
-        with pytest.warns(UserWarning, match="2 cases, at worst: a wear depth of 0.7 um") as told:
-            made = bearingwear.sweep(coarse, losses, workers=workers)
-        assert len(told) == 1 and told[0].filename == __file__
-        (worn,) = json.loads(made.attrs["warnings"])
+        with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
+            dataset = bearingwear.sweep(coarse, losses, workers=workers)
+        assert len(caught) == 1 and caught[0].filename == __file__
+        (worn,) = json.loads(dataset.attrs["warnings"])
         assert worn["id"] == "groove_worn" and worn["cases"] == 2
-        assert worn["sentence"].startswith("a wear depth of 0.7 um")
+        assert numbers_in(worn["sentence"])[0] == 0.7
 
 
 def test_file_of_a_sweep(coarse, tmp_path):
-    made = bearingwear.sweep(coarse, {METHOD: ["fixed_position", "constant_force"]}, workers=1)
-    bearingwear.save(made, tmp_path / "sweep.nc")
+    dataset = bearingwear.sweep(coarse, {METHOD: ["fixed_position", "constant_force"]}, workers=1)
+    bearingwear.save(dataset, tmp_path / "sweep.nc")
     with xr.open_dataset(tmp_path / "sweep.nc") as file:
         assert file.preload_method.values.tolist() == [1, 0] and file.race.values.tolist() == [0, 1]
-    del made.attrs["message"]
-    xr.testing.assert_identical(bearingwear.load(tmp_path / "sweep.nc"), made)
+    del dataset.attrs["message"]
+    xr.testing.assert_identical(bearingwear.load(tmp_path / "sweep.nc"), dataset)
 
 
 def test_a_point_that_fails(coarse):
     """Without friction the balls may spin in any way."""
-    with pytest.warns(UserWarning, match="1 of 2 points were not solved: undetermined 1") as told:
-        made = bearingwear.sweep(coarse, {FRICTION: [0.0, 0.08]}, workers=1)
-    assert told[0].filename == __file__
-    assert made.status.values.tolist() == ["undetermined", "ok"]
-    assert np.isfinite(made.total_qv).values.tolist() == [False, True]
-    assert "undetermined 1" in made.attrs["message"]
+    with pytest.warns(UserWarning, match="1 of 2 points .*undetermined 1") as caught:
+        dataset = bearingwear.sweep(coarse, {FRICTION: [0.0, 0.08]}, workers=1)
+    assert caught[0].filename == __file__
+    assert dataset.status.values.tolist() == ["undetermined", "ok"]
+    assert np.isfinite(dataset.total_qv).values.tolist() == [False, True]
+    assert "undetermined 1" in dataset.attrs["message"]
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "problem"),
     [
         ({PRELOAD: [5, -1]}, "operation.preload_N: got -1, expected"),
         ({}, "axes: got no key, expected one or more"),
@@ -101,19 +105,19 @@ def test_a_point_that_fails(coarse):
         ({PRELOAD: [5], "wear.end_of_life": [None]}, "wear.end_of_life: got no criterion"),
     ],
 )
-def test_nothing_is_solved_before_all_is_checked(coarse, changes, said, monkeypatch):
+def test_nothing_is_solved_before_all_is_checked(coarse, changes, problem, monkeypatch):
     monkeypatch.setattr("bearingwear.studies.sweep._result", not_to_be_solved)
     with pytest.raises(SceneError) as error:
         bearingwear.sweep(coarse, changes, what="life", workers=1)
-    assert said in str(error.value) and "--set" not in str(error.value)
+    assert problem in str(error.value) and "--set" not in str(error.value)
 
 
 def test_a_model_that_cannot_solve_a_point(coarse):
     rotating = "operation.rotating_load_N"
-    with pytest.warns(UserWarning, match="points were not solved: none 1 .gyro_s1: "):
-        made = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
-    assert made.status.values.tolist() == ["ok", "none"]
-    assert np.isfinite(made.total_qv).values.tolist() == [True, False]
+    with pytest.warns(UserWarning, match="1 of 2 points .*none 1 .gyro_s1: "):
+        dataset = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
+    assert dataset.status.values.tolist() == ["ok", "none"]
+    assert np.isfinite(dataset.total_qv).values.tolist() == [True, False]
     with pytest.raises(NotAvailable):  # nor any other point
         bearingwear.sweep(coarse, {rotating: [1.0, 2.0]}, fidelity="steady", workers=1)
 
@@ -129,24 +133,28 @@ def test_workers_and_what_are_checked(coarse):
 def test_a_combination_that_makes_no_bearing_leaves_the_others(coarse, workers):
     """The largest of these balls do not fit side by side."""
     axes = {"bearing.ball_count": [8, 10], "bearing.ball_diameter_mm": [1.9, 2.3]}
-    with pytest.warns(UserWarning, match="points were not solved: none"):
-        made = bearingwear.sweep(coarse, axes, workers=workers)
-    assert (made.status == "ok").values.tolist() == [[True, True], [True, False]]
-    assert np.isnan(made.total_qv[1, 1]) and np.isfinite(made.total_qv).sum() == 3
+    with pytest.warns(UserWarning, match="1 of 4 points .*none 1"):
+        dataset = bearingwear.sweep(coarse, axes, workers=workers)
+    assert (dataset.status == "ok").values.tolist() == [[True, True], [True, False]]
+    assert np.isnan(dataset.total_qv[1, 1]) and np.isfinite(dataset.total_qv).sum() == 3
 
 
 def test_rows_are_points_of_their_own(coarse):
     rows = [{PRELOAD: 5, FRICTION: 0.05}, {PRELOAD: 7, FRICTION: 0.1}, {PRELOAD: -7, FRICTION: 0.1}]
     with pytest.warns(UserWarning, match=r"1 of 3 points .* none 1 \(operation.preload_N: got -7"):
-        made = bearingwear.sweep(coarse, rows, workers=1)
-    assert made.total_qv.dims == ("row",) and made.preload_N.values.tolist() == [5, 7, -7]
+        dataset = bearingwear.sweep(coarse, rows, workers=1)
+    assert dataset.total_qv.dims == ("row",) and dataset.preload_N.values.tolist() == [5, 7, -7]
     alone = bearingwear.solve(coarse.with_(rows[1]))
-    np.testing.assert_array_equal(made.contact_load[1], alone.contact_load)
-    assert made.friction.dims == ("row",) and made.status.values.tolist() == ["ok", "ok", "none"]
+    np.testing.assert_array_equal(dataset.contact_load[1], alone.contact_load)
+    assert dataset.friction.dims == ("row",) and dataset.status.values.tolist() == [
+        "ok",
+        "ok",
+        "none",
+    ]
 
 
 @pytest.mark.parametrize(
-    ("points", "said"),
+    ("points", "problem"),
     [
         ([], "axes: got no row, expected one or more"),
         ([{PRELOAD: 5}, {FRICTION: 0.1}], "row 1: got the keys friction.ball_race, expected "),
@@ -154,19 +162,19 @@ def test_rows_are_points_of_their_own(coarse):
         ({PRELOAD: [5, 6, 5.0]}, "operation.preload_N: got 5 twice, expected each value once"),
     ],
 )
-def test_points_that_are_refused(coarse, points, said):
-    with pytest.raises(SceneError, match=said):
+def test_points_that_are_refused(coarse, points, problem):
+    with pytest.raises(SceneError, match=problem):
         bearingwear.sweep(coarse, points, workers=1)
 
 
 def test_several_scenes_lie_side_by_side(coarse):
     other = coarse.with_({"name": "faster", "operation.shaft_speed_rpm": 40000})
-    made = bearingwear.sweep([coarse, other], {PRELOAD: [5, 7]}, workers=1)
-    assert made.total_qv.dims == ("scene", "preload_N")
-    assert made["scene"].values.tolist() == ["gyro_s1", "faster"]
+    dataset = bearingwear.sweep([coarse, other], {PRELOAD: [5, 7]}, workers=1)
+    assert dataset.total_qv.dims == ("scene", "preload_N")
+    assert dataset["scene"].values.tolist() == ["gyro_s1", "faster"]
     alone = bearingwear.solve(other.with_({PRELOAD: 7}))
-    assert made.total_qv.sel(scene="faster", preload_N=7) == alone.total_qv
-    assert [one["name"] for one in json.loads(made.attrs["scenes"])] == ["gyro_s1", "faster"]
+    assert dataset.total_qv.sel(scene="faster", preload_N=7) == alone.total_qv
+    assert [item["name"] for item in json.loads(dataset.attrs["scenes"])] == ["gyro_s1", "faster"]
     with pytest.raises(SceneError, match="name: got two scenes named gyro_s1"):
         bearingwear.sweep([coarse, coarse], {PRELOAD: [5, 7]}, workers=1)
 
@@ -174,10 +182,10 @@ def test_several_scenes_lie_side_by_side(coarse):
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_function_is_asked_at_each_point(coarse, workers):
     axes = {PRELOAD: [5, 7], FRICTION: [0.05, 0.1]}
-    made = bearingwear.sweep(coarse, axes, product_of_numbers, workers=workers)
-    np.testing.assert_allclose(made["product"], [[0.25, 0.5], [0.35, 0.7]])
-    assert made["pair"].dims == ("preload_N", "friction", "pair_0")
-    assert (made["pair"][1, 0] == [7, 30000]).all() and (made["name"] == "gyro_s1").all()
+    dataset = bearingwear.sweep(coarse, axes, product_of_numbers, workers=workers)
+    np.testing.assert_allclose(dataset["product"], [[0.25, 0.5], [0.35, 0.7]])
+    assert dataset["pair"].dims == ("preload_N", "friction", "pair_0")
+    assert (dataset["pair"][1, 0] == [7, 30000]).all() and (dataset["name"] == "gyro_s1").all()
 
 
 def as_many_as_newtons(scene):
@@ -186,9 +194,9 @@ def as_many_as_newtons(scene):
 
 def test_values_of_another_shape_are_refused(coarse):
     with pytest.warns(UserWarning, match=r"none 1 \(values: got shape \(4,\), expected \(3,\)"):
-        made = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
-    assert made.status.values.tolist() == ["ok", "none", "ok"]
-    assert made["values"].isnull().all("values_0").values.tolist() == [False, True, False]
+        dataset = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
+    assert dataset.status.values.tolist() == ["ok", "none", "ok"]
+    assert dataset["values"].isnull().all("values_0").values.tolist() == [False, True, False]
     with pytest.raises(TypeError, match="what: got a function that returns int, expected a"):
         bearingwear.sweep(coarse, {PRELOAD: [3]}, lambda scene: 1, workers=1)
 
@@ -214,9 +222,9 @@ def test_only_what_is_kept_is_in_the_dataset(coarse):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_extremes_are_the_worst_values_along_a_life(coarse):
     axes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 7]}
-    made = bearingwear.sweep(coarse, axes, "life", workers=1, keep="extremes")
-    assert made.maximum_pressure.dims == ("preload_method", "preload_N")
-    point = made.sel(preload_method="fixed_position", preload_N=7)
+    dataset = bearingwear.sweep(coarse, axes, "life", workers=1, keep="extremes")
+    assert dataset.maximum_pressure.dims == ("preload_method", "preload_N")
+    point = dataset.sel(preload_method="fixed_position", preload_N=7)
     alone = bearingwear.life(coarse.with_({METHOD: "fixed_position", PRELOAD: 7}))
     np.testing.assert_array_equal(point.life, alone.life)
     assert point.maximum_pressure == alone.history_maximum_pressure.max()
@@ -224,8 +232,8 @@ def test_extremes_are_the_worst_values_along_a_life(coarse):
     assert point.system_axial_stiffness == alone.history_system_axial_stiffness.min()
     assert point.preload_kept == alone.history_residual_preload.min() / 7
     assert point.rotor_axial_shift == abs(alone.history_rotor_axial_shift).max()
-    assert made.maximum_pressure.attrs["units"] == "Pa"
-    assert "history_time" not in made
+    assert dataset.maximum_pressure.attrs["units"] == "Pa"
+    assert "history_time" not in dataset
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -238,22 +246,22 @@ def test_the_worse_bearing_of_a_pair_counts(coarse):
     }
     keys["arrangement.second.wear.ball_diameter_loss_um"] = 0.1
     pair = coarse.with_(keys)
-    made = bearingwear.sweep(pair, {PRELOAD: [7]}, "life", workers=1, keep="extremes")
+    dataset = bearingwear.sweep(pair, {PRELOAD: [7]}, "life", workers=1, keep="extremes")
     alone = bearingwear.life(pair.with_({PRELOAD: 7}))
     kept = alone.history_residual_preload.values * np.array([[2.0], [1.0]]) / 7
-    assert made.preload_kept.dims == ("preload_N",) and made.preload_kept[0] == kept.min()
-    assert made.maximum_pressure[0] == alone.history_maximum_pressure.max()
+    assert dataset.preload_kept.dims == ("preload_N",) and dataset.preload_kept[0] == kept.min()
+    assert dataset.maximum_pressure[0] == alone.history_maximum_pressure.max()
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
 def test_parts_make_the_whole(coarse, what, tmp_path):
     axes = {"model.strips": [8, 10], PRELOAD: [5, 7, 9], FRICTION: [0.0, 0.08]}
-    whole = bearingwear.sweep(coarse, axes, what, workers=1)
+    dataset = bearingwear.sweep(coarse, axes, what, workers=1)
     paths = [tmp_path / f"{k}.nc" for k in (2, 1, 3)]
     for k, path in zip((2, 1, 3), paths, strict=True):
         bearingwear.save(bearingwear.sweep(coarse, axes, what, workers=1, part=(k, 3)), path)
-    xr.testing.assert_identical(gathered_parts(paths), whole)
+    xr.testing.assert_identical(gathered_parts(paths), dataset)
     with pytest.raises(CaseFileError, match="got 2 of 3 parts, expected also 1/3"):
         gathered_parts([paths[0], paths[2]])
     with pytest.raises(CaseFileError, match="got part 2/3 twice"):
@@ -282,7 +290,7 @@ import bearingwear
 def main():
     scene = bearingwear.example().with_({"model.strips": 8})
     found = bearingwear.sweep(scene, {"operation.preload_N": [5, 7, 9, 11]}, workers=2)
-    print(found.attrs["message"])
+    print(*found.status.values)
 
 """
 
@@ -298,7 +306,7 @@ def run_script(folder, text):
 def test_where_processes_start_anew(tmp_path):
     guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
     done = run_script(tmp_path, SCRIPT + guard)
-    assert done.stdout == "all points solved and verified\n", done.stderr
+    assert done.stdout == "ok ok ok ok\n", done.stderr
 
 
 UNGUARDED = """
@@ -318,22 +326,22 @@ def test_a_script_without_its_guard_is_told(tmp_path):
 
 def test_profiles_of_unlike_length_have_no_places():
     """The places of twenty strips are not those of ten."""
-    found = bearingwear.sweep(bearingwear.example(), {"model.strips": [10, 20]}, workers=1)
-    assert "strip_position" not in found.coords
+    dataset = bearingwear.sweep(bearingwear.example(), {"model.strips": [10, 20]}, workers=1)
+    assert "strip_position" not in dataset.coords
     same = bearingwear.sweep(bearingwear.example(), {"friction.ball_race": [0.05, 0.08]}, workers=1)
     assert same["strip_position"].dims == ("strip",)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_pairs(coarse):
+def test_a_sweep_of_pairs_has_a_column_for_each_bearing(coarse):
     """Each point holds both bearings; a key of the second alone may be swept."""
     pair = coarse.with_({METHOD: "fixed_position", "arrangement.kind": "rigid_pair"})
     loss = "arrangement.second.wear.ball_diameter_loss_um"
-    made = bearingwear.sweep(pair, {loss: [0.0, 0.1], PRELOAD: [5, 7]}, workers=1)
-    assert made.residual_preload.dims == ("ball_diameter_loss_um", "preload_N", "bearing")
-    assert made.ball_diameter_loss_um.attrs["units"] == "um"
-    assert made.rotor_axial_shift.dims == ("ball_diameter_loss_um", "preload_N")
-    point = made.sel(preload_N=7, ball_diameter_loss_um=0.1)
+    dataset = bearingwear.sweep(pair, {loss: [0.0, 0.1], PRELOAD: [5, 7]}, workers=1)
+    assert dataset.residual_preload.dims == ("ball_diameter_loss_um", "preload_N", "bearing")
+    assert dataset.ball_diameter_loss_um.attrs["units"] == "um"
+    assert dataset.rotor_axial_shift.dims == ("ball_diameter_loss_um", "preload_N")
+    point = dataset.sel(preload_N=7, ball_diameter_loss_um=0.1)
     alone = bearingwear.solve(pair.with_({loss: 0.1}))
     for name in ("residual_preload", "rotor_axial_shift", "total_qv"):
         np.testing.assert_array_equal(point[name].values, alone[name].values, err_msg=name)

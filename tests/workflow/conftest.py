@@ -89,10 +89,10 @@ class Project:
     def run(self, *arguments: str, jobs: int | None = 2, prefix: Sequence[str] = ()) -> "Run":
         """Run Snakemake in the copy, by another program if a prefix is given."""
         before = self._logs()
-        made = self._run(arguments, jobs, prefix)
+        run = self._run(arguments, jobs, prefix)
         logs = sorted(self._logs() - before)  # which alone have the table of jobs of a run
         table = JOBS.search(logs[-1].read_text(encoding="utf-8")) if logs else None
-        return Run(made.status, (table[0] if table else "") + made.text)
+        return Run(run.status, (table[0] if table else "") + run.text)
 
     @property
     def last_jobs(self) -> dict[str, int]:
@@ -118,12 +118,12 @@ class Project:
     def _planned(self, arguments: Sequence[str]) -> "Run":
         """Run Snakemake by the process that has it imported."""
         server = planner()
-        with tempfile.NamedTemporaryFile() as said:
-            asked = {"arguments": [*arguments], "folder": str(self.root), "output": said.name}
+        with tempfile.NamedTemporaryFile() as output:
+            asked = {"arguments": [*arguments], "folder": str(self.root), "output": output.name}
             server.stdin.write(json.dumps(asked | {"environment": self.environment}) + "\n")
             server.stdin.flush()
             status = int(server.stdout.readline())
-            return Run(status, Path(said.name).read_text(encoding="utf-8", errors="replace"))
+            return Run(status, Path(output.name).read_text(encoding="utf-8", errors="replace"))
 
     def start(self, *arguments: str) -> subprocess.Popen:
         """Run Snakemake in the copy, in a group of processes of its own, and do not wait."""

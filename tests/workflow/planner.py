@@ -26,9 +26,9 @@ def run(arguments, folder, environment, output):
         os.environ.update(environment)
         sys.path[0] = folder
         sys.argv = ["snakemake", *arguments]
-        told = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-        os.dup2(told, 1)
-        os.dup2(told, 2)
+        descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(descriptor, 1)
+        os.dup2(descriptor, 2)
         main(arguments)
         status = 0
     except SystemExit as stop:

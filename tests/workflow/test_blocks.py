@@ -102,10 +102,10 @@ def agree(said: str, printed: str) -> bool:
 
 def printed(function, *arguments) -> str:
     """What a function prints, here: a process would take a second to start."""
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said):
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output):
         function(*arguments)
-    return said.getvalue()
+    return output.getvalue()
 
 
 def run_command(line: str) -> None:
@@ -200,14 +200,14 @@ def marked(pages):
 
 def holding(*languages):
     """Pages that are run, with a block in one of these languages."""
-    found = (page for page in PAGES if named(page) not in SAID_BEFORE)
-    return [page for page in found if any(name in languages for name, _ in blocks(page))]
+    pages = (page for page in PAGES if named(page) not in SAID_BEFORE)
+    return [page for page in pages if any(name in languages for name, _ in blocks(page))]
 
 
 @pytest.mark.parametrize("page", marked(holding("sh", "python")), ids=named)
 def test_page(run, page):
     compared = typed(run, page, ("sh",) if named(page) in SLOW_PYTHON else ("sh", "python"))
-    made = {path.name for path in run.folder.iterdir()}
+    names = {path.name for path in run.folder.iterdir()}
     if page.name == "tutorial.md":
         assert compared > 20
     if page.name == "python.md":
@@ -215,7 +215,7 @@ def test_page(run, page):
         figures = {"case.svg", "life.svg"}
         files = {"mine.yaml", "stiffer.yaml", "case.nc", "softer.nc", *figures}
         files |= {"part1.nc", "part2.nc", "states.nc", "tests.csv"}
-        assert made == {"config", "docs", *files}
+        assert names == {"config", "docs", *files}
 
 
 @pytest.mark.long
@@ -232,13 +232,13 @@ def test_page_that_takes_minutes(run, page):
 def test_lines_stand_in_a_page_that_is_run(page, other):
     here, there = commands(ROOT / page), commands(ROOT / other)
     assert here and [line for line in there if line in here] == here
-    said = [
+    typed = [
         line for name, text in blocks(ROOT / other) if name == "text" for line in text.split("\n")
     ]
     shown = [
         line for name, text in blocks(ROOT / page) if name == "text" for line in text.split("\n")
     ]
-    assert set(shown) <= set(said)
+    assert set(shown) <= set(typed)
 
 
 def test_no_line_overwrites_what_another_one_made():

@@ -42,8 +42,8 @@ def test_a_case_that_cannot_be_solved(elsewhere):
     """Without friction the ball's rotation is undetermined: recorded, marked, said at the end."""
     done = study(elsewhere, "-j2")
     failed = "results/gyro_s1/cases/constant_force-mu0.000-loss0.00.nc: undetermined"
-    said = done.stdout + done.stderr
-    assert done.returncode != 0 and failed in said, said
+    output = done.stdout + done.stderr
+    assert done.returncode != 0 and failed in output, output
     results = elsewhere / "results"
     drawn = {path.stem for path in results.glob("gyro_s1/figures/*.svg")}
     assert {"fig10_wear", "wear_life"} <= drawn

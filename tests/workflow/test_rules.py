@@ -37,11 +37,11 @@ def test_the_table_of_rules_is_up_to_date():
     assert {row[0] for row in rows} == {name for name, line in SHELL_LINES.items() if line}
     for name, _, _, python in rows:
         module, _, function = python.rpartition(".")
-        found = importlib.util.find_spec(python) if name not in STEPS and python else None
+        spec = importlib.util.find_spec(python) if name not in STEPS and python else None
         if name in STEPS:
             assert callable(getattr(importlib.import_module(module), function)), name
         elif python:
-            assert found is not None, name
+            assert spec is not None, name
 
 
 def test_common_is_short():
@@ -62,8 +62,8 @@ def test_a_step_is_called_as_its_function_is():
         dotted, arguments = re.search(r"bearingwear step (\S+) (.*?) -o ", text).groups()
         module, _, function = dotted.rpartition(".")
         signature = inspect.signature(getattr(importlib.import_module(module), function))
-        given = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
-        signature.bind(**dict.fromkeys(given))
+        matches = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
+        signature.bind(**dict.fromkeys(matches))
         # an edit of the function makes its results anew
         hashed = re.search(r'code=sources\(\s*"([\w.]+)"', RULES[name])
         if name != "verdict":  # which is called each time

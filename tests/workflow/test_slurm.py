@@ -195,8 +195,8 @@ def test_a_group_that_is_ended_leaves_nothing_outdated(on_slurm):
     try:
         for _ in range(1200):
             with suppress(FileNotFoundError):  # the old ones go
-                found = {path: path.read_bytes() for path in project.cases()}
-                if found.items() - before.items():
+                contents = {path: path.read_bytes() for path in project.cases()}
+                if contents.items() - before.items():
                     break
             time.sleep(0.05)
         call("scancel", queued("%A")[0])

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from support import ROOT, scene_file, step
+from support import ROOT, numbers_in, scene_file, step
 
 from bearingwear.applications.cage import ensemble
 from bearingwear.applications.cage.figures import cage_figure
@@ -20,6 +20,7 @@ from bearingwear.applications.cage.motion import (
 from bearingwear.applications.cage.plan import Ensemble, cage_axes, cage_points, check_cage
 from bearingwear.applications.cage.tables import (
     cage_answer,
+    cage_document,
     cage_table,
     mapped_cages,
     quiet_region,
@@ -96,10 +97,10 @@ def circle(rate, centre=0.0, radius=1.0):
 @pytest.mark.parametrize("turned", [0.0, 2.0])
 def test_motions(place, power, motion, whirl, turned):
     """Made-up paths, and the same turned about the axis and in other units."""
-    found = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
-    assert found.motion == motion
-    assert found.whirl == pytest.approx(whirl, abs=0.02)
-    assert found.offset == pytest.approx(1e-6 * np.abs(place).mean())
+    path_of_cage = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
+    assert path_of_cage.motion == motion
+    assert path_of_cage.whirl == pytest.approx(whirl, abs=0.02)
+    assert path_of_cage.offset == pytest.approx(1e-6 * np.abs(place).mean())
 
 
 def test_what_drifts():
@@ -151,44 +152,45 @@ def small(plan, tmp_path_factory):
     return file, ensemble.load(file)
 
 
-def test_what_a_map_says(small):
-    """The quiet region and the recommended_cage are those of the made-up runs."""
+def test_the_quiet_cage_of_a_map_is_recommended(small):
+    """Of the made-up runs only those of the least friction are quiet, with a tenth of the work."""
     _, motions = small
-    works = [one.work for one in mapped_cages(motions)]
+    works = [cage.work for cage in mapped_cages(motions)]
     assert works == pytest.approx([0.1981e-4, 1.981e-4, 3.962e-4], rel=0.01)
-    assert quiet_region(motions).endswith("90 % of the runs): friction 0.02")
-    said = recommended_cage(motions)
-    assert said.startswith("Best cage in the map: a friction coefficient of 0.02 (now 0.05). ")
-    assert "the present cage (whirls 100 %), this cage (turns with the balls" in said
-    assert said.endswith("reduces wear by a factor of 10 (10 to 10)")
+    assert numbers_in(quiet_region(motions)) == [90.0, 0.02]  # % of the runs, friction
+    friction, now, *shares, factor, low, high = numbers_in(recommended_cage(motions))
+    assert (friction, now, shares) == (0.02, 0.05, [100.0, 100.0])
+    assert (factor, low, high) == (10.0, 10.0, 10.0)
 
 
-def test_what_cannot_be_improved_is_kept(small):
+def test_a_cage_is_kept_if_no_quieter_one_is_in_the_map(small):
     _, motions = small
     less = motions.sel(cage_friction=[0.05, 0.1])
-    assert recommended_cage(less).startswith("Keep the present cage (whirls 100 %): no quieter")
-    assert quiet_region(less) == "No cage in the map is quiet at every level of gravity"
-    failed = motions.map(lambda one: one * np.nan).assign_attrs(motions.attrs)
-    assert recommended_cage(failed) == "No cage in the map could be evaluated"
+    assert recommended_cage(less).startswith("Keep ")
+    assert numbers_in(quiet_region(less)) == []
+    failed = motions.map(lambda values: values * np.nan).assign_attrs(motions.attrs)
+    assert mapped_cages(failed) == [] and numbers_in(recommended_cage(failed)) == []
 
 
-def test_figure_and_table_of_a_map(small, tmp_path):
+def test_figure_table_and_page_show_a_map(small, tmp_path):
     path, motions = small
     save(cage_figure(path), [tmp_path / "cage.svg", tmp_path / "cage.png"])
     text = cage_table(path)
     assert recommended_cage(motions) in text and quiet_region(motions) in text
     (tmp_path / "answer.json").write_text(cage_answer(path), encoding="utf-8")
     shown = page(answers=[tmp_path / "answer.json"])
-    assert "Choice of a cage" in shown and "a friction coefficient of 0.02" in shown
-    assert text.count("turns with the balls 100 % | 20 |") == 2
-    assert text.count("whirls 100 % | 20 |") == 4 and "nan" not in text
+    assert shown.count('id="answer-1"') == 1
+    rows = {row.label: row.values for row in cage_document(path).blocks[-1].rows}
+    assert rows["runs"] == ("20",) * 6 and "nan" not in text
+    for friction, motion in zip(rows["friction"], rows["motions"], strict=True):
+        assert motion.startswith("whirls" if float(friction) >= 0.05 else "turns with the balls")
 
 
 def test_a_cage_of_the_map_is_that_of_its_scene(plan, small):
     """A point's file says which scene its runs solved."""
     path, _ = small
-    one = next(path.parent.glob("g9.81*-mu0.02.nc"))
-    scene = json.loads(ensemble.load(one).attrs["scene"])
+    file = next(path.parent.glob("g9.81*-mu0.02.nc"))
+    scene = json.loads(ensemble.load(file).attrs["scene"])
     changed = variant(scene_file(plan["scene"]), {"friction.cage": 0.02})
     assert scene["friction"] == changed.to_dict()["friction"]
     assert scene["operation"]["gravity_m_s2"] == [0.0, 0.0, -9.81]

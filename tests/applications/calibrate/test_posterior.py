@@ -49,13 +49,15 @@ def test_seven_lives_of_the_handbook():
     assert_allclose([scatter, middle, deviation], [0.57121, 19.83775, 0.198042], rtol=2e-6)
     model = constant(math.exp(middle))
     tests = [seen(life, model, scatter) for life in SHORT + LONG]
-    found = posterior(Prior(KNOWN, Normal(0.0, deviation)), tests).normal("y")
-    assert_allclose([middle - found.mean, found.deviation], [19.71927, 0.145942], rtol=4e-6)
+    estimate = posterior(Prior(KNOWN, Normal(0.0, deviation)), tests).normal("y")
+    assert_allclose([middle - estimate.mean, estimate.deviation], [19.71927, 0.145942], rtol=4e-6)
     # its conjugate closed form
     precise = 1.0 / deviation**2 + 7.0 / scatter**2
     logs = np.log(SHORT + LONG).sum()
     closed = (middle / deviation**2 + logs / scatter**2) / precise
-    assert_allclose([middle - found.mean, found.deviation], [closed, precise**-0.5], rtol=1e-6)
+    assert_allclose(
+        [middle - estimate.mean, estimate.deviation], [closed, precise**-0.5], rtol=1e-6
+    )
 
 
 def test_run_outs_of_the_handbook():
@@ -63,21 +65,23 @@ def test_run_outs_of_the_handbook():
     model = constant(math.exp(middle))
     tests = [seen(life, model, scatter) for life in SHORT]
     tests.append(seen(5.1e8, model, scatter, censored=True, count=17))
-    found = posterior(Prior(KNOWN, Normal(0.0, deviation)), tests).normal("y")
-    assert_allclose([middle - found.mean, found.deviation], [20.23302, 0.125269], rtol=4e-6)
+    estimate = posterior(Prior(KNOWN, Normal(0.0, deviation)), tests).normal("y")
+    assert_allclose([middle - estimate.mean, estimate.deviation], [20.23302, 0.125269], rtol=4e-6)
 
 
 def test_two_lives_by_dense_quadrature():
     """ln K ~ N(0, 1), lives 100/K exp(0.3 e) h, of which 40 and 55 h were seen."""
     model = constant(100.0)
-    found = posterior(Prior(KNOWN, Normal(0.0, 1.0)), [seen(t, model, 0.3) for t in (40.0, 55.0)])
-    K = np.exp(found.y)[None]
-    mean = found.mean(K)
+    estimate = posterior(
+        Prior(KNOWN, Normal(0.0, 1.0)), [seen(t, model, 0.3) for t in (40.0, 55.0)]
+    )
+    K = np.exp(estimate.y)[None]
+    mean = estimate.mean(K)
     assert_allclose(mean, 2.10853655, rtol=5e-9)
-    assert_allclose(math.sqrt(found.mean((K - mean) ** 2)), 0.44230459, rtol=2e-8)
-    assert_allclose(found.quantile(model, 0.1, 0.3), 30.3630596, rtol=2e-9)
+    assert_allclose(math.sqrt(estimate.mean((K - mean) ** 2)), 0.44230459, rtol=2e-8)
+    assert_allclose(estimate.quantile(model, 0.1, 0.3), 30.3630596, rtol=2e-9)
     L10 = 0.3 * norm.ppf(0.1)
-    ends = [found.median_quantile(model, p, L10) for p in (0.05, 0.95)]
+    ends = [estimate.median_quantile(model, p, L10) for p in (0.05, 0.95)]
     assert_allclose(ends, [23.4509492, 46.4126662], rtol=2e-9)
 
 
@@ -88,30 +92,30 @@ def test_friction_and_wear_together_are_normal():
         seen(7.0, lambda x: 2.0 * x + 7.0, 0.3, count=2),
         seen(0.011, lambda x: x - 2.0, 0.1, of_wear=False),
     ]
-    found = posterior(Prior(x, y), tests)
+    estimate = posterior(Prior(x, y), tests)
     design = np.array([[2.0, -1.0], [2.0, -1.0], [1.0, 0.0]])
     weight = np.diag([0.3**-2, 0.3**-2, 0.1**-2])
     prior = np.diag([0.2**-2, 1.1**-2])
     seen_less = np.array([math.log(7.0) - 7.0] * 2 + [math.log(0.011) + 2.0])
     covariance = np.linalg.inv(prior + design.T @ weight @ design)
     mean = covariance @ (prior @ [x.mean, y.mean] + design.T @ weight @ seen_less)
-    assert_allclose(found.normal("x"), [mean[0], covariance[0, 0] ** 0.5], rtol=1e-6)
-    assert_allclose(found.normal("y"), [mean[1], covariance[1, 1] ** 0.5], rtol=1e-6)
+    assert_allclose(estimate.normal("x"), [mean[0], covariance[0, 0] ** 0.5], rtol=1e-6)
+    assert_allclose(estimate.normal("y"), [mean[1], covariance[1, 1] ** 0.5], rtol=1e-6)
     rho = covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1])
-    assert_allclose(found.correlation(), rho, rtol=1e-6)
+    assert_allclose(estimate.correlation(), rho, rtol=1e-6)
     # what the first tests leave, with its correlation, is what the last one starts from
     for first, last in ((tests[:1], tests[1:]), (tests[1:], tests[:1])):
         half = posterior(Prior(x, y), first)
         both = posterior(Prior(half.normal("x"), half.normal("y"), half.correlation()), last)
         for axis in "xy":
-            assert_allclose(both.normal(axis), found.normal(axis), rtol=1e-6)
+            assert_allclose(both.normal(axis), estimate.normal(axis), rtol=1e-6)
         assert_allclose(both.correlation(), rho, rtol=1e-6)
     # the life of another bearing is lognormal
     deviation = math.sqrt(np.array([2.0, -1.0]) @ covariance @ [2.0, -1.0] + 0.3**2)
     middle = 2.0 * mean[0] + 7.0 - mean[1]
     ends = [math.exp(middle + z * deviation) for z in norm.ppf([0.05, 0.95])]
     life = tests[0].model
-    assert_allclose([found.quantile(life, p, 0.3) for p in (0.05, 0.95)], ends, rtol=1e-6)
+    assert_allclose([estimate.quantile(life, p, 0.3) for p in (0.05, 0.95)], ends, rtol=1e-6)
 
 
 @pytest.mark.parametrize("censored", [False, True])
@@ -127,10 +131,10 @@ def test_intervals_cover_what_they_say(censored):
         tests = [
             seen(min(life, stop), model, scatter, censored=bool(life > stop)) for life in lives[:3]
         ]
-        found = posterior(Prior(KNOWN, prior), tests)
-        low, high = (found.median_quantile(model, p) for p in (0.05, 0.95))
+        estimate = posterior(Prior(KNOWN, prior), tests)
+        low, high = (estimate.median_quantile(model, p) for p in (0.05, 0.95))
         inside["batch"] += low < 100.0 / K < high
-        low, high = (found.quantile(model, p, scatter) for p in (0.05, 0.95))
+        low, high = (estimate.quantile(model, p, scatter) for p in (0.05, 0.95))
         inside["bearing"] += low < lives[3] < high
     # of 180 expected; the binomial deviation is 4.2
     assert all(170 <= count <= 190 for count in inside.values()), inside
@@ -139,7 +143,9 @@ def test_intervals_cover_what_they_say(censored):
 def test_tests_that_disagree_are_unlikely():
     prior, model = Normal(0.0, 1.1), constant(100.0)
     agree = [seen(t, model, 0.3) for t in (90.0, 110.0)]
-    assert min(one.probability for one in conformities(Prior(KNOWN, prior), agree)) > 0.1
+    assert (
+        min(conformity.probability for conformity in conformities(Prior(KNOWN, prior), agree)) > 0.1
+    )
     # with one another, and with the prior: each alone
     third = conformities(Prior(KNOWN, prior), [*agree, seen(1000.0, model, 0.3)])[2]
     assert third.probability < 1e-6
@@ -157,17 +163,17 @@ def test_quantiles_after_a_run_out_are_those_of_a_skew_normal():
     """
     prior, scatter, life, run_out = math.log(3.0), math.log(1.3), 1.4, 2.0
     test = seen(run_out, constant(life), scatter, censored=True)
-    found = posterior(Prior(KNOWN, Normal(0.0, prior)), [test])
-    ends = found.ends("y", (0.05, 0.95))
+    estimate = posterior(Prior(KNOWN, Normal(0.0, prior)), [test])
+    ends = estimate.ends("y", (0.05, 0.95))
     # y + scatter e < ln(life/run-out) has happened
     wide = math.hypot(prior, scatter)
     k = math.log(life / run_out)
     both = multivariate_normal(cov=[[prior**2, prior**2], [prior**2, wide**2]])
     below = [both.cdf([q, k]) / norm.cdf(k / wide) for q in ends]
     assert_allclose(below, [0.05, 0.95], rtol=1e-6)
-    carried = found.normal("y")
+    carried = estimate.normal("y")
     assert carried.mean + norm.ppf(0.95) * carried.deviation > ends[1] + 0.1
-    assert found.ends("x", (0.05, 0.95)) == [0.0, 0.0]
+    assert estimate.ends("x", (0.05, 0.95)) == [0.0, 0.0]
 
 
 def test_two_lives_shrink_the_interval_as_theory_has_it():
@@ -177,8 +183,8 @@ def test_two_lives_shrink_the_interval_as_theory_has_it():
     ends = [-1.6448536, 1.6448536]
 
     def fold(tests):
-        found = posterior(Prior(KNOWN, prior), tests)
-        low, high = (found.median_quantile(model, norm.cdf(z)) for z in ends)
+        estimate = posterior(Prior(KNOWN, prior), tests)
+        low, high = (estimate.median_quantile(model, norm.cdf(z)) for z in ends)
         return high / low
 
     assert_allclose(fold([]), math.exp((ends[1] - ends[0]) * prior.deviation), rtol=1e-5)

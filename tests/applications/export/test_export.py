@@ -28,7 +28,7 @@ def pair():
 
 
 @pytest.fixture(scope="module")
-def found(pair):
+def over_speed(pair):
     return StiffnessOverSpeed.of(pair, SPEEDS)
 
 
@@ -53,20 +53,20 @@ def test_csv_holds_what_a_solve_finds(pair, files):
     assert np.allclose(K, alone, rtol=1e-12, atol=1e-14 * alone.max())
 
 
-def test_toml_has_the_axes_and_units_of_ross(found, files):
+def test_toml_has_the_axes_and_units_of_ross(over_speed, files):
     two, three = (tomllib.loads((files / f"{name}.toml").read_text()) for name in ("two", "three"))
-    one, other = two["BearingElement_two"], three["BearingElement_three"]
-    assert one["frequency"] == other["speed"] and "speed" not in one
-    assert one["frequency"] == pytest.approx([math.pi / 30.0 * speed for speed in SPEEDS])
-    K = found.matrices[:, 0]
+    element, other = two["BearingElement_two"], three["BearingElement_three"]
+    assert element["frequency"] == other["speed"] and "speed" not in element
+    assert element["frequency"] == pytest.approx([math.pi / 30.0 * speed for speed in SPEEDS])
+    K = over_speed.matrices[:, 0]
     for name, (p, q) in {"xx": (1, 1), "xy": (1, 2), "yy": (2, 2), "zz": (0, 0)}.items():
-        assert np.allclose(one[f"k{name}"], K[:, p, q], rtol=1e-15, atol=1e-5), name
-    assert one["cxx"] == [0.0] * 5
+        assert np.allclose(element[f"k{name}"], K[:, p, q], rtol=1e-15, atol=1e-5), name
+    assert element["cxx"] == [0.0] * 5
 
 
-def test_released_tilt_is_what_a_bearing_without_moment_resists(found):
-    held, free = found.ross_matrices(), found.ross_matrices(tilt="released")
-    for K, here in zip(found.matrices[:, 0], free, strict=True):
+def test_released_tilt_is_what_a_bearing_without_moment_resists(over_speed):
+    held, free = over_speed.ross_matrices(), over_speed.ross_matrices(tilt="released")
+    for K, here in zip(over_speed.matrices[:, 0], free, strict=True):
         flexible = np.linalg.inv(K)[:3, :3]  # displacements by forces alone
         alone = np.linalg.inv(flexible)[[1, 2, 0]][:, [1, 2, 0]]
         assert np.allclose(alone, here, rtol=1e-9, atol=1e-6 * here.max())
@@ -74,10 +74,10 @@ def test_released_tilt_is_what_a_bearing_without_moment_resists(found):
     assert free[:, 2, 2] == pytest.approx(held[:, 2, 2])
 
 
-def test_a_node_at_the_effective_arm_has_no_coupling(found):
-    arm = found.effective_arm()
+def test_a_node_at_the_effective_arm_has_no_coupling(over_speed):
+    arm = over_speed.effective_arm()
     assert arm == pytest.approx(0.0325 * math.tan(math.radians(16.0)), rel=0.1)
-    for K in found.matrices[:, 0]:
+    for K in over_speed.matrices[:, 0]:
         moved = np.eye(5)
         moved[2, 3] = -arm  # the bearing's own place by a shift and a tilt at the node
         moved[1, 4] = arm
@@ -85,7 +85,7 @@ def test_a_node_at_the_effective_arm_has_no_coupling(found):
         assert abs(there[2, 3]) < 0.03 * abs(K[2, 3])
 
 
-def test_bearings_in_tandem_are_one_side(found, pair):
+def test_bearings_in_tandem_are_one_side(over_speed, pair):
     tandem = pair.with_({"arrangement.tandem": [2, 1]})
     two = StiffnessOverSpeed.of(tandem, [5000.0]).matrices[0]
     assert two.shape == (2, 5, 5) and 0.5 < two[0, 0, 0] / (2.0 * two[1, 0, 0]) < 1.0
@@ -93,7 +93,7 @@ def test_bearings_in_tandem_are_one_side(found, pair):
 
 def test_a_run_in_time_has_no_stiffness_to_export(pair):
     loaded = {"operation.radial_load_N": [0.0, 60.0], "arrangement.kind": "single"}
-    with pytest.raises(NotExported, match="set model.fidelity to race_control"):
+    with pytest.raises(NotExported, match=r"model\.fidelity .*race_control"):
         StiffnessOverSpeed.of(pair.with_(loaded), [1000.0])
 
 
@@ -108,7 +108,7 @@ def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
     ):
         with pytest.raises(SceneError, match=text):
             call()
-    with pytest.raises(NotExported, match=r"^1000 r/min: undetermined: without friction, "):
+    with pytest.raises(NotExported, match="^1000 r/min: undetermined: "):
         StiffnessOverSpeed.of(pair.with_({"friction.ball_race": 0.0}), [1000.0])
     scene, out = str(files / "pair.yaml"), str(files / "a.json")
     assert main(["export", scene, "--speeds", "1000,2000", "-o", out]) == 2
@@ -129,21 +129,21 @@ def ross():
     return ross
 
 
-def test_ross_reads_back_what_was_written(ross, found, files, pair):
+def test_ross_reads_back_what_was_written(ross, over_speed, files, pair):
     loaded = ross.BearingElement.load(files / "two.toml")
-    made = bearingwear.to_ross(pair, SPEEDS, damping=20.0)
-    known = found.coefficients()
+    made_element = bearingwear.to_ross(pair, SPEEDS, damping=20.0)
+    known = over_speed.coefficients()
     assert all(
-        (np.array(getattr(one, k)) == known[k]).all()
-        for one in (loaded, made)
+        (np.array(getattr(item, k)) == known[k]).all()
+        for item in (loaded, made_element)
         for k in ("kxx", "kzz")
     )
     rounded = math.sqrt(5.0)  # N/m in all five, that ROSS's smoothing spline leaves
-    for speed, K in zip(SPEEDS, found.ross_matrices(), strict=True):
+    for speed, K in zip(SPEEDS, over_speed.ross_matrices(), strict=True):
         at = math.pi / 30.0 * speed
         assert np.allclose(loaded.K(at), K, rtol=0.0, atol=rounded)
-        assert np.allclose(made.K(at), K, rtol=0.0, atol=rounded)
-        assert np.allclose(np.diag(made.C(at)), 20.0)
+        assert np.allclose(made_element.K(at), K, rtol=0.0, atol=rounded)
+        assert np.allclose(np.diag(made_element.C(at)), 20.0)
 
 
 def jeffcott(ross, bearings, stiff=False):
@@ -159,10 +159,10 @@ def test_axes_by_a_radial_load_in_one_direction(ross, pair):
     """ROSS's x is Y here: a bearing softer along Y moves more under a force along ROSS's x."""
     loaded = {"operation.radial_load_N": [0.0, 60.0], "arrangement.kind": "single"}
     unlike = pair.with_(loaded | {"model.fidelity": "race_control"})
-    found = StiffnessOverSpeed.of(unlike, SPEEDS)
+    over_speed = StiffnessOverSpeed.of(unlike, SPEEDS)
     element = bearingwear.to_ross(unlike, SPEEDS)
     at = math.pi / 30.0 * SPEEDS[2]
-    K = found.matrices[2, 0]
+    K = over_speed.matrices[2, 0]
     assert abs(K[1, 1] / K[2, 2] - 1.0) > 1e-3 and abs(K[0, 2]) > 1e3 * abs(K[0, 1])
     assert np.diag(element.K(at)) == pytest.approx([K[1, 1], K[2, 2], K[0, 0]], rel=1e-6)
 
@@ -187,7 +187,7 @@ def test_critical_speed_of_a_jeffcott_rotor(ross, pair):
 
 def test_our_own_frequency_is_that_of_a_stiff_rotor(ross, pair):
     """A shaft that hardly bends: the radial frequency that `solve` prints."""
-    own = solve(pair.with_({"operation.shaft_speed_rpm": 5000.0})).values["natural_frequency"]
+    frequency = solve(pair.with_({"operation.shaft_speed_rpm": 5000.0})).values["natural_frequency"]
     bearings = [bearingwear.to_ross(pair, SPEEDS, node) for node in (0, 4)]
     modes = jeffcott(ross, bearings, stiff=True).run_modal(speed=math.pi / 30.0 * 5000.0).wn
-    assert np.min(abs(modes / (2.0 * math.pi * own[1]) - 1.0)) < 0.01
+    assert np.min(abs(modes / (2.0 * math.pi * frequency[1]) - 1.0)) < 0.01

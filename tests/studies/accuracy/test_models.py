@@ -50,11 +50,11 @@ def test_static_displacement_with_the_fit(scene):
 def test_three_balls_stand_for_all(scene, method):
     # Thrust alone: they start in the steady state and stay there, to the tolerance of a step.
     s = scene("gyro_s1", MODEL | {"operation.preload_method": method})
-    few, one = three_balls(s), solve(s, "steady").values
+    few, values = three_balls(s), solve(s, "steady").values
     for name in ("total_qv", "residual_preload"):
-        assert_allclose(few[name], one[name], rtol=1e-6)
-    assert_allclose(few["qv"].mean(axis=0), one["qv"][0], rtol=1e-6)
-    assert_allclose(few["ball_diameter_loss_rate"], one["ball_diameter_loss_rate"], rtol=1e-6)
+        assert_allclose(few[name], values[name], rtol=1e-6)
+    assert_allclose(few["qv"].mean(axis=0), values["qv"][0], rtol=1e-6)
+    assert_allclose(few["ball_diameter_loss_rate"], values["ball_diameter_loss_rate"], rtol=1e-6)
 
 
 def test_unlike_starts_end_alike(scene):
@@ -93,8 +93,8 @@ def test_what_has_grown_is_a_step_further_each_time(scene):
     mounted, turning, warm, network = (scene_with_growth(held, warmth) for warmth in WARMTHS)
     assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)
     assert warm.temperature.inner_ring_C == 25.0 and network.thermal is not None
-    found = [solve(s).values["residual_preload"] for s in (mounted, turning, warm, network)]
-    assert found[0] < found[1] < found[2] and abs(found[3] - found[1]) < 0.1
+    result = [solve(s).values["residual_preload"] for s in (mounted, turning, warm, network)]
+    assert result[0] < result[1] < result[2] and abs(result[3] - result[1]) < 0.1
 
 
 def test_a_life_ends_at_so_many_gaps_with_the_cells_asked_for(scene):

@@ -1,9 +1,11 @@
 """The sweep for the best preload, on lives that are written down, with what deceives a search."""
 
+import json
 import math
 
 import numpy as np
 import pytest
+from support import numbers_in
 
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -52,22 +54,22 @@ class MadeUp:
 
     def values(self, operation, solved):
         self.count[solved] = self.count.get(solved, 0) + 1
-        preload, made = operation.preload_N, self
+        preload, result = operation.preload_N, self
         if operation.preload_method != "constant_force":
-            made = self.other
-        life = made.life(preload)
+            result = self.other
+        life = result.life(preload)
         if math.isnan(life):
             return {"status": NOT_CONVERGED, "end_criterion": 12}
         is_quick = solved == QUICK_LIFE
-        stiffness = made.stiffness(preload) * (0.98 if is_quick else 1.0)
+        stiffness = result.stiffness(preload) * (0.98 if is_quick else 1.0)
         values = dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness)
-        values |= {"status": OK, "end_criterion": int(made.life is peak and preload < 333.0)}
+        values |= {"status": OK, "end_criterion": int(result.life is peak and preload < 333.0)}
         if solved != NEW_BEARING:
             values |= {"life": life * (0.99 if is_quick else 1.0)}
-            values |= {"impractical": 0 if made.practical(preload) else 1}
+            values |= {"impractical": 0 if result.practical(preload) else 1}
         return values
 
-    def found(self):
+    def best_point(self):
         self.search.run()
         return self.line.best(STIFF)
 
@@ -112,14 +114,14 @@ def peak(p):
     ],
 )
 def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, held_by_what):
-    made = MadeUp(scene, life, stiffness)
-    best = made.found()
+    made_up = MadeUp(scene, life, stiffness)
+    best = made_up.best_point()
     assert best.solved == EXACT_LIFE and best.is_allowed(STIFF)
-    assert best.life > 0.99 * made.best_of_all()
+    assert best.life > 0.99 * made_up.best_of_all()
     assert best.life == life(best.preload) > 0.0
     assert best.preload == float(f"{best.preload:.4g}")
-    assert ACTIVE[made.search.active_limit(made.line, best)] == held_by_what
-    assert made.count[EXACT_LIFE] <= 16
+    assert ACTIVE[made_up.search.active_limit(made_up.line, best)] == held_by_what
+    assert made_up.count[EXACT_LIFE] <= 16
 
 
 def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
@@ -128,23 +130,23 @@ def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
     def stiffness(p):
         return 20e6 * max(1.08 - abs(math.log(p / 330.0)) * 3.33, (p / 700.0) ** 0.5)
 
-    made = MadeUp(scene, falling, stiffness)
-    assert made.found().life > 0.99 * made.best_of_all() > 3.0
+    made_up = MadeUp(scene, falling, stiffness)
+    assert made_up.best_point().life > 0.99 * made_up.best_of_all() > 3.0
 
 
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):
-    made = MadeUp(scene, cliff)
-    best = made.found()
-    similar = [one.preload for one in made.search.similar(made.line)]
+    made_up = MadeUp(scene, cliff)
+    best = made_up.best_point()
+    similar = [item.preload for item in made_up.search.similar(made_up.line)]
     assert similar[0] >= 427.0 and cliff(similar[-1]) >= SIMILAR * best.life
     assert similar[-1] > 1.05 * best.preload
 
 
 def test_what_nobody_would_build_is_not_recommended(scene):
-    made = MadeUp(scene, falling, practical=lambda p: p > 251.3)
-    best = made.found()
+    made_up = MadeUp(scene, falling, practical=lambda p: p > 251.3)
+    best = made_up.best_point()
     assert 251.3 < best.preload < 1.01 * 251.3
-    assert ACTIVE[made.search.active_limit(made.line, best)] == "impractical"
+    assert ACTIVE[made_up.search.active_limit(made_up.line, best)] == "impractical"
 
 
 @pytest.mark.parametrize(
@@ -157,25 +159,26 @@ def test_what_nobody_would_build_is_not_recommended(scene):
 def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
     scene, life, stiffness, preload, held_by_what, beyond
 ):
-    made = MadeUp(scene, life, stiffness)
-    best = made.found()
+    made_up = MadeUp(scene, life, stiffness)
+    best = made_up.best_point()
     assert best.preload == pytest.approx(preload, rel=0.01)
-    assert ACTIVE[made.search.active_limit(made.line, best)] == held_by_what
-    assert (made.line.beyond is not None) == bool(beyond)
+    assert ACTIVE[made_up.search.active_limit(made_up.line, best)] == held_by_what
+    assert (made_up.line.beyond is not None) == bool(beyond)
 
 
 def test_no_preload_within_the_limits_is_explained(scene):
-    made = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
-    assert made.found() is None
-    why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
-    assert why.startswith("axial stiffness of one bearing at least 20 N/µm, at best 15.4 at 9060 N")
-    made = MadeUp(scene, lambda p: 0.0)
-    assert made.found() is None
-    why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
-    assert why == "an end-of-life criterion is met when the bearing is new"
-    made = MadeUp(scene, lambda p: math.nan)
-    assert made.found() is None
-    why = why_none(made.line.in_order(STIFF), STIFF, has_cases=False)
+    made_up = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
+    assert made_up.best_point() is None
+    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    assert why.startswith("axial stiffness of one bearing")
+    assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, and at best at 9060 N
+    made_up = MadeUp(scene, lambda p: 0.0)
+    assert made_up.best_point() is None
+    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    assert "criterion" in why and "new" in why
+    made_up = MadeUp(scene, lambda p: math.nan)
+    assert made_up.best_point() is None
+    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
     assert why == "no life could be computed"
 
 
@@ -188,10 +191,8 @@ def test_requirements_that_cannot_be_met_together_are_named():
         return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT_LIFE)
 
     why = why_none([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
-    assert why == (
-        "each requirement can be satisfied individually, but not all of them together: axial "
-        "stiffness of one bearing at least 3.5 N/µm, but 3 at 3 N"
-    )
+    assert "individually" in why and "axial stiffness of one bearing" in why
+    assert numbers_in(why) == [3.5, 3, 3]  # N/um required, but 3 at 3 N
 
 
 def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
@@ -207,8 +208,8 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
 
     order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
     why = why_none(order, limits, has_cases=False)
-    assert why.startswith("each requirement can be satisfied individually")
-    assert "stiffness" not in why and why.endswith("but 30 at 4 N")
+    assert "individually" in why and "stiffness" not in why
+    assert numbers_in(why)[-2:] == [30, 4]  # % of the preload kept, at 4 N
 
 
 def test_the_stiffness_at_which_the_other_method_is_better(scene):
@@ -216,10 +217,10 @@ def test_the_stiffness_at_which_the_other_method_is_better(scene):
     equal = (9e6 / 800.0) ** (1.0 / 1.5)
     limits = DesignLimits(axial_stiffness_N_um=300.0, at_speed_only=True)
     other = MadeUp(scene, lambda p: 800.0 * p**-0.4, lambda p: 1e6 * p)
-    made = MadeUp(scene, lambda p: 9e6 * p**-1.9, lambda p: 1e6 * p, other=other)
-    made.search.limits = limits
-    made.search.run()
-    change = _limit_change(made.search, "axial_stiffness_N_um", 0)
+    made_up = MadeUp(scene, lambda p: 9e6 * p**-1.9, lambda p: 1e6 * p, other=other)
+    made_up.search.limits = limits
+    made_up.search.run()
+    change = _limit_change(made_up.search, "axial_stiffness_N_um", 0)
     assert math.isnan(change.below) and change.tried == (150.0, 600.0)
     assert change.above == pytest.approx(equal, rel=0.03)
 
@@ -241,21 +242,23 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
         {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
     )
     limits = DesignLimits(axial_stiffness_N_um=2.9)
-    one = recommendation(scene, limits).isel(preload_method=0)
+    point = recommendation(scene, limits).isel(preload_method=0)
     lives = {}
     for beside in np.geomspace(106.0, 114.0, 9).tolist():
         at = followed_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
         assert at["impractical"] == 0 and min(limit_margins(at, limits)) > 0.0
         lives[beside] = at["life"] / 3600.0
-    assert float(one["life"]) > 0.99 * max(lives.values())
+    assert float(point["life"]) > 0.99 * max(lives.values())
 
 
 def test_a_required_life_decides_what_is_feasible():
     """It is 1.4 h at best with the stiffness that is required; 0.2 h: test_everywhere.py."""
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
-    found = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=20.0, life_h=1e4))
-    assert found["life"].isnull().all()
-    assert "wear life at least 10000 h, at best" in found.attrs["none_because"]
+    recommended = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=20.0, life_h=1e4))
+    assert recommended["life"].isnull().all()
+    reasons = json.loads(recommended.attrs["none_because"])
+    assert len(reasons) == 2
+    assert all("wear life" in why and 10000.0 in numbers_in(why) for why in reasons.values())
 
 
 @pytest.mark.parametrize("counts", [1, pytest.param(2, marks=pytest.mark.long)])
@@ -273,10 +276,12 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
         | kind
     )
     limits = DesignLimits(system_axial_stiffness_N_um=5.0)
-    one = recommendation(scene, limits).isel(preload_method=0)
-    taken = held_by(scene, PRELOAD_METHODS[0], float(one["preload"]))
+    point = recommendation(scene, limits).isel(preload_method=0)
+    taken = held_by(scene, PRELOAD_METHODS[0], float(point["preload"]))
     values = life(taken).values
-    assert float(one["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
+    assert float(point["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
-    less = followed_point(held_by(scene, PRELOAD_METHODS[0], 0.98 * float(one["preload"])), limits)
+    less = followed_point(
+        held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"])), limits
+    )
     assert min(limit_margins(less, limits)) < 0.0

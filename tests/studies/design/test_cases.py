@@ -48,65 +48,64 @@ def scene():
 
 
 @pytest.fixture(scope="module")
-def found(scene):
+def recommended(scene):
     return recommendation(scene, LIMITS)
 
 
 def worst_of(points):
     """Of each quantity that is known in all cases, the case that has the worst value."""
     names = list(points)
-    found = {"life": names[int(np.argmin([one["life"] for one in points.values()]))]}
+    result = {"life": names[int(np.argmin([item["life"] for item in points.values()]))]}
     for one in LIMITED.values():
         for name in one.extremes:
             each = np.array([point[name] for point in points.values()])
             if np.isfinite(each).all():
-                found[name] = names[int(np.argmin(each) if one.falls else np.argmax(np.abs(each)))]
-    return found
+                result[name] = names[int(np.argmin(each) if one.falls else np.argmax(np.abs(each)))]
+    return result
 
 
-def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, found):
-    for k, code in enumerate(found["preload_method"].values):
+def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, recommended):
+    for k, code in enumerate(recommended["preload_method"].values):
         method, best = PRELOAD_METHODS[int(code)], 0.0
         for preload in np.geomspace(20.0, 120.0, 4).tolist():
             points = [
                 followed_point(o, LIMITS) for o in held_by(scene, method, preload).in_cases.values()
             ]
-            kept = all(min(map(float, limit_margins(one, LIMITS))) >= 0.0 for one in points)
+            kept = all(min(map(float, limit_margins(item, LIMITS))) >= 0.0 for item in points)
             if kept and not any(one["impractical"] for one in points):
                 best = max(best, min(float(one["life"]) for one in points))
-        own = float(found["preload"][k])
+        own = float(recommended["preload"][k])
         if np.isnan(own):
             assert best == 0.0, method
             continue
         points = {
-            name: followed_point(one, LIMITS)
-            for name, one in held_by(scene, method, own).in_cases.items()
+            name: followed_point(case, LIMITS)
+            for name, case in held_by(scene, method, own).in_cases.items()
         }
         for name, point in points.items():
             assert min(map(float, limit_margins(point, LIMITS))) >= 0.0, (method, name)
         life = min(float(point["life"]) for point in points.values())
-        assert 3600.0 * float(found["life"][k]) == pytest.approx(life, rel=1e-9)
+        assert 3600.0 * float(recommended["life"][k]) == pytest.approx(life, rel=1e-9)
         assert life >= 0.99 * best
-        assert json.loads(found.attrs[WORST_CASES])[k] == worst_of(points)
-    assert np.isfinite(found["preload"]).any()
+        assert json.loads(recommended.attrs[WORST_CASES])[k] == worst_of(points)
+    assert np.isfinite(recommended["preload"]).any()
 
 
-def test_the_worst_case_is_named(found):
-    k = int(np.flatnonzero(np.isfinite(found["preload"]))[0])
-    worst = json.loads(found.attrs[WORST_CASES])[k]
+def test_the_worst_case_is_named(recommended):
+    k = int(np.flatnonzero(np.isfinite(recommended["preload"]))[0])
+    worst = json.loads(recommended.attrs[WORST_CASES])[k]
     assert worst["opening_acceleration"] == "cold" and worst["torque_margin"] == "hot"
-    said = " ".join(as_text(preload_document(found)).split())
-    assert "Requirements of the machine" in said and "worst corner: hot, new" in said
-    assert "Launch, 30 g axial, 30 g radial" in said
-    asked = json.loads(found.attrs[MACHINE])[k]
-    least = min(one["margin"] for one in asked["corners"])
-    assert float(found["torque_margin"][k]) == pytest.approx(least, rel=1e-6)
+    text = " ".join(as_text(preload_document(recommended)).split())
+    assert "worst corner: hot, new" in text and "Launch, 30 g axial, 30 g radial" in text
+    asked = json.loads(recommended.attrs[MACHINE])[k]
+    least = min(corner["margin"] for corner in asked["corners"])
+    assert float(recommended["torque_margin"][k]) == pytest.approx(least, rel=1e-6)
 
 
-def test_without_its_cases_the_scene_may_take_less_preload(scene, found):
+def test_without_its_cases_the_scene_may_take_less_preload(scene, recommended):
     """A point of a map is that of the worst case."""
-    whole = new_point(scene, LIMITS)
-    each = [new_point(one, LIMITS) for one in scene.in_cases.values()]
-    opening = [one["opening_acceleration"] for one in each]
-    assert whole["opening_acceleration"] == min(opening) == opening[1] < opening[0]
-    assert whole["maximum_pressure"] == max(one["maximum_pressure"] for one in each)
+    point = new_point(scene, LIMITS)
+    each = [new_point(case, LIMITS) for case in scene.in_cases.values()]
+    opening = [item["opening_acceleration"] for item in each]
+    assert point["opening_acceleration"] == min(opening) == opening[1] < opening[0]
+    assert point["maximum_pressure"] == max(one["maximum_pressure"] for one in each)

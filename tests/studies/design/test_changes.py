@@ -26,9 +26,9 @@ def change_in(found, name):
 @pytest.fixture(scope="module")
 def chosen(scene):
     """Function of a limit of system stiffness -> the recommendation of gyro_s1."""
-    made = scene("gyro_s1")
+    changed_scene = scene("gyro_s1")
     return lambda limit: recommendation(
-        made, DesignLimits(**{STIFFNESS: limit}, at_speed_only=True)
+        changed_scene, DesignLimits(**{STIFFNESS: limit}, at_speed_only=True)
     )
 
 
@@ -56,16 +56,16 @@ def test_a_requirement_of_nothing_is_not_moved(name):
 
 def test_the_warmth_at_which_lives_are_equal(scene, chosen):
     """At the recommended preloads; the choice is the other way round just beyond."""
-    found = chosen(5.0)
-    assert best_method(found) == 1
-    below, now, above = change_in(found, WARMTH_KEY)
+    choice = chosen(5.0)
+    assert best_method(choice) == 1
+    below, now, above = change_in(choice, WARMTH_KEY)
     assert math.isnan(below) and now == 0.0
     both = [
-        held_by(scene("gyro_s1"), method, float(found["preload"][k]))
+        held_by(scene("gyro_s1"), method, float(choice["preload"][k]))
         for k, method in enumerate(PRELOAD_METHODS)
     ]
     longest = []
     for kelvin in (0.9 * above, 1.1 * above):
-        moved = [one.with_({"temperature.inner_ring_C": 20.0 + kelvin}) for one in both]
+        moved = [item.with_({"temperature.inner_ring_C": 20.0 + kelvin}) for item in both]
         longest.append(int(np.argmax([quick_life(one)["life"] for one in moved])))
     assert longest == [1, 0]

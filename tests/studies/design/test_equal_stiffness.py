@@ -25,13 +25,13 @@ def test_lives_at_equal_stiffness(row):
     for k, (name, (method, kind)) in enumerate(pairs.KINDS.items()):
         scene = pairs.scene_of(method, kind, kelvin)
         preload, hours = map(float, row[2 + 2 * k : 4 + 2 * k])
-        found, less = (
+        result, less = (
             life_point(scene.with_({"operation.preload_N": share * preload}), None)
             for share in (1.0, 0.97)
         )
-        assert pairs.LEAST.worst(found) == pytest.approx(stiffness, rel=5e-3), name
+        assert pairs.LEAST.worst(result) == pytest.approx(stiffness, rel=5e-3), name
         assert pairs.LEAST.worst(less) < 0.995 * stiffness
-        lives.append(found["life"] / 3600.0)
+        lives.append(result["life"] / 3600.0)
         assert lives[-1] == pytest.approx(hours, rel=1e-2)
     assert row[6] == ("spring" if lives[0] > lives[1] else "rigid")
     assert max(lives) / min(lives) == pytest.approx(float(row[7]), rel=0.02)

@@ -37,7 +37,7 @@ def scene():
 
 
 @pytest.fixture(scope="module")
-def found(scene):
+def map_and_recommendation(scene):
     """Map and recommendation."""
     axes = MapAxes(
         preload_method=METHODS,
@@ -48,34 +48,34 @@ def found(scene):
     return preload_map(scene, axes, STIFF), recommendation(scene, STIFF)
 
 
-def test_recommended_life_is_what_life_finds(scene, found):
+def test_recommended_life_is_what_life_finds(scene, map_and_recommendation):
     """To the last bit."""
-    _, chosen = found
+    _, chosen = map_and_recommendation
     for k, method in enumerate(METHODS):
-        one = chosen.isel(preload_method=k)
-        values = life(held_by(scene, method, float(one["preload"]))).values
-        assert_allclose(one["life"], values["life"] / 3600.0, rtol=1e-15)
-        assert int(one["end_criterion"]) == values["end_criterion"]
+        point = chosen.isel(preload_method=k)
+        values = life(held_by(scene, method, float(point["preload"]))).values
+        assert_allclose(point["life"], values["life"] / 3600.0, rtol=1e-15)
+        assert int(point["end_criterion"]) == values["end_criterion"]
 
 
-def test_lives_with_both_grooves(scene, found):
-    design, chosen = found
+def test_lives_with_both_grooves(scene, map_and_recommendation):
+    design, chosen = map_and_recommendation
     assert (chosen["groove"] == WORN_GROOVE).all()
     for k, method in enumerate(METHODS):
-        one = chosen.isel(preload_method=k)
-        hertzian = life_point(held_by(scene, method, float(one["preload"])), None)["life"]
-        assert_allclose(one["hertzian_life"], hertzian / 3600.0, rtol=1e-12)
-        assert abs(float(one["life"] / one["hertzian_life"]) - 1.0) > 0.02
+        point = chosen.isel(preload_method=k)
+        hertzian = life_point(held_by(scene, method, float(point["preload"])), None)["life"]
+        assert_allclose(point["hertzian_life"], hertzian / 3600.0, rtol=1e-12)
+        assert abs(float(point["life"] / point["hertzian_life"]) - 1.0) > 0.02
         # the choice is within the limit by the groove as it wears, and on it
-        assert 5e6 <= float(LIMITED["system_axial_stiffness_N_um"].worst(one)) < 5e6 * 1.01
+        assert 5e6 <= float(LIMITED["system_axial_stiffness_N_um"].worst(point)) < 5e6 * 1.01
     assert (design["groove"] == WORN_GROOVE).all() and (design["status"] == 0).all()
 
 
-def test_the_map_is_of_lives_as_life_prints_them(scene, found):
-    design, chosen = found
+def test_the_map_is_of_lives_as_life_prints_them(scene, map_and_recommendation):
+    design, chosen = map_and_recommendation
     line = design.isel(friction=0, shaft_speed=0)
-    whole = life(held_by(scene, METHODS[0], 7.0)).values
-    assert_allclose(line["life"][0, 1], whole["life"] / 3600.0, rtol=1e-15)
+    values = life(held_by(scene, METHODS[0], 7.0)).values
+    assert_allclose(line["life"][0, 1], values["life"] / 3600.0, rtol=1e-15)
     # no preload of the map within the limit lasts longer
     for k in range(2):
         within = line.isel(preload_method=k)

@@ -101,8 +101,8 @@ def make(folder, grid, fidelity, failed=(), **changes):
     paths = []
     for case_id, case in grid.cases().items():
         status = NOT_CONVERGED if case_id in failed else 0
-        made = made_up_case(case, fidelity=fidelity, status=status, **changes)
-        made.to_netcdf(folder / f"{case_id}.nc")
+        case_file = made_up_case(case, fidelity=fidelity, status=status, **changes)
+        case_file.to_netcdf(folder / f"{case_id}.nc")
         paths.append(folder / f"{case_id}.nc")
     return paths
 
@@ -132,17 +132,13 @@ def both(folder):
 # gathering and verdict
 
 
-def test_gathered_without_histories(folder):
+def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
     gathered = load(folder / "dynamic.nc")
     assert gathered.attrs["fidelity"] == "dynamic"
     assert gathered.sizes["ball"] == 9
     assert not {"time", "state", "edge"} & set(gathered.dims)
     assert "final_time" not in gathered and "history_ball_wear_rate" not in gathered
-    assert list(gathered["cage_wear_rate"].dims) == [
-        "preload_method",
-        "friction",
-        "ball_diameter_loss",
-    ]
+    assert gathered["cage_wear_rate"].dims == ("preload_method", "friction", "ball_diameter_loss")
     failed = gathered.sel(preload_method=1, ball_diameter_loss=0.7)
     assert np.all(failed["status"] == NOT_CONVERGED) and np.all(np.isnan(failed["cage_wear_rate"]))
 
@@ -184,9 +180,7 @@ def test_comparison_tables(folder, tmp_path):
     assert "| constant force | 0.02 | 0 | 1.29 | 1.3 | 1 | 7 | 7 |" in text
     assert "| QV, steady (W) |" in text and "land (mm³/1000\N{NO-BREAK SPACE}h) |" in text
     assert "nan" not in text + outputs[0].read_text(encoding="utf-8")
-    assert (
-        text.count(": the total wear rate still drifts by +20 % over the averaged turns") == 4
-    )  # of those solved
+    assert text.count("drifts by +20 %") == 4  # of those solved
     assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
 
@@ -227,7 +221,7 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     assert capsys.readouterr().err.endswith(f"expected the scene of {steady}\n")
     for path in (steady, folder / "cases" / f"{FAILED[1]}.nc"):
         assert step(AVERAGE, output, case=path) == 2
-        assert capsys.readouterr().err == f"{path}: not a case solved dynamically\n"
+        assert only_line(capsys).startswith(f"{path}: ")
     assert not output.exists()
 
 
@@ -255,27 +249,24 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
     assert_allclose(ball[-1].get_xydata(), [[20.0, 20.0]])  # ms, 1e-18 m3/s
     rate = case["history_ball_wear_rate"].isel(ball=0)
     assert_allclose(ball[0].get_ydata()[-1], 1e18 * rate.mean(), rtol=1e-5)
-    title = drawn.get_suptitle().replace("\n", " ")
-    assert title.startswith(
-        "gyro_s1: the last shaft turn changed the mean wear rate of ball 1 by −"
-    )
+    assert drawn.get_suptitle().startswith("gyro_s1: ") and "%" in drawn.get_suptitle()
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "problem"),
     [
         ("", "expected a table with the header part,time_s,wear_rate_m3_s"),
         ("part,time_s,wear_rate_m3_s\nball,1,2\n", "got ball,1,2, expected ball_1 or cage"),
         ("part,time_s,wear_rate_m3_s\ncage,1,x\n", "got cage,1,x, expected"),
     ],
 )
-def test_a_broken_reference_is_refused(folder, text, said, tmp_path, capsys):
+def test_a_broken_reference_is_refused(folder, text, problem, tmp_path, capsys):
     file = tmp_path / "values.csv"
     file.write_text(text)
-    given = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}
-    assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
+    inputs = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}
+    assert step(AVERAGE, tmp_path / "a.svg", **inputs) == 2
     error = only_line(capsys)
-    assert error.startswith(f"{file}: ") and said in error
+    assert error.startswith(f"{file}: ") and problem in error
     file.unlink()
-    assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
+    assert step(AVERAGE, tmp_path / "a.svg", **inputs) == 2
     assert capsys.readouterr().err.startswith(f"{file}: cannot be read")

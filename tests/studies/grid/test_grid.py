@@ -33,7 +33,7 @@ def test_ids_are_unique_and_say_the_case(mus, losses):
 
 
 @pytest.mark.parametrize(
-    ("methods", "mus", "losses", "said"),
+    ("methods", "mus", "losses", "problem"),
     [
         (["constant_force"], [0.1 + 0.2], [0.0], "friction: got 0.30000000000000004"),
         (["constant_force"], [-0.1], [0.0], "friction: got -0.1"),
@@ -44,10 +44,10 @@ def test_ids_are_unique_and_say_the_case(mus, losses):
         (["rigid"], [0.1], [0.0], "preload_method: got rigid"),
     ],
 )
-def test_grids_that_are_refused(methods, mus, losses, said):
+def test_grids_that_are_refused(methods, mus, losses, problem):
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         Grid.from_lists(methods, mus, losses)
-    assert said in str(error.value)
+    assert problem in str(error.value)
 
 
 def test_chunks_of_a_grid():

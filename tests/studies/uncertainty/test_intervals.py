@@ -37,9 +37,9 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     for seed in range(SEEDS):
         random = np.random.default_rng(seed)
         lives = np.exp(0.3 * random.standard_normal(rows))
-        found = [life_quantile(lives, factors, p) for p in PROBABILITIES]
-        covered.append([covers(one, life) for one, life in zip(found, exact, strict=True)])
-        widths.append([np.log(one.high / one.low) for one in found])
+        quantiles = [life_quantile(lives, factors, p) for p in PROBABILITIES]
+        covered.append([covers(value, life) for value, life in zip(quantiles, exact, strict=True)])
+        widths.append([np.log(item.high / item.low) for item in quantiles])
     # so few of 200 intervals that hold with 95 % miss with a probability of 1e-3 at most
     assert np.sum(covered) >= stats.binom.ppf(1e-3, np.size(covered), 0.95)
     # with wear, nothing but the mean of all else is sampled
@@ -51,9 +51,9 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
 def test_interval_of_one_factor_is_that_of_order_statistics():
     """Clopper and Pearson (1934): the binomial interval of the share below, as lives."""
     lives = np.exp(np.random.default_rng(5).standard_normal(200))
-    found = life_quantile(lives, np.ones((200, 1)), 0.1)
+    quantile = life_quantile(lives, np.ones((200, 1)), 0.1)
     ends = stats.binomtest(20, 200).proportion_ci(0.95)
-    assert_allclose(found[1:], np.quantile(lives, ends, method="hazen"), rtol=1e-12)
+    assert_allclose(quantile[1:], np.quantile(lives, ends, method="hazen"), rtol=1e-12)
 
 
 def with_spread(**spread):
@@ -76,9 +76,11 @@ def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
     for seed in range(SEEDS):
         sample = sample_of(scene, inputs, Sampling(samples=128, seed=seed))
         mu, preload = sample.rows[:, 0] / scene.friction.ball_race, sample.rows[:, 1] / 7.0
-        found = [life_quantile(mu**-3 * preload**2, sample.factors, p) for p in PROBABILITIES]
-        covered.append([covers(one, life) for one, life in zip(found, exact, strict=True)])
-        errors.append([np.log(one.value / life) for one, life in zip(found, exact, strict=True)])
+        quantiles = [life_quantile(mu**-3 * preload**2, sample.factors, p) for p in PROBABILITIES]
+        covered.append([covers(value, life) for value, life in zip(quantiles, exact, strict=True)])
+        errors.append(
+            [np.log(item.value / life) for item, life in zip(quantiles, exact, strict=True)]
+        )
     # Sobol points are spread more evenly than random ones
     assert np.mean(covered) > 0.97
     assert np.abs(np.mean(errors, axis=0)).max() < 0.03
@@ -101,8 +103,8 @@ def test_intervals_allow_for_an_end_of_life_that_few_bearings_meet(samples, shar
         sample = sample_of(scene, ALL_INPUTS, Sampling(samples=samples, seed=seed))
         low = np.log(sample.rows[:, 0] / scene.friction.ball_race) / np.log(1.2)
         lives = np.where(low < stats.norm.ppf(share), 0.01, 1.0 - 1e-6 * low)
-        found = [life_quantile(lives, sample.factors, p) for p in PROBABILITIES]
-        covered.append([covers(one, life) for one, life in zip(found, exact, strict=True)])
+        quantiles = [life_quantile(lives, sample.factors, p) for p in PROBABILITIES]
+        covered.append([covers(value, life) for value, life in zip(quantiles, exact, strict=True)])
     assert np.mean(covered, axis=0).min() >= 0.95
 
 
@@ -128,10 +130,10 @@ def test_how_often_a_method_lives_longest():
     life = np.stack([first, second])
     pairs = [(a, b) for a, b in zip(first, second, strict=True) if b == b]
     wins = sum(a > b for a, b in pairs)
-    found = longest_shares(life)
-    assert_allclose(found[0, 0], wins / len(pairs), rtol=1e-15)
-    assert_allclose(found[1, 0], sum(b > a for a, b in pairs) / len(pairs), rtol=1e-15)
-    low, high = found[0, 1:]  # at these ends 2.5 % of samples have so many wins, or so few
+    shares = longest_shares(life)
+    assert_allclose(shares[0, 0], wins / len(pairs), rtol=1e-15)
+    assert_allclose(shares[1, 0], sum(b > a for a, b in pairs) / len(pairs), rtol=1e-15)
+    low, high = shares[0, 1:]  # at these ends 2.5 % of samples have so many wins, or so few
     assert_allclose(stats.binom.sf(wins - 1, len(pairs), low), 0.025, rtol=1e-9)
     assert_allclose(stats.binom.cdf(wins, len(pairs), high), 0.025, rtol=1e-9)
     assert np.isnan(longest_shares(np.nan * life)).all()
@@ -147,21 +149,21 @@ def test_indices_of_a_sum_with_an_interaction():
     """Closed form: log life x + 2 y + x z; Var 1 + 4 + 1."""
     x, y, z = np.moveaxis(saltelli(2048, 3), -1, 0)
     lives = np.exp(np.stack([x + 2.0 * y + x * z, 2.0 * x], axis=1))
-    found = sobol_indices(lives, seed=1)
+    indices = sobol_indices(lives, seed=1)
     first, total = np.array([1.0, 4.0, 0.0]) / 6.0, np.array([2.0, 4.0, 1.0]) / 6.0
     for name, exact in (("first_index", first), ("total_index", total)):
-        assert_allclose(found[name][0], exact, atol=0.03)
-        assert (np.abs(found[name][0] - exact) < 2.0 * found[f"{name}_error"][0]).all()
-        assert_allclose(found[name][1], [1.0, 0.0, 0.0], atol=0.03)
+        assert_allclose(indices[name][0], exact, atol=0.03)
+        assert (np.abs(indices[name][0] - exact) < 2.0 * indices[f"{name}_error"][0]).all()
+        assert_allclose(indices[name][1], [1.0, 0.0, 0.0], atol=0.03)
     # those of base samples with a life of zero or without a life are left out
     lives[0, 0, 5], lives[3, 1, 8] = 0.0, np.nan
     some = sobol_indices(lives, seed=1)
-    assert_allclose(some["total_index"], found["total_index"], atol=0.05)
+    assert_allclose(some["total_index"], indices["total_index"], atol=0.05)
     assert np.isnan(sobol_indices(0.0 * lives, seed=1)["total_index"]).all()
 
 
 def test_index_of_a_single_value():
     lives = np.exp(saltelli(64, 1)[..., 0])[:, None, :].repeat(2, axis=1)
-    found = sobol_indices(lives, seed=1)
-    assert found["total_index"].shape == (2, 1)
-    assert_allclose(found["total_index"], 1.0, atol=0.1)
+    indices = sobol_indices(lives, seed=1)
+    assert indices["total_index"].shape == (2, 1)
+    assert_allclose(indices["total_index"], 1.0, atol=0.1)

@@ -63,33 +63,35 @@ def scene_life(scene, values=None):
 
 def test_life_of_the_map_is_the_life():
     scene = scene_at(load_scene(scene_file("gyro_s1")), "fixed_position", 0.05, 25000.0, 6.0)
-    point, whole = life_point(scene, 0.25), life(scene).values
-    assert_allclose(point["life"], whole["life"], rtol=1e-12)
-    assert point["end_criterion"] == whole["end_criterion"]
-    assert point["gyroscopic_slip_share"] == whole["history_gyroscopic_slip_share"].max()
+    point, values = life_point(scene, 0.25), life(scene).values
+    assert_allclose(point["life"], values["life"], rtol=1e-12)
+    assert point["end_criterion"] == values["end_criterion"]
+    assert point["gyroscopic_slip_share"] == values["history_gyroscopic_slip_share"].max()
     share = replace(scene.wear, end_of_life=EndOfLife(gyroscopic_slip_share=0.25))
     until = life(replace(scene, wear=share)).values["life"]
     assert_allclose(point["time_to_slip_limit"], until, rtol=1e-12)
-    assert np.all(until < whole["life"])
+    assert np.all(until < values["life"])
 
 
 def test_life_is_inverse_to_the_wear_coefficient():
     """Known answer: with K_s alone uncertain, life is C/K_s, and one solve is enough."""
     scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
-    found = own_quantiles(scene, Sampling(samples=64)).squeeze()
-    assert found["evaluations"] == 1 and found["status_count"].values.tolist()[0] == 3 * 64 + 1
+    quantiles = own_quantiles(scene, Sampling(samples=64)).squeeze()
+    assert (
+        quantiles["evaluations"] == 1 and quantiles["status_count"].values.tolist()[0] == 3 * 64 + 1
+    )
     constant = scene_life(scene) * 5e-6
     exact = constant / (8e-6 - np.array(PROBABILITIES) * 6e-6)
     at = {"uncertain_inputs": ALL_INPUTS}
-    assert_allclose(found["life_quantile"].sel(at), exact, rtol=2e-4)
+    assert_allclose(quantiles["life_quantile"].sel(at), exact, rtol=2e-4)
     for end in ("low", "high"):
-        assert_allclose(found[f"life_quantile_{end}"].sel(at), exact, rtol=1e-3)
-    members = found["life_sample"].sel(at).values
+        assert_allclose(quantiles[f"life_quantile_{end}"].sel(at), exact, rtol=1e-3)
+    members = quantiles["life_sample"].sel(at).values
     even = (np.arange(len(members)) + 0.5) / len(members)
     assert_allclose(members, constant / (8e-6 - even * 6e-6), rtol=5e-4)
     # with K_s as it is, or within a batch, all lives are alike
     for inputs, life_then in ((ALL_BUT_WEAR, constant / 5e-6), (SCATTER_ONLY, exact[2])):
-        alike = found["life_quantile"].sel(uncertain_inputs=inputs)
+        alike = quantiles["life_quantile"].sel(uncertain_inputs=inputs)
         assert_allclose(alike, life_then, rtol=1e-9)
 
 
@@ -101,9 +103,9 @@ def test_scaled_lives_are_the_solved_ones():
         ball_race={"distribution": "normal", "standard_deviation": 0.01},
     )
     rows = sobol_rows(scene, Sampling(samples=1, seed=5))[:, 0]
-    found = sampled_lives(scene, rows)
-    assert (found.status == 0).all() and found.solves < len(rows)
-    for row, time in zip(rows, found.life, strict=True):
+    sampled = sampled_lives(scene, rows)
+    assert (sampled.status == 0).all() and sampled.solves < len(rows)
+    for row, time in zip(rows, sampled.life, strict=True):
         assert_allclose(time, scene_life(scene, row) / HOURS_PER_SECOND, rtol=1e-9)
 
 
@@ -115,14 +117,14 @@ def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
             "distribution": "uniform", "low": 5.0, "high": 8.0, "same_for_batch": False
         },
     )  # fmt: skip
-    found = own_quantiles(scene, Sampling(samples=64)).squeeze()
+    quantiles = own_quantiles(scene, Sampling(samples=64)).squeeze()
     nominal = scene_life(scene) / scene.nominal("brinell_hardness_GPa")
     of_bearings = nominal * (5.0 + 3.0 * np.array(PROBABILITIES))
     of_batches = nominal * 6.5 * 2.0 ** stats.norm.ppf(PROBABILITIES)
     for inputs, exact in ((SCATTER_ONLY, of_bearings), (BATCH_ONLY, of_batches)):
-        quantile = found["life_quantile"].sel(uncertain_inputs=inputs)
+        quantile = quantiles["life_quantile"].sel(uncertain_inputs=inputs)
         assert_allclose(quantile, exact, rtol=2e-3)
-    assert float(found["nominal_life"]) == pytest.approx(6.5 * nominal)
+    assert float(quantiles["nominal_life"]) == pytest.approx(6.5 * nominal)
 
 
 @pytest.mark.parametrize("scatters", [False, True])
@@ -131,17 +133,17 @@ def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
     wear = {"distribution": "lognormal", "factor": 3.0, "same_for_batch": not scatters}
     scene, path = with_spread(wear_coefficient=wear), tmp_path / "uncertainty.nc"
     write_dataset(own_quantiles(scene, PLAN), path)
-    found = spread_at(load(path).squeeze())
+    spread = spread_at(load(path).squeeze())
     ends = scene_life(scene) * 3.0 ** stats.norm.ppf([0.05, 0.95])
-    assert_allclose(found.bearings, ends, rtol=0.01)
-    assert_allclose(found.scatter if scatters else found.unknown, ends, rtol=0.01)
-    assert (found.unknown if scatters else found.scatter) is None
-    assert list(found.quantiles) == (list(MEDIAN_BATCH) if scatters else [])
+    assert_allclose(spread.bearings, ends, rtol=0.01)
+    assert_allclose(spread.scatter if scatters else spread.unknown, ends, rtol=0.01)
+    assert (spread.unknown if scatters else spread.scatter) is None
+    assert list(spread.quantiles) == (list(MEDIAN_BATCH) if scatters else [])
     assert main(["show", str(path)]) == 0
     assert ("L10" in capsys.readouterr().out) == scatters
     assert main(["plot", str(path), "-o", str(tmp_path / "a.svg")]) == 0
     title = ET.parse(tmp_path / "a.svg").getroot().findtext("{http://www.w3.org/2000/svg}title")
-    low, high = found.bearings.text.split(" to ")
+    low, high = spread.bearings.text.split(" to ")
     assert f"between {low} and {high} h" in " ".join(title.split()) and "L10" not in title
 
 
@@ -153,8 +155,8 @@ def test_wear_factors_go_with_the_friction_of_their_life():
         scene = with_spread(**spread, wear_coefficient=wear)
         sample = sample_of(scene, ALL_INPUTS, Sampling(samples=2048))
         mu = np.repeat(np.log(sample.rows[:, :1]), sample.factors.shape[1], axis=1)
-        found = np.corrcoef(mu.ravel(), np.log(sample.factors).ravel())[0, 1]
-        assert_allclose(found, expected, atol=0.01)
+        correlation = np.corrcoef(mu.ravel(), np.log(sample.factors).ravel())[0, 1]
+        assert_allclose(correlation, expected, atol=0.01)
         assert_allclose(np.log(sample.factors).std(), np.log(3.0), rtol=0.01)
 
 
@@ -166,16 +168,16 @@ def test_indices_of_a_product_are_shares_of_log_variance():
     )
     preloads = {("constant_force", OWN): 7.0}
     plan = Sampling(samples=1024)
-    found = life_quantiles([scene], preloads, plan, with_indices=True).squeeze()
+    quantiles = life_quantiles([scene], preloads, plan, with_indices=True).squeeze()
     of_hardness = np.var(np.log(stats.uniform(4.0, 5.0).ppf((np.arange(1e5) + 0.5) / 1e5)))
     variance = np.array([np.log(1.5) ** 2, of_hardness])
     for kind in ("first_index", "total_index"):
-        index, error = (found[f"{kind}{end}"].sel(uncertain_inputs=0) for end in ("", "_error"))
+        index, error = (quantiles[f"{kind}{end}"].sel(uncertain_inputs=0) for end in ("", "_error"))
         assert_allclose(index, variance / variance.sum(), atol=0.03)
         assert (np.abs(index - variance / variance.sum()) <= 2.0 * error).all()
-    assert found["index_share"] == 1.0 and found["evaluations"] == 1
+    assert quantiles["index_share"] == 1.0 and quantiles["evaluations"] == 1
     exact = [[2.0 ** stats.norm.ppf(p) for p in (0.9, 0.1)]]
-    one_by_one = found["life_one_at_a_time"] / found["nominal_life"]
+    one_by_one = quantiles["life_one_at_a_time"] / quantiles["nominal_life"]
     assert_allclose(one_by_one[0], 1.5 ** np.log2(exact[0]), rtol=1e-9)
 
 
@@ -193,8 +195,8 @@ def test_sampled_lives_follow_grooves_where_life_does():
     for method in ("constant_force", "fixed_position"):
         at = with_preload(scene, method, 7.0)
         rows = sample_of(at, ALL_BUT_WEAR, Sampling(samples=4)).rows
-        found = sampled_lives(at, rows)
-        for row, time in zip(rows, found.life, strict=True):
+        sampled = sampled_lives(at, rows)
+        for row, time in zip(rows, sampled.life, strict=True):
             assert_allclose(time, scene_life(at, row) / HOURS_PER_SECOND, rtol=0.01)
 
 
@@ -205,11 +207,11 @@ def test_lives_that_fail_are_counted(tmp_path, capsys):
     path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
     bearingwear.save(scene_from_dict(plain | {"uncertainty": {"ball_diameter_mm": diameter}}), path)
     assert main(["uncertainty", str(path), "-o", str(out), "--samples", "16"]) == 0
-    found = load(out).squeeze()
-    names = found["life_status"].attrs["flag_meanings"].split()
-    counts = dict(zip(names, found["status_count"].values.tolist(), strict=True))
+    dataset = load(out).squeeze()
+    names = dataset["life_status"].attrs["flag_meanings"].split()
+    counts = dict(zip(names, dataset["status_count"].values.tolist(), strict=True))
     assert counts["beyond_groove"] > 3 and sum(counts.values()) == 3 * 16 + 1
-    assert float(found["solved_share"]) == pytest.approx(counts["ok"] / (3 * 16 + 1))
+    assert float(dataset["solved_share"]) == pytest.approx(counts["ok"] / (3 * 16 + 1))
     assert "beyond groove" in capsys.readouterr().out
 
 
@@ -218,8 +220,8 @@ def test_a_scene_that_no_model_takes_is_refused_in_one_line(tmp_path, capsys):
     settings = ["model.contact=worn", "model.slip_over=line"]
     bearingwear.save(load_scene(scene_file("gyro_s1"), settings), path)
     assert main(["uncertainty", str(path), "-o", str(out), "--samples", "4"]) == 2
-    told = capsys.readouterr().err.strip().splitlines()[-1]
-    assert "model.contact: got worn" in told and not out.exists()
+    output = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "model.contact: got worn" in output and not out.exists()
 
 
 def test_frictions_are_an_axis(tmp_path):
@@ -228,7 +230,7 @@ def test_frictions_are_an_axis(tmp_path):
     few = ["--samples", "8", "--quiet", "-o"]
     assert main(["uncertainty", path, *few, str(out), "--friction", "0.02", "0.08"]) == 0
     both = load_quantiles(out)
-    assert [scene_of(one)["friction"]["ball_race"] for one in both] == [0.02, 0.08]
+    assert [scene_of(item)["friction"]["ball_race"] for item in both] == [0.02, 0.08]
     for one, mu in zip(both, ("0.02", "0.08"), strict=True):
         alone = tmp_path / f"{mu}.nc"
         assert main(["uncertainty", path, *few, str(alone), "--friction", mu]) == 0
@@ -256,13 +258,15 @@ def test_lives_with_films_are_those_of_life():
         wear={"end_of_life": {"ball_diameter_loss_um": 1.0}, "counts": "ball_and_races"},
     )
     rows = sobol_rows(scene, Sampling(samples=1, seed=3))[:, 0]
-    found = sampled_lives(scene, rows)
-    assert (found.status == 0).all() and np.ptp(found.life) > 0.0
+    sampled = sampled_lives(scene, rows)
+    assert (sampled.status == 0).all() and np.ptp(sampled.life) > 0.0
     names, through = list(scene.uncertainty), 0
-    for row, time in zip(rows, found.life, strict=True):
-        one = life(scene_with_values(scene, dict(zip(names, map(float, row), strict=True)))).values
-        assert_allclose(time, one["life"], rtol=1e-9)
-        through += np.isfinite(one["race_film_worn_through"]).any()
+    for row, time in zip(rows, sampled.life, strict=True):
+        values = life(
+            scene_with_values(scene, dict(zip(names, map(float, row), strict=True)))
+        ).values
+        assert_allclose(time, values["life"], rtol=1e-9)
+        through += np.isfinite(values["race_film_worn_through"]).any()
     assert through > 0
 
 
@@ -278,32 +282,29 @@ def test_thickness_is_that_of_a_film_that_has_one():
 
 
 @pytest.mark.parametrize(
-    "name, settings, said",
+    "name, settings, source",
     [
-        (
-            "gyro_s1",
-            [],
-            "spread for steel/steel, dry, from archard, dry_steel: K_s/H by",
-        ),
-        ("mos2_gyro", FILM, "spread for steel/steel, film mos2 (no source for other films), from"),
-        ("turbopump", ["model.contact=hertz"], "spread assumed, because no source covers"),
+        ("gyro_s1", [], "archard, dry_steel"),
+        ("mos2_gyro", FILM, "film mos2"),
+        ("turbopump", ["model.contact=hertz"], "spread assumed"),
     ],
 )
 def test_a_scene_without_distributions_takes_those_of_the_table(
-    name, settings, said, tmp_path, capsys
+    name, settings, source, tmp_path, capsys
 ):
+    """The sheets of the spread and of the life name the rows of the table."""
     plain = load_scene(scene_file(name), settings).to_dict()
     plain.pop("uncertainty", None)
     path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
     bearingwear.save(scene_from_dict(plain), path)
     assert main(["uncertainty", str(path), "-o", str(out), "--samples", "8"]) == 0
-    shown, told = capsys.readouterr()
-    assert said in shown and said in told and "90 % of bearings" in shown
+    output, errors = (" ".join(text.split()) for text in capsys.readouterr())
+    assert source in output and source in errors
     # the sheet of the life has the interval beside it, and the band by wear that holds without
     assert main(["life", str(path), "-o", str(tmp_path / "life.nc")]) == 0
-    shown = capsys.readouterr().out
-    assert "scatter within a batch" in shown and shown.count(said) == 2
+    output = " ".join(capsys.readouterr().out.split())
+    assert "within a batch" in output and output.count(source) == 2
     out.unlink()
     assert main(["show", str(tmp_path / "life.nc")]) == 0
-    shown = capsys.readouterr().out
-    assert "90 % of bearings, wear only" in shown and said in shown
+    output = " ".join(capsys.readouterr().out.split())
+    assert "wear only" in output and output.count(source) == 1

@@ -117,7 +117,7 @@ def test_wear_values_of_both_materials_go_together(scene):
 
 
 @pytest.mark.parametrize(
-    ("option", "said"),
+    ("option", "problem"),
     [
         (["--samples", "100"], "--samples: got 100, expected a power of two"),
         (["--samples", "0"], "--samples: got 0, expected a whole number from 1 to 1048576"),
@@ -128,7 +128,7 @@ def test_wear_values_of_both_materials_go_together(scene):
         (["--seed", "-1"], "--seed: got -1, expected a whole number >= 0"),
     ],
 )
-def test_samplings_that_are_refused(option, said, tmp_path, capsys):
+def test_samplings_that_are_refused(option, problem, tmp_path, capsys):
     out = tmp_path / "out.nc"
     assert main(["uncertainty", str(scene_file("gyro_s1")), *option, "-o", str(out)]) == 2
-    assert capsys.readouterr().err.strip() == said and not out.exists()
+    assert capsys.readouterr().err.strip() == problem and not out.exists()

@@ -31,34 +31,36 @@ def test_heat_that_does_not_depend_on_temperature(spindle, monkeypatch):
         transient, "heats_of", lambda *given: tuple(HeatFlow(8.0, 0.0, 0.0) for _ in real(*given))
     )
     alone = spindle.with_({"thermal.conductance_W_K.ball_race": 1e-6})
-    found = warm_up(alone, ramp(0.0), duration=40.0, tolerance=1e-9)
-    for one in found.instants[:: max(len(found.instants) // 20, 1)]:
-        expected = 20.0 + 4.0 / 2.0 * (1.0 - np.exp(-one.time * 2.0 / 30.0))
-        assert_allclose(one.temperatures[0, 0] - 20.0, expected - 20.0, rtol=1e-5, atol=1e-6)
+    warming = warm_up(alone, ramp(0.0), duration=40.0, tolerance=1e-9)
+    for instant in warming.instants[:: max(len(warming.instants) // 20, 1)]:
+        expected = 20.0 + 4.0 / 2.0 * (1.0 - np.exp(-instant.time * 2.0 / 30.0))
+        assert_allclose(instant.temperatures[0, 0] - 20.0, expected - 20.0, rtol=1e-5, atol=1e-6)
 
 
 @pytest.mark.parametrize("changes", [{}, SLOW_HOUSING])
 def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
     scene = spindle.with_(changes)
-    found = warm_up(scene, ramp(20.0))
+    warming = warm_up(scene, ramp(20.0))
     states = solver_of(scene)
     (steady,) = states(states.bearings.start)
-    assert found.status == code.OK and found.left < transient.SETTLED_TO
+    assert warming.status == code.OK and warming.left < transient.SETTLED_TO
     rise = np.abs(steady["part_temperature"][:3] - 20.0).max()
-    last = found.instants[-1].temperatures[0]
+    last = warming.instants[-1].temperatures[0]
     assert np.abs(last - steady["part_temperature"][:3]).max() < transient.SETTLED_TO * rise
-    assert_allclose(found.instants[-1].states[0]["residual_preload"], steady["residual_preload"],
+    assert_allclose(warming.instants[-1].states[0]["residual_preload"], steady["residual_preload"],
         rtol=1e-2)  # fmt: skip
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
     course = ramp(2e5)
-    found = warm_up(spindle, course, duration=2e5)
-    rise = np.abs(found.instants[-1].temperatures - 20.0).max()
-    for one in found.instants[len(found.instants) // 4 :: max(len(found.instants) // 4, 1)]:
-        steady = solve(spindle.with_({"operation.shaft_speed_rpm": one.share * 12000.0}))
+    warming = warm_up(spindle, course, duration=2e5)
+    rise = np.abs(warming.instants[-1].temperatures - 20.0).max()
+    for instant in warming.instants[
+        len(warming.instants) // 4 :: max(len(warming.instants) // 4, 1)
+    ]:
+        steady = solve(spindle.with_({"operation.shaft_speed_rpm": instant.share * 12000.0}))
         expected = np.array(steady.values["part_temperature"][:3]) - 20.0
-        assert_allclose(one.temperatures[0] - 20.0, expected, atol=1e-3 * rise)
+        assert_allclose(instant.temperatures[0] - 20.0, expected, atol=1e-3 * rise)
 
 
 WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
@@ -84,12 +86,12 @@ WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
 )
 def test_the_plain_program_finds_the_same(spindle, changes, seconds):
     scene = spindle.with_(changes)
-    found = warm_up(scene, ramp(seconds), duration=30.0)
+    warming = warm_up(scene, ramp(seconds), duration=30.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         euler = benchmark("warmup").euler
         coarse, fine = (euler(scene, seconds, 30.0, steps) for steps in (120, 240))
-    last = found.instants[-1]
+    last = warming.instants[-1]
     for k, name in enumerate(("inner", "balls", "outer")):
         # Euler's error is proportional to the step
         extrapolated = 2.0 * fine[name][-1] - coarse[name][-1]
@@ -120,24 +122,24 @@ def test_a_limit_that_no_ramp_or_every_ramp_keeps(spindle):
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
-    found = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
-    assert found["peak_residual_preload"] > 1.3 * found["end_residual_preload"]
-    assert 10.0 < found["peak_residual_preload_time"] < 300.0
-    assert found["error_estimate"] < 0.02
+    dataset = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
+    assert dataset["peak_residual_preload"] > 1.3 * dataset["end_residual_preload"]
+    assert 10.0 < dataset["peak_residual_preload_time"] < 300.0
+    assert dataset["error_estimate"] < 0.02
 
 
 def test_the_preload_of_a_spring_does_not_move(spindle):
     held = {"operation.preload_method": "constant_force"} | SLOW_HOUSING
-    found = warm_up_dataset(spindle.with_(held), ramp(10.0), duration=100.0)
-    assert_allclose(found["residual_preload"], 140.0, rtol=1e-12)
+    dataset = warm_up_dataset(spindle.with_(held), ramp(10.0), duration=100.0)
+    assert_allclose(dataset["residual_preload"], 140.0, rtol=1e-12)
 
 
 POOR = {"thermal.conductance_W_K.inner_ring_shaft": 0.2}
 
 
 def test_a_runaway_is_named(spindle):
-    found = warm_up(spindle.with_(POOR), ramp(10.0))
-    assert found.status != code.OK and found.runs_away
+    warming = warm_up(spindle.with_(POOR), ramp(10.0))
+    assert warming.status != code.OK and warming.runs_away
     assert solve(spindle.with_(POOR)).status in ("warm_seizure", "no_heat_balance")
 
 
@@ -164,10 +166,10 @@ def test_the_margin_is_one_where_steady_states_end(spindle):
 
 def test_times_and_speeds_are_followed(spindle):
     course = SpeedCourse((0.0, 5.0, 20.0), (0.0, 0.5, 1.0))
-    found = warm_up(spindle, course, duration=30.0)
-    times = [one.time for one in found.instants]
+    warming = warm_up(spindle, course, duration=30.0)
+    times = [instant.time for instant in warming.instants]
     assert {5.0, 20.0, 30.0} <= set(times)
-    assert_allclose([one.share for one in found.instants], [course.at(t) for t in times])
+    assert_allclose([item.share for item in warming.instants], [course.at(t) for t in times])
 
 
 def test_a_scene_without_capacities_is_refused_in_one_line(spindle):
