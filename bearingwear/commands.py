@@ -397,7 +397,19 @@ def study(args: argparse.Namespace) -> int:
         status, page = run_own_study(folder, jobs, args.more)
     if page:
         print_text(f"page: {page}")
+    if status == SUCCESS and page and _is_infeasible(folder, file.stem):
+        return INFEASIBLE
     return status
+
+
+def _is_infeasible(folder: Path, scene_name: str) -> bool:
+    """Returns whether a study has requirements that no preload satisfies."""
+    from bearingwear.results.netcdf import load
+    from bearingwear.studies.design.choice import limits_of
+    from bearingwear.studies.design.recommend import best_method
+
+    recommendation = load(folder / "results" / scene_name / "preload" / "recommendation.nc")
+    return bool(limits_of(recommendation).given) and best_method(recommendation) is None
 
 
 def step(args: argparse.Namespace) -> int:

@@ -21,6 +21,9 @@ PAGE = Path("results/report/index.html")
 
 DRY_RUN = {"-n", "--dry-run", "--dryrun"}
 
+REFUSED_ARGUMENTS = 2
+"""Exit status of Snakemake for arguments that it does not know."""
+
 OWN_STUDY = "BEARINGWEAR_STUDY"
 """Variable of the environment in a study of one scene, whose page has a copy of its own."""
 
@@ -76,13 +79,15 @@ def run_own_study(
     """Runs the study of one scene in its folder, or continues a run that was killed.
 
     Returns `status`: the exit status of Snakemake.
-    Returns `page`: the report page beside the folders of the study, or None without one.
+    Returns `page`: the report page beside the folders of the study, or None without one and where
+        Snakemake refused its arguments.
     """
     with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
         extra_arguments = [*extra_arguments, "--nolock", "--rerun-incomplete"]
         status = run_study("all", jobs, extra_arguments, folder, [lock_file], str(folder))
-    return status, None if DRY_RUN & set(extra_arguments) else own_page(folder)
+    has_run = status != REFUSED_ARGUMENTS and not DRY_RUN & set(extra_arguments)
+    return status, own_page(folder) if has_run else None
 
 
 def _run_guarded(

@@ -254,18 +254,24 @@ def frictionless_preload(scene: Scene, growth: Growth) -> float:
     return Mechanics(g, g.D0, rolling_rates(scene)[1]).force(static_place(scene))
 
 
-def interference_sizes(tried: Sequence[TriedFit], running: float) -> str:
+def interference_sizes(tried: Sequence[TriedFit], running: float | None) -> str:
     """Describes the preload with fits of usual size.
 
-    running: preload at speed without a fit [N].
+    running: preload at speed without a fit [N]; None before a solve: an estimate without the
+        centrifugal force of the balls would be far too small.
     """
     without, *others = tried
     clauses = []
     for fit in others:
-        at_speed = plain(running + fit.running - without.running)
-        loose_words = f"loose from {_speed_words(fit.leaves_rpm)}"
-        clauses.append(f"{fit.um:g} um about {plain(fit.at_rest)} and {at_speed} N ({loose_words})")
-    without_words = f"{plain(without.at_rest)} N at rest and about {plain(running)} N at speed"
+        forces = plain(fit.at_rest)
+        if running is not None:
+            forces += f" N at rest and {plain(running + fit.running - without.running)} N at speed"
+        else:
+            forces += " N"
+        clauses.append(f"{fit.um:g} um gives {forces} (loose from {_speed_words(fit.leaves_rpm)})")
+    without_words = f"{plain(without.at_rest)} N at rest"
+    if running is not None:
+        without_words += f" and about {plain(running)} N at speed"
     return f"{without_words}; on the shaft, {', '.join(clauses)}"
 
 
@@ -288,7 +294,7 @@ def fit_left_out(e: Evidence) -> Finding | None:
     running = solved if is_new else tried[0].running  # the warning concerns a new bearing
     preload_words = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
     change = largest_change(tried, running)
-    sizes = interference_sizes(tried, running)
+    sizes = interference_sizes(tried, running if is_solved else None)
     return {"excess": change / MOST_LEFT_OUT, "held": preload_words, "sizes": sizes}
 
 

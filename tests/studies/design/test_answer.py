@@ -127,7 +127,7 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     offset = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
     assert f"offset of {offset:.3g} µm" in sentences["lead"]
     assert "residual preload" in sentences["verdict"]  # which ends it
-    assert numbers_in(sentences["verdict"])[-1] == 40.0
+    assert 40.0 in numbers_in(sentences["verdict"])
     assert "at speed" not in answer.title
     dataset["residual_preload_at_start"][1] = 3.0 * preload
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(dataset, design).title
