@@ -63,7 +63,7 @@ NONE_BECAUSE = "none_because"
 NO_LIMIT = "no requirement was given"
 """Reason for no preload where there is nothing to choose by."""
 
-AS_LITTLE = f"{NO_LIMIT}; the lowest preload gives the longest life"
+AS_LITTLE = f"{NO_LIMIT}; as a rule, less preload gives a longer life"
 """Headline without a requirement."""
 
 WHAT_LIMITS = (
