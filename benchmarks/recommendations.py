@@ -303,7 +303,7 @@ def least_elsewhere(scene: Scene, limits: DesignLimits, speeds: int) -> float:
                 states = solve(near)  # the motion may go over to another one just there
             if any(state.status != OK for state in states):
                 return -math.inf
-            found = state_extremes(one, states, {}, own=False)
+            found = state_extremes(one, states, {}, with_quasistatic=False)
             values = {name: each["value"] for name, each in found.items()}
             asked = replace(limits, life_h=None)
             least = min(least, *limit_margins(values, asked))

@@ -46,15 +46,15 @@ from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
-    Everywhere,
     Extremes,
+    OtherConditions,
     Solve,
-    along,
+    extremes_of_life,
     frequency,
-    merged,
     new_states,
     state_extremes,
     worn_states,
+    worst_extremes,
 )
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.warming import warm_up_extremes
@@ -329,7 +329,7 @@ def _everywhere(
 ) -> dict[str, Any]:
     """Values of a life at the scene's own speed with the extremes wherever limits look."""
     here = OperatingCondition(scene)
-    own = along(scene, life.nodes, here.where())
+    own = extremes_of_life(scene, life.nodes, here.where())
     at_rest = {
         name: here.where(wear=NEW, value=values[name])
         for one in LIMITED.values()
@@ -339,23 +339,23 @@ def _everywhere(
     worn = len(life.nodes) > 1
     each = [own]
     if not limits.at_speed_only and (worn or "life" not in values or values["life"] > 0.0):
-        looked = Everywhere(scene, limits.effective, exactly)
+        looked = OtherConditions(scene, limits.effective, exactly)
         sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
         sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
         for solve, wear, node in sides:
             at_speed = state_extremes(scene, node.states, here.where(wear=wear))
-            beside = looked.beside(at_speed, solve, wear)
+            beside = looked.extremes(at_speed, solve, wear)
             if "solves" in values:
                 values["solves"] += beside.solves
             if beside.status != OK:
                 return values | {"status": beside.status, NOT_SOLVED_AT: beside.unsolved}
             each.append(beside.extremes)
-    if limits.warmup_s is not None and not _is_broken(merged(each), limits):
+    if limits.warmup_s is not None and not _is_broken(worst_extremes(each), limits):
         on_the_way = warm_up_extremes(scene, limits.warmup_s)
         if on_the_way.status != OK:
             return values | {"status": on_the_way.status, NOT_SOLVED_AT: on_the_way.unsolved}
         each.append(on_the_way.extremes)
-    deciding = merged(each)
+    deciding = worst_extremes(each)
     values |= {name: one["value"] for name, one in deciding.items()}
     if "life" in values:
         deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=values["life"])
@@ -411,7 +411,7 @@ def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     lived = {"life": named[shortest]["life"]} if "life" in named[shortest] else {}
     for of_case in named:
         of_case.pop("life", None)
-    return found | {DECIDING: merged(named) | lived, CASE_POINTS: dict(points)}
+    return found | {DECIDING: worst_extremes(named) | lived, CASE_POINTS: dict(points)}
 
 
 def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:

@@ -31,7 +31,7 @@ from bearingwear.studies.design.conditions import (
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.everywhere import (
     SPEED_FOUND_TO,
-    Everywhere,
+    OtherConditions,
     new_states,
     state_extremes,
     worn_states,
@@ -256,12 +256,12 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
-    looked = Everywhere(spindle, STIFF.effective, exactly=False)
+    other_conditions = OtherConditions(spindle, STIFF.effective, exactly=False)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
     from bearingwear.solvers.state import State
 
-    result = looked.beside(own, lambda scene: (State.unsolved(1, 0.0),), "new")
+    result = other_conditions.extremes(own, lambda scene: (State.unsolved(1, 0.0),), "new")
     assert result.status == 1 and result.unsolved["status"] == "not_converged"
     assert result.unsolved["speed_rpm"] == 0.0 and result.unsolved["wear"] == "new"
     words = condition_words(result.unsolved)
