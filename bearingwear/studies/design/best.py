@@ -28,7 +28,7 @@ from bearingwear.studies.design.choice import (
     OTHER_END,
     UNLIMITED,
 )
-from bearingwear.studies.design.map import followed_point, new_point
+from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import (
     DesignLimits,
     most_preload,
@@ -67,7 +67,7 @@ class PreloadPoint:
     """A preload at which new bearings or a life were solved."""
 
     preload: float  # [N]
-    values: Mapping[str, Any]  # as of `followed_point` or `new_point`
+    values: Mapping[str, Any]  # as of `design_point` or `new_point`
     solved: int  # NEW_BEARING, QUICK_LIFE or EXACT_LIFE
 
     @property
@@ -417,7 +417,7 @@ def _solved_point(job: tuple[Scene, DesignLimits, int]) -> dict[str, Any]:
     scene, limits, solved = job
     if solved == NEW_BEARING:
         return new_point(scene, limits)
-    return followed_point(scene, limits, quick=solved == QUICK_LIFE)
+    return design_point(scene, limits, quick=solved == QUICK_LIFE)
 
 
 def _width(a: PreloadPoint, b: PreloadPoint) -> float:

@@ -55,10 +55,10 @@ from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     CASE_POINTS,
     MAP_AXES,
-    WARNED,
-    filled_points,
-    followed_point,
-    map_of,
+    POINT_WARNINGS,
+    dataset_of_points,
+    design_point,
+    map_dataset,
     scenes_of_map,
     worst_cases,
 )
@@ -121,8 +121,8 @@ def preload_map(
 ) -> xr.Dataset:
     """Lives of a scene over the axes of a map, and the best preload of each line of it."""
     scenes = scenes_of_map(scene, axes.values)
-    lives = answers_at(partial(followed_point, limits=limits), scenes)
-    design = map_of(scene, axes.values, limits, list(lives))
+    lives = answers_at(partial(design_point, limits=limits), scenes)
+    design = map_dataset(scene, axes.values, limits, list(lives))
     return with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
 
 
@@ -247,10 +247,10 @@ def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
             WORST_CASES: worst_cases(point),
         }
     grooves = groove_choice(scene, "steady").scene
-    if grooves is not None and WARNED in point:
+    if grooves is not None and POINT_WARNINGS in point:
         found = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
         error = found.get("life_error_estimate", math.nan)
-        return {"life_error_estimate": error, WARNED: point[WARNED]}
+        return {"life_error_estimate": error, POINT_WARNINGS: point[POINT_WARNINGS]}
     answer = life(scene)
     error = answer.values.get("life_error_estimate", math.nan)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
@@ -280,7 +280,7 @@ def _dataset(
     flags = [PRELOAD_METHODS.index(method) for method in PRELOAD_METHODS]
     known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
     axes = {MAP_AXES["preload_method"]: flags}
-    made = filled_points(
+    made = dataset_of_points(
         axes,
         known,
         more,

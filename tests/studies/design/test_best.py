@@ -23,7 +23,7 @@ from bearingwear.studies.design.best import (
 from bearingwear.studies.design.changes import _limit_change
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
 from bearingwear.studies.design.infeasible import why_none
-from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits, round_number
 from bearingwear.studies.design.recommend import recommendation
 
@@ -245,7 +245,7 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
     point = recommendation(scene, limits).isel(preload_method=0)
     lives = {}
     for beside in np.geomspace(106.0, 114.0, 9).tolist():
-        at = followed_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
+        at = design_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
         assert at["impractical"] == 0 and min(limit_margins(at, limits)) > 0.0
         lives[beside] = at["life"] / 3600.0
     assert float(point["life"]) > 0.99 * max(lives.values())
@@ -281,7 +281,5 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     values = life(taken).values
     assert float(point["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
-    less = followed_point(
-        held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"])), limits
-    )
+    less = design_point(held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"])), limits)
     assert min(limit_margins(less, limits)) < 0.0
