@@ -197,14 +197,14 @@ def none_because(search: PreloadSearch, line: PreloadLine) -> str:
     """
     limits = search.limits
     for _ in line.grid:
-        order = line.in_order(limits)
+        order = line.points(limits)
         failed, _ = least_violations(order, limits)
         named = [order[k] for k in set(failed.values())]
         rough = [one.preload for one in named if one.solved not in (NEW_BEARING, EXACT_LIFE)]
         if not rough:
             break
         search.solve(lambda other, rough=rough: rough if other is line else [], EXACT_LIFE)  # type: ignore[misc]
-    return why_none(line.in_order(limits), limits, bool(search.scene.cases))
+    return why_none(line.points(limits), limits, bool(search.scene.cases))
 
 
 def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[str, Any]:
@@ -213,7 +213,7 @@ def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[s
         "preload": best.preload,
         "active_limit": search.active_limit(line, best),
     }
-    similar = search.similar(line)
+    similar = search.settable_points(line)
     if similar[0].solved == similar[-1].solved == EXACT_LIFE:
         row |= {"least_preload": similar[0].preload, "most_preload": similar[-1].preload}
     if one := line.beyond:

@@ -137,7 +137,7 @@ def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):
     made_up = MadeUp(scene, cliff)
     best = made_up.best_point()
-    similar = [item.preload for item in made_up.search.similar(made_up.line)]
+    similar = [item.preload for item in made_up.search.settable_points(made_up.line)]
     assert similar[0] >= 427.0 and cliff(similar[-1]) >= SIMILAR * best.life
     assert similar[-1] > 1.05 * best.preload
 
@@ -169,16 +169,16 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 def test_no_preload_within_the_limits_is_explained(scene):
     made_up = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, and at best at 9060 N
     made_up = MadeUp(scene, lambda p: 0.0)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert "criterion" in why and "new" in why
     made_up = MadeUp(scene, lambda p: math.nan)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why == "no life could be computed"
 
 
