@@ -95,9 +95,9 @@ class PreloadPoint:
         for name, limit in limits.effective.items():
             measure = LIMITED[name]
             values = [self.values[key] for key in measure.extremes if key in self.values]
-            known = [measure.margin(value, limit) for value in values if value == value]
+            known_margins = [measure.margin(value, limit) for value in values if value == value]
             unknown = math.inf if self.solved == NEW_BEARING and not values else -1.0
-            margins.append(min(known, default=unknown))
+            margins.append(min(known_margins, default=unknown))
         margins.append(-1.0 if self.values.get("impractical") else 1.0)
         return np.array(margins)
 

@@ -80,7 +80,7 @@ class ConditionExtremes(NamedTuple):
     unsolved: dict[str, Any] | None = None
 
 
-def frequency(scene: Scene, state: State) -> float:
+def rotor_frequency(scene: Scene, state: State) -> float:
     """Returns the rotor's lowest frequency; where a state has none, with two bearings like it."""
     if "lowest_frequency" in state.values:
         return float(state["lowest_frequency"])
@@ -98,7 +98,7 @@ def state_extremes(
         the other, it falls far; a machine passes that speed.
     """
     worse = worse_state(states, scene)
-    worse = worse.with_values({"lowest_frequency": frequency(scene, worse)})
+    worse = worse.with_values({"lowest_frequency": rotor_frequency(scene, worse)})
     sides = with_tandem_preload(states, scene) if len(states) == 2 else states
     extremes = {}
     for measure in LIMITED.values():

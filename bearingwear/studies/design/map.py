@@ -50,8 +50,8 @@ from bearingwear.studies.design.everywhere import (
     OtherConditions,
     Solve,
     extremes_of_life,
-    frequency,
     new_states,
+    rotor_frequency,
     state_extremes,
     worn_states,
     worst_extremes,
@@ -465,7 +465,7 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     if scene.drive is not None:
         at_rest = {**at_rest, "torque_margin": least_margin(scene, states)}
     states = [
-        state.with_values({"lowest_frequency": frequency(scene, state), **at_rest})
+        state.with_values({"lowest_frequency": rotor_frequency(scene, state), **at_rest})
         for state in states
     ]
     worst = {}
