@@ -44,7 +44,7 @@ from bearingwear.studies.design.best import SWEPT_FACTORS
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
 from bearingwear.studies.design.everywhere import new_states, state_extremes, worn_states
-from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
 
@@ -272,7 +272,7 @@ def allowed_life(
     """Life [h] and how far the limits are, at so many speeds from rest on."""
     held = held_by(scene, method, preload)
     alone = replace(limits, at_speed_only=True)
-    values = followed_point(held, alone)
+    values = design_point(held, alone)
     if values["status"] != OK:
         return 0.0, np.array([-math.inf])
     practical = -1.0 if values["impractical"] else 1.0
@@ -303,7 +303,7 @@ def least_elsewhere(scene: Scene, limits: DesignLimits, speeds: int) -> float:
                 states = solve(near)  # the motion may go over to another one just there
             if any(state.status != OK for state in states):
                 return -math.inf
-            found = state_extremes(one, states, {}, own=False)
+            found = state_extremes(one, states, {}, with_quasistatic=False)
             values = {name: each["value"] for name, each in found.items()}
             asked = replace(limits, life_h=None)
             least = min(least, *limit_margins(values, asked))

@@ -34,7 +34,7 @@ from bearingwear.studies.design.document.words import (
     limit_text,
 )
 from bearingwear.studies.design.figures.choice import LETTERS
-from bearingwear.studies.design.map import POINT, gone_through
+from bearingwear.studies.design.map import POINT, values_of_states
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.grid.figures.quasistatic import END_MARKS
 from bearingwear.studies.grid.interpolated import interpolable_criteria, interpolated_life
@@ -281,7 +281,7 @@ def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
         assert set(measure.extremes) <= POINT.keys()
         return
     along = [states(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
-    computed = gone_through(result, along)
+    computed = values_of_states(result, along)
     assert set(measure.extremes) <= POINT.keys() and set(computed) <= POINT.keys()
     worst = at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
     for variable in measure.extremes:

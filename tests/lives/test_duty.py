@@ -31,7 +31,7 @@ from bearingwear.sides import SHARED
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 from bearingwear.studies.design import map as design_map
-from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.lives.duty_report import duty_report
 from bearingwear.studies.sampling import scene_with_values
@@ -706,7 +706,7 @@ def test_requirements_hold_in_every_phase_along_one_life(scene):
         "gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS)
     )
     limits = DesignLimits(system_axial_stiffness_N_um=1.0, at_speed_only=True)
-    point = followed_point(changed_scene, limits)
+    point = design_point(changed_scene, limits)
     values = life(changed_scene).values
     assert point["life"] == pytest.approx(values["life"], rel=1e-6)
     worst = values["worst_system_quasistatic_axial_stiffness"].min()
@@ -720,8 +720,8 @@ def test_requirements_hold_in_every_phase_along_one_life(scene):
 def test_a_phase_that_is_not_solved_at_some_speed_leaves_no_preload(scene, monkeypatch):
     made = scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS))
     unsolved = {"status": code.NOT_CONVERGED, "unsolved": {"case": "nominal"}}
-    monkeypatch.setattr(design_map, "_everywhere", lambda *_, **__: dict(unsolved))
-    assert followed_point(made, DesignLimits())["status"] == code.NOT_CONVERGED
+    monkeypatch.setattr(design_map, "_with_all_conditions", lambda *_, **__: dict(unsolved))
+    assert design_point(made, DesignLimits())["status"] == code.NOT_CONVERGED
 
 
 def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from bearingwear.studies.design.choice import (
     OTHER_END,
     UNLIMITED,
 )
-from bearingwear.studies.design.map import followed_point, new_point
+from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import (
     DesignLimits,
     most_preload,
@@ -39,24 +39,27 @@ from bearingwear.studies.design.plan import (
 SWEPT_FACTORS = tuple(2.0 ** (k / 4) for k in range(-12, 21))
 """Preloads of the first lives, over the scene's own: an eighth to 32 times."""
 
-_STEP_BEYOND, _STEPS_BEYOND, _LITTLE_LONGER = 8.0, 3, 1.1
-"""Beyond an end of the range at which the life is longest: a step, how many at most, and how many
-times longer the life has to become for the preload at its end to be taken."""
+_RANGE_STEP, _RANGE_STEPS = 8.0, 3
+"""Factor by which a range is extended beyond an end with the best life, and how often at most."""
+
+_LITTLE_LONGER = 1.1
+"""Ratio of the lives beyond an end and at it up to which the preload at the end is taken."""
 
 _BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
-_FAR = 0.1  # of a requirement: so far beyond it on both sides, it is not met between them
-_ROUGH = 0.05  # of a requirement: so far beyond it, it may be a quick life that is wrong
-_EDGE = 5e-3  # width in log preload to which it is found where new bearings meet the requirements
-_PEAK, _NEAR_PEAK = 1e-2, 0.5  # the same beside a peak of their margins, and how far it may be
-_GAIN = 5e-3  # of the life, for which no exact life is solved
-_NEAR = 0.1  # in log preload, as far as a life is known to go evenly
-_EVEN = 0.3  # power by which a life that falls evenly may still rise
+_FAR = 0.1  # of a requirement: broken by so much on both sides, it is not met between them
+_ROUGH = 0.05  # of a requirement: broken by less, it may be the error of a quick life
+_EDGE = 5e-3  # width in log preload to which the edge of what new bearings allow is found
+_PEAK = 1e-2  # that width beside a peak of their margins at which they nearly meet one
+_NEAR_PEAK = 0.5  # share of a requirement by which such a peak may break it
+_GAIN = 5e-3  # share of the life for which no exact life is solved
+_NEAR = 0.1  # width in log preload within which a life is known to go evenly
+_EVEN = 0.3  # power of the preload with which a life that falls evenly may still rise
 _STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
 _ROUNDS = 6  # of exact lives, at most
 SIMILAR = 0.9
 """Least share of the longest life at which a preload may be set in place of the recommended one."""
-_END_WIDTH = 0.06  # in log preload, to which the ends of these preloads are found
-_AT_LIMIT = 5e-3  # what is left to a requirement, relative, that counts as nothing
+_END_WIDTH = 0.06  # width in log preload to which the ends of these preloads are found
+_AT_LIMIT = 5e-3  # relative margin of a requirement below which it is on its limit
 
 NEW_BEARING, QUICK_LIFE, EXACT_LIFE = range(3)
 """What was solved at a preload: new bearings alone, a quick life, or the life that is printed."""
@@ -67,7 +70,7 @@ class PreloadPoint:
     """A preload at which new bearings or a life were solved."""
 
     preload: float  # [N]
-    values: Mapping[str, Any]  # as of `followed_point` or `new_point`
+    values: Mapping[str, Any]  # of `design_point` or `new_point`
     solved: int  # NEW_BEARING, QUICK_LIFE or EXACT_LIFE
 
     @property
@@ -76,22 +79,27 @@ class PreloadPoint:
         life = self.values.get("life", 0.0) if self.values["status"] == OK else 0.0
         return life if life > 0.0 else 0.0
 
-    def margins(self, limits: DesignLimits) -> np.ndarray:
-        """Relative margins of the requirements, and last whether one would build it (1 or -1).
+    @property
+    def end_criterion(self) -> int | None:
+        """The criterion that ends the life; None where none is known."""
+        return self.values.get("end_criterion")
 
-        What is not known is not met, but by new bearings what depends on the life.
+    def margins(self, limits: DesignLimits) -> np.ndarray:
+        """Returns relative margins of the requirements, and last 1 if it is practical, else -1.
+
+        A value that is not known breaks its requirement, but one that new bearings do not have.
         """
         if self.values["status"] != OK:
             return np.full(len(limits.effective) + 1, -1.0)
-        unknown = math.inf if self.solved == NEW_BEARING else -1.0
-        found = []
+        margins = []
         for name, limit in limits.effective.items():
-            one = LIMITED[name]
-            known = [self.values[extreme] for extreme in one.extremes if extreme in self.values]
-            each = [one.margin(value, limit) for value in known if value == value]
-            found.append(min(each) if each else -1.0 if known else unknown)
-        found.append(-1.0 if self.values.get("impractical") else 1.0)
-        return np.array(found)
+            measure = LIMITED[name]
+            values = [self.values[key] for key in measure.extremes if key in self.values]
+            known_margins = [measure.margin(value, limit) for value in values if value == value]
+            unknown = math.inf if self.solved == NEW_BEARING and not values else -1.0
+            margins.append(min(known_margins, default=unknown))
+        margins.append(-1.0 if self.values.get("impractical") else 1.0)
+        return np.array(margins)
 
     def is_allowed(self, limits: DesignLimits) -> bool:
         """Whether all requirements are met and, if a life was solved, there is one."""
@@ -108,18 +116,18 @@ class PreloadLine:
     grid: Sequence[float]  # preloads of the first lives [N], rising
     new: dict[float, PreloadPoint] = field(default_factory=dict)
     lives: dict[float, PreloadPoint] = field(default_factory=dict)
-    # where the longest life is at an end of the range: the preload farther away that was tried
+    # where the longest life is at an end of the range: a preload beyond it that was tried
     beyond: PreloadPoint | None = None
 
-    def in_order(self, limits: DesignLimits) -> list[PreloadPoint]:
-        """Lives, and new bearings that do not meet the requirements."""
-        refused = {p: one for p, one in self.new.items() if not one.is_allowed(limits)}
-        return [one for _, one in sorted((refused | self.lives).items())]
+    def points(self, limits: DesignLimits) -> list[PreloadPoint]:
+        """Returns lives, and new bearings that do not meet the requirements; rising in preload."""
+        refused = {p: point for p, point in self.new.items() if not point.is_allowed(limits)}
+        return [point for _, point in sorted((refused | self.lives).items())]
 
     def best(self, limits: DesignLimits) -> PreloadPoint | None:
-        """The longest life that was solved within the requirements."""
-        allowed = [one for one in self.lives.values() if one.is_allowed(limits)]
-        return max(allowed, key=lambda one: one.life, default=None)
+        """Returns the longest life that was solved within the requirements."""
+        allowed = [point for point in self.lives.values() if point.is_allowed(limits)]
+        return max(allowed, key=lambda point: point.life, default=None)
 
     def may_live(self, preload: float, limits: DesignLimits) -> bool:
         """Whether new bearings at a preload do not rule out that it is allowed worn."""
@@ -130,8 +138,16 @@ class PreloadLine:
 AnswersAt = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]
 """Asks a function at points, in their order: `map`, or `answers_at` of processes."""
 
-Wanted = Callable[[PreloadLine], list[float]]
-"""Preloads [N] of a line at which something has to be solved."""
+PreloadChoice = Callable[[PreloadLine], list[float]]
+"""Returns the preloads [N] of a line at which something has to be solved."""
+
+
+class _Job(NamedTuple):
+    """What is solved at one preload."""
+
+    scene: Scene
+    limits: DesignLimits
+    solved: int  # as of `PreloadPoint`
 
 
 @dataclass
@@ -144,44 +160,44 @@ class PreloadSearch:
     lines: list[PreloadLine] = field(init=False)
 
     def __post_init__(self) -> None:
-        own = self.scene.operation.preload_N
-        around = {round_factor(factor, own) for factor in SWEPT_FACTORS}
-        grid = sorted(preload for preload in around if preload <= most_preload())
+        centre = self.scene.operation.preload_N
+        preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
+        grid = sorted(preload for preload in preloads if preload <= most_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
-    def solve(self, wanted: Wanted, solved: int, limits: DesignLimits | None = None) -> bool:
-        """Solve what all lines want; returns whether they want anything.
+    def solve(self, choice: PreloadChoice, solved: int, limits: DesignLimits | None = None) -> bool:
+        """Solves the chosen preloads of all lines; returns whether there are any.
 
-        New bearings are solved first where a life is wanted: a preload at which they break a
-        requirement has none.
+        New bearings are solved before lives: a preload at which they break a requirement has none.
 
+        solved: NEW_BEARING, QUICK_LIFE or EXACT_LIFE.
         limits: requirements in place of those of the search.
         """
         limits = limits or self.limits
-        asked = [(line, p) for line in self.lines for p in wanted(line)]
+        places = [(line, p) for line in self.lines for p in choice(line)]
         if solved != NEW_BEARING:
-            unseen = [(line, p) for line, p in asked if p not in line.new]
-            self._solve(unseen, NEW_BEARING)
-            asked = [(line, p) for line, p in asked if line.may_live(p, limits)]
-        self._solve(asked, solved)
-        return bool(asked)
+            self._solve([(line, p) for line, p in places if p not in line.new], NEW_BEARING)
+            places = [(line, p) for line, p in places if line.may_live(p, limits)]
+        self._solve(places, solved)
+        return bool(places)
 
-    def _solve(self, asked: Sequence[tuple[PreloadLine, float]], solved: int) -> None:
+    def _solve(self, places: Sequence[tuple[PreloadLine, float]], solved: int) -> None:
+        """Solves at preloads of lines, and keeps the points."""
         jobs = [
-            (held_by(self.scene, line.method, preload), self.limits, solved)
-            for line, preload in asked
+            _Job(held_by(self.scene, line.method, preload), self.limits, solved)
+            for line, preload in places
         ]
         for (line, preload), values in zip(
-            asked, self.answers_at(_solved_point, jobs), strict=True
+            places, self.answers_at(_solved_values, jobs), strict=True
         ):
             point = PreloadPoint(preload, values, solved)
             (line.new if solved == NEW_BEARING else line.lives)[preload] = point
 
     def run(self) -> None:
-        """Solve all that shows the best preload of each method, and where it may be set."""
+        """Solves all that shows the best preload of each method, and where it may be set."""
         self.sweep()
-        for _ in range(_STEPS_BEYOND):
-            ends = [self._lengthened(line) for line in self.lines]
+        for _ in range(_RANGE_STEPS):
+            ends = [self._extend(line) for line in self.lines]
             if not any(ends):
                 break
             self.sweep()
@@ -189,87 +205,99 @@ class PreloadSearch:
                 if end is not None:
                     self._shorten(line, end)
         for k in itertools.count():
-            if not self.solve(partial(self._refined, is_last=k >= _ROUNDS), EXACT_LIFE):
+            if not self.solve(partial(self._exact_preloads, is_last=k >= _ROUNDS), EXACT_LIFE):
                 break
 
-    def _refined(self, line: PreloadLine, is_last: bool) -> list[float]:
-        """Lives beside the best one; where there are none, those that show where it may be set, of
-        the line with the longest life.
+    def _exact_preloads(self, line: PreloadLine, is_last: bool) -> list[float]:
+        """Returns preloads beside the best one, whose exact lives are solved.
+
+        Without any, those that show where it may be set, of the line with the longest life.
 
         is_last: whether no more lives are solved beside the best one.
         """
-        beside = self._beside_best(line, is_last)
-        if beside:
-            return beside
-        lives = [best.life if (best := one.best(self.limits)) else 0.0 for one in self.lines]
-        return self._at_ends(line) if line is self.lines[int(np.argmax(lives))] else []
+        preloads = self._preloads_beside_best(line, is_last)
+        if preloads:
+            return preloads
+        bests = [other.best(self.limits) for other in self.lines]
+        longest = int(np.argmax([best.life if best else 0.0 for best in bests]))
+        return self._preloads_at_ends(line) if line is self.lines[longest] else []
 
     def sweep(self) -> None:
-        """Solve new bearings and quick lives over the preloads of each line."""
+        """Solves new bearings and quick lives over the preloads of each line."""
         self.solve(lambda line: [p for p in line.grid if p not in line.new], NEW_BEARING)
-        while self.solve(self._between_new, NEW_BEARING):
+        while self.solve(self._preloads_between_new, NEW_BEARING):
             pass
-        self.solve(self._first_lives, QUICK_LIFE)
-        self.solve(self._lives_between, QUICK_LIFE)
+        self.solve(self._first_preloads, QUICK_LIFE)
+        self.solve(self._further_preloads, QUICK_LIFE)
 
-    def _between_new(self, line: PreloadLine) -> list[float]:
-        """Where new bearings come to meet the requirements, or nearly do."""
-        order = [line.new[p] for p in sorted(line.new)]
-        least = [one.margins(self.limits).min() for one in order]
+    def _preloads_between_new(self, line: PreloadLine) -> list[float]:
+        """Returns preloads near those where new bearings come to meet the requirements.
+
+        They also lie beside those where new bearings nearly do.
+        """
+        points = [line.new[p] for p in sorted(line.new)]
+        least = [point.margins(self.limits).min() for point in points]
         gaps = set()
-        for k, (a, b) in enumerate(itertools.pairwise(order)):
+        for k, (a, b) in enumerate(itertools.pairwise(points)):
             if (least[k] >= 0.0) != (least[k + 1] >= 0.0) and _width(a, b) > _EDGE:
                 gaps.add(k)
-        for k in range(1, len(order) - 1):
+        for k in range(1, len(points) - 1):
             is_peak = -_NEAR_PEAK < least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1])
             for j in (k - 1, k):
-                if is_peak and _width(order[j], order[j + 1]) > _PEAK:
+                if is_peak and _width(points[j], points[j + 1]) > _PEAK:
                     gaps.add(j)
-        return [_between(order[k], order[k + 1]) for k in sorted(gaps)]
+        return [_middle(points[k], points[k + 1]) for k in sorted(gaps)]
 
-    def _first_lives(self, line: PreloadLine) -> list[float]:
-        """Every second preload of the grid that new bearings allow; of each range that they allow,
-        the ends and the middle.
+    def _first_preloads(self, line: PreloadLine) -> list[float]:
+        """Returns every second preload of the grid that new bearings allow, for quick lives.
+
+        Of each range that they allow, the ends and the middle are among them.
         """
-        wanted = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
-        runs = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
-        for run in [[*run] for is_allowed, run in runs if is_allowed]:
-            wanted |= {run[0], run[-1]}
-            if len(run) > 1:
-                wanted.add(_between(line.new[run[0]], line.new[run[-1]]))
-        return sorted(wanted - set(line.lives))
+        preloads = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
+        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
+        for inside in [[*inside] for is_allowed, inside in ranges if is_allowed]:
+            preloads |= {inside[0], inside[-1]}
+            if len(inside) > 1:
+                preloads.add(_middle(line.new[inside[0]], line.new[inside[-1]]))
+        return sorted(preloads - set(line.lives))
 
-    def _lives_between(self, line: PreloadLine) -> list[float]:
-        """The other preloads of the grid, where the life may be longer than the best one."""
-        best, order, wanted = line.best(self.limits), sorted(line.lives), []
+    def _further_preloads(self, line: PreloadLine) -> list[float]:
+        """Returns the other preloads of the grid at which a life may be longer than the best."""
+        best, order, preloads = line.best(self.limits), sorted(line.lives), []
         longest = best.life if best else 0.0
         for p in line.grid:
+            if p in line.lives or not line.may_live(p, self.limits):
+                continue
             k = bisect.bisect(order, p)
-            beside = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
-            ends = {one.values.get("end_criterion") for one in beside if one.life > 0.0}
-            most = max((one.life for one in beside), default=math.inf) * _BETWEEN
-            if len(ends) != 1 or len(beside) < 2 or (most >= longest and not self._far(*beside)):
-                wanted.append(p)
-        return [p for p in wanted if p not in line.lives and line.may_live(p, self.limits)]
+            neighbours = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
+            ends = {point.end_criterion for point in neighbours if point.life > 0.0}
+            most = max((point.life for point in neighbours), default=math.inf) * _BETWEEN
+            if (
+                len(ends) != 1
+                or len(neighbours) < 2
+                or (most >= longest and not self._break_one_limit(*neighbours))
+            ):
+                preloads.append(p)
+        return preloads
 
-    def _far(self, a: PreloadPoint, b: PreloadPoint) -> bool:
+    def _break_one_limit(self, a: PreloadPoint, b: PreloadPoint) -> bool:
         """Whether both of two lives break the same requirement by far."""
         return bool((np.maximum(a.margins(self.limits), b.margins(self.limits)) < -_FAR).any())
 
-    def _lengthened(self, line: PreloadLine) -> PreloadPoint | None:
-        """The best preload of a line if it is at an end of the range, which goes on then."""
+    def _extend(self, line: PreloadLine) -> PreloadPoint | None:
+        """Extends the range of a line if its best preload is at an end, and returns that point."""
         best = line.best(self.limits)
         if best is None or line.beyond or best.preload not in (line.grid[0], line.grid[-1]):
             return None
         sign = 1.0 if best.preload == line.grid[-1] else -1.0
-        steps = _STEP_BEYOND ** (sign * np.arange(1, 7) / 6)
-        more = [float(f"{best.preload * step:.3g}") for step in steps.tolist()]
+        factors = _RANGE_STEP ** (sign * np.arange(1, 7) / 6)
+        more = [float(f"{best.preload * factor:.3g}") for factor in factors.tolist()]
         more = [p for p in more if p <= most_preload()]
         line.grid = sorted({*line.grid, *more})
         return best if more else None
 
     def _shorten(self, line: PreloadLine, end: PreloadPoint) -> None:
-        """Leave out preloads beyond an end where the life is hardly longer there."""
+        """Leaves out preloads beyond an end of the range if the life is hardly longer there."""
         best = line.best(self.limits)
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
@@ -277,155 +305,155 @@ class PreloadSearch:
         line.beyond = best
         is_low = best.preload < end.preload
         line.grid = [p for p in line.grid if (p >= end.preload if is_low else p <= end.preload)]
-        for known in (line.new, line.lives):
-            for p in [p for p in known if not line.grid[0] <= p <= line.grid[-1]]:
-                del known[p]
+        for points in (line.new, line.lives):
+            for p in [p for p in points if not line.grid[0] <= p <= line.grid[-1]]:
+                del points[p]
 
-    def _beside_best(self, line: PreloadLine, is_last: bool) -> list[float]:
-        """The best preload and some between it and its neighbours, where a life may be longer.
+    def _preloads_beside_best(self, line: PreloadLine, is_last: bool) -> list[float]:
+        """Returns the best preload, and those beside it where an exact life may be longer.
 
         A neighbour that a quick life refuses by little is solved itself, as is one beside which
         nothing else is solved.
         is_last: whether no more lives are solved between them.
         """
-        line.lives = {p: one for p, one in line.lives.items() if self._counts(line, one)}
+        line.lives = {p: point for p, point in line.lives.items() if self._counts(line, point)}
         best = line.best(self.limits)
         if best is None:
             return []
-        wanted = [best.preload] if best.solved != EXACT_LIFE else []
-        order = line.in_order(self.limits)
-        k = next(k for k, one in enumerate(order) if one.preload == best.preload)
-        for beyond in (order[:k][::-1], order[k + 1 :]):
-            if not beyond:
+        preloads = {best.preload}
+        points = line.points(self.limits)
+        k = _index(points, best)
+        for side in (points[:k][::-1], points[k + 1 :]):
+            if not side:
                 continue
-            near, margin = beyond[0], beyond[0].margins(self.limits).min()
-            may_gain = not is_last and self._may_gain(best, *beyond[:2])
+            near, margin = side[0], side[0].margins(self.limits).min()
+            may_gain = not is_last and self._may_gain(best, *side[:2])
             if near.solved == QUICK_LIFE and margin < 0.0 and (margin > -_ROUGH or not may_gain):
-                wanted.append(near.preload)
+                preloads.add(near.preload)
             elif may_gain:
-                wanted.append(self._towards(best, near))
+                preloads.add(self._preload_between(best, near))
         return sorted(
-            set(wanted) - {p for p, one in line.lives.items() if one.solved == EXACT_LIFE}
+            preloads - {p for p, point in line.lives.items() if point.solved == EXACT_LIFE}
         )
 
     def _may_gain(
-        self, best: PreloadPoint, near: PreloadPoint, next_one: PreloadPoint | None = None
+        self, best: PreloadPoint, near: PreloadPoint, farther: PreloadPoint | None = None
     ) -> bool:
         """Whether a life between two preloads may be longer than the best one.
 
-        next_one: the next point on the same side, by which one sees whether the life goes evenly.
+        farther: the next point on the same side, which shows whether the life goes evenly.
         """
         width = abs(_width(best, near))
         if near.solved == NEW_BEARING or not near.is_allowed(self.limits):
             return width > _EDGE
-        ends = {one.values.get("end_criterion") for one in (best, near)}
-        if len(ends) > 1:
+        if best.end_criterion != near.end_criterion:
             return width > _EDGE  # towards where both are met, a life may rise by any power
         drop = math.log(best.life / near.life)
-        is_near = width < _NEAR
-        if is_near and next_one is not None and next_one.values.get("end_criterion") in ends:
-            if 0.0 < next_one.life < near.life and next_one.is_allowed(self.limits):
+        if width < _NEAR and farther is not None and farther.end_criterion == best.end_criterion:
+            if 0.0 < farther.life < near.life and farther.is_allowed(self.limits):
                 return 0.5 * (_EVEN * width - drop) > _GAIN
         rise = _STEEPEST * width
-        return (rise if drop > rise else 0.5 * (rise - drop)) > _GAIN  # one so steep is a jump
+        return (rise if drop > rise else 0.5 * (rise - drop)) > _GAIN  # a drop so steep is a jump
 
-    def _towards(self, best: PreloadPoint, near: PreloadPoint) -> float:
-        """A preload between two: just within the requirements that are met between them, else in
-        the middle.
+    def _preload_between(self, best: PreloadPoint, near: PreloadPoint) -> float:
+        """Returns a preload between two [N]: just within the requirements that near breaks.
+
+        It is in the middle if near breaks none, or one by more than can be interpolated.
         """
         inside, outside = best.margins(self.limits), near.margins(self.limits)
-        passed = (outside < 0.0) & (outside > -1.0)
-        if not passed.any() or (outside <= -1.0).any():
-            return _between(best, near)
-        share = float((inside[passed] / (inside[passed] - outside[passed])).min())
+        broken = (outside < 0.0) & (outside > -1.0)
+        if not broken.any() or (outside <= -1.0).any():
+            return _middle(best, near)
+        share = float((inside[broken] / (inside[broken] - outside[broken])).min())
         width = _width(best, near)
         share = min(max(share - 0.5 * _EDGE / abs(width), 0.05), 0.95)
-        a, b = sorted((best.preload, near.preload))
-        return round_number(best.preload * math.exp(share * width), a, b)
+        low, high = sorted((best.preload, near.preload))
+        return round_number(best.preload * math.exp(share * width), low, high)
 
-    def _counts(self, line: PreloadLine, one: PreloadPoint) -> bool:
+    def _counts(self, line: PreloadLine, point: PreloadPoint) -> bool:
         """Whether a life is exact, or has no exact ones on both sides within a step of the grid."""
-        if one.solved == EXACT_LIFE:
+        if point.solved == EXACT_LIFE:
             return True
         step = SWEPT_FACTORS[1] / SWEPT_FACTORS[0]
         exact = [p for p, other in line.lives.items() if other.solved == EXACT_LIFE]
-        below = any(one.preload / step <= p < one.preload for p in exact)
-        return not (below and any(one.preload < p <= one.preload * step for p in exact))
+        is_below = any(point.preload / step <= p < point.preload for p in exact)
+        return not (is_below and any(point.preload < p <= point.preload * step for p in exact))
 
-    def similar(self, line: PreloadLine) -> list[PreloadPoint]:
-        """Points around the best that may be set in its place, and the best; from the lowest."""
+    def settable_points(self, line: PreloadLine) -> list[PreloadPoint]:
+        """Returns the best point and those around it that may be set in its place, rising."""
         best = line.best(self.limits)
         if best is None:
             return []
-        order = line.in_order(self.limits)
-        k = next(k for k, one in enumerate(order) if one.preload == best.preload)
+        points = line.points(self.limits)
+        k = _index(points, best)
 
-        def is_similar(one: PreloadPoint) -> bool:
-            enough = one.solved != NEW_BEARING and one.life >= SIMILAR * best.life
-            return enough and one.is_allowed(self.limits)
+        def is_similar(point: PreloadPoint) -> bool:
+            is_long = point.solved != NEW_BEARING and point.life >= SIMILAR * best.life
+            return is_long and point.is_allowed(self.limits)
 
-        below = itertools.takewhile(is_similar, order[:k][::-1])
-        above = itertools.takewhile(is_similar, order[k + 1 :])
+        below = itertools.takewhile(is_similar, points[:k][::-1])
+        above = itertools.takewhile(is_similar, points[k + 1 :])
         return [*list(below)[::-1], best, *above]
 
-    def _at_ends(self, line: PreloadLine) -> list[float]:
-        """Lives that show between which preloads the best one may be set."""
-        similar, order, wanted = self.similar(line), line.in_order(self.limits), []
-        for end, step in ((similar[0], -1), (similar[-1], 1)) if similar else ():
-            k = next(k for k, one in enumerate(order) if one.preload == end.preload) + step
+    def _preloads_at_ends(self, line: PreloadLine) -> list[float]:
+        """Returns preloads whose lives show between which ones the best one may be set."""
+        settable, points, preloads = self.settable_points(line), line.points(self.limits), set()
+        for end, step in ((settable[0], -1), (settable[-1], 1)) if settable else ():
+            k = _index(points, end) + step
             if end.solved != EXACT_LIFE:
-                wanted.append(end.preload)
-            if 0 <= k < len(order) and abs(_width(end, order[k])) > _END_WIDTH:
-                wanted.append(_between(end, order[k]))
-        return sorted(set(wanted))
+                preloads.add(end.preload)
+            if 0 <= k < len(points) and abs(_width(end, points[k])) > _END_WIDTH:
+                preloads.add(_middle(end, points[k]))
+        return sorted(preloads)
 
     def active_limit(self, line: PreloadLine, best: PreloadPoint) -> int:
-        """Index into `ACTIVE`: what keeps the best preload from one with a longer life."""
-        order = line.in_order(self.limits)
-        k = next(k for k, one in enumerate(order) if one.preload == best.preload)
-        beside = [order[n] for n in (k - 1, k + 1) if 0 <= n < len(order)]
+        """Returns the index into `ACTIVE` of what keeps the best preload from a longer life."""
+        points = line.points(self.limits)
+        k = _index(points, best)
+        neighbours = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
         names = [*self.limits.effective, ACTIVE[NOT_PRACTICAL]]
         margins = best.margins(self.limits)
+        is_at_limit = margins.min() < _AT_LIMIT
         refused = [
-            one
-            for one in beside
-            if one.values["status"] == OK
-            and one.margins(self.limits).min() < 0.0
-            and (one.solved == NEW_BEARING or one.life > best.life)
+            point.margins(self.limits)
+            for point in neighbours
+            if point.values["status"] == OK
+            and point.margins(self.limits).min() < 0.0
+            and (point.solved == NEW_BEARING or point.life > best.life)
         ]
         if refused:
-            by_most = min(
-                (one.margins(self.limits) for one in refused), key=lambda found: found.min()
-            )
-            worst = int(np.argmin(by_most))
-            # of several that a neighbour passes, one that is met here
-            is_met = margins.min() < _AT_LIMIT <= margins[worst]
-            return ACTIVE.index(names[int(np.argmin(margins)) if is_met else worst])
-        if any(one.values["status"] != OK for one in beside):
+            worst = int(np.argmin(min(refused, key=np.min)))
+            if is_at_limit and margins[worst] >= _AT_LIMIT:
+                worst = int(np.argmin(margins))  # the one that is on its limit here
+            return ACTIVE.index(names[worst])
+        if any(point.values["status"] != OK for point in neighbours):
             return NEXT_NOT_SOLVED
-        if margins.min() < _AT_LIMIT:
+        if is_at_limit:
             return ACTIVE.index(names[int(np.argmin(margins))])
-        if len(beside) < 2:
+        if len(neighbours) < 2:
             return END_OF_RANGE
-        ends = {
-            one.values.get("end_criterion") for one in (*beside, best) if one.solved != NEW_BEARING
-        }
-        return OTHER_END if len(ends) > 1 else UNLIMITED
+        lives = [point for point in (*neighbours, best) if point.solved != NEW_BEARING]
+        return OTHER_END if len({point.end_criterion for point in lives}) > 1 else UNLIMITED
 
 
-def _solved_point(job: tuple[Scene, DesignLimits, int]) -> dict[str, Any]:
-    scene, limits, solved = job
-    if solved == NEW_BEARING:
-        return new_point(scene, limits)
-    return followed_point(scene, limits, quick=solved == QUICK_LIFE)
+def _solved_values(job: _Job) -> dict[str, Any]:
+    """Returns the values of the point at one preload."""
+    if job.solved == NEW_BEARING:
+        return new_point(job.scene, job.limits)
+    return design_point(job.scene, job.limits, quick=job.solved == QUICK_LIFE)
+
+
+def _index(points: Sequence[PreloadPoint], point: PreloadPoint) -> int:
+    """Returns the index of the point at the preload of another."""
+    return next(k for k, other in enumerate(points) if other.preload == point.preload)
 
 
 def _width(a: PreloadPoint, b: PreloadPoint) -> float:
-    """Width in log preload from one point to another."""
+    """Returns the width in log preload from one point to another."""
     return math.log(b.preload / a.preload)
 
 
-def _between(a: PreloadPoint, b: PreloadPoint) -> float:
-    """A round preload in the middle of two [N]."""
+def _middle(a: PreloadPoint, b: PreloadPoint) -> float:
+    """Returns a round preload in the middle of two [N]."""
     low, high = sorted((a.preload, b.preload))
     return round_number(math.sqrt(low * high), low, high)

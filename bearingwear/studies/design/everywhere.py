@@ -1,4 +1,4 @@
-"""Limited quantities of a scene wherever it runs: from rest to its speed, warm and cold.
+"""The worst limited quantities of a scene in all its conditions: from rest to speed, warm and cold.
 
 Theory: docs/theory.md, section 14.
 """
@@ -39,35 +39,40 @@ UNLOADED = (code.CONTACT_LOST, code.PRELOAD_GONE, code.LIFTED_OFF, code.RACE_UNS
 """Statuses of bearings of which one carries nothing."""
 
 SPEED_FOUND_TO = 2e-3
-"""Relative: how well the worst value over speed is found of what is limited."""
+"""Relative accuracy to which the worst value over speed of a limited quantity is found."""
 
 NEAR_LIMIT = 0.3
 """Margin of a limit up to which the worst value over speed is looked for between the speeds."""
 
-_MOST_BETWEEN = 6  # speeds, of a quantity
-_MOVES, _AS_SLOW = (-0.07, 0.07, -0.15, 0.15), 0.01
-"""By how much a speed is moved where there is no state at it, over it, and how slow is as good as
-at rest, over the full speed."""
+_MOST_ROUNDS = 6  # of speeds between those already solved
+_NEARBY_STEPS = (-0.07, 0.07, -0.15, 0.15)
+"""Relative steps to the speeds that are tried where there is no state at one."""
 
-_NARROW = 1e-3  # of the full speed: speeds so close are one
+_LEAST_SHARE = 0.01  # of the full speed: as good as at rest
+
+_NARROW = 1e-3  # of the full speed: speeds this close count as the same one
 _WIDE, _CLOSE = 0.2, 0.02
-"""Of the full speed: a span of three speeds round the worst that is halved, and what is no half;
-an eighth of both where a limit is just met or broken."""
+"""Shares of the full speed: three speeds round the worst are halved if they span more than the
+first; a lowest point within the second of the middle one is not solved. An eighth of both holds
+where a limit is just met or broken."""
 
-_AT_LIMIT = 0.1  # margin of a limit, up to which its place is found more closely
+_AT_LIMIT = 0.1  # margin of a limit up to which its worst speed is found more closely
 _PEAK_HIDDEN = 0.2  # of the worst value: by how much a peak may exceed the speeds beside it
 
-MEASURE_OF = {name: one for one in LIMITED.values() for name in one.extremes}
+MEASURE_OF = {name: measure for measure in LIMITED.values() for name in measure.extremes}
 """Limited measures by the names of their extremes."""
 
 KEPT, QUASISTATIC = "preload_kept", "quasi-static"
 
 Extremes = dict[str, dict[str, Any]]
-"""Of quantities by the names of extremes: `value` [SI], and the condition in which that is."""
+"""Worst values by the names of extremes: `value` [SI], and the keys of the condition with it."""
+
+Solve = Callable[[Scene], States]
+"""Solves the bearings in one state of wear, in a scene at some speed and temperature."""
 
 
-class OtherSpeeds(NamedTuple):
-    """Extremes at other speeds and temperatures, or where and how they were not solved."""
+class ConditionExtremes(NamedTuple):
+    """Extremes in some conditions, or where and how one of these was not solved."""
 
     extremes: Extremes
     solves: int = 0
@@ -75,72 +80,80 @@ class OtherSpeeds(NamedTuple):
     unsolved: dict[str, Any] | None = None
 
 
-def frequency(scene: Scene, state: State) -> float:
-    """Lowest frequency from a state that has it, or from one that stands for both bearings."""
+def rotor_frequency(scene: Scene, state: State) -> float:
+    """Returns the rotor's lowest frequency; where a state has none, with two bearings like it."""
     if "lowest_frequency" in state.values:
         return float(state["lowest_frequency"])
     return lowest_frequency(scene, (state, state))
 
 
 def state_extremes(
-    scene: Scene, states: States, where: Mapping[str, Any], own: bool = True
+    scene: Scene, states: States, where: Mapping[str, Any], with_quasistatic: bool = True
 ) -> Extremes:
-    """Limited quantities of bearings in one state, but those at rest by themselves.
+    """Returns the limited quantities of the bearings in one condition, but for those at rest.
 
-    own: whether that is at the scene's own speed. Elsewhere no quasi-static stiffness counts: it
-        falls far where the spin of the balls goes over from one race to the other, within some 2 %
-        of a speed, which a machine passes.
+    where: the condition, as plain data.
+    with_quasistatic: whether the quasi-static stiffness counts, as it does at the scene's own speed
+        alone. Within some 2 % of a speed, where the spin of the balls goes over from one race to
+        the other, it falls far; a machine passes that speed.
     """
     worse = worse_state(states, scene)
-    worse = worse.with_values({"lowest_frequency": frequency(scene, worse)})
+    worse = worse.with_values({"lowest_frequency": rotor_frequency(scene, worse)})
     sides = with_tandem_preload(states, scene) if len(states) == 2 else states
-    found = {}
-    for one in LIMITED.values():
-        if not one.of_speed:
+    extremes = {}
+    for measure in LIMITED.values():
+        if not measure.of_speed:
             continue
-        for name, variable, kind in zip(one.extremes, one.variables, one.kinds, strict=True):
-            if kind == QUASISTATIC and not own:
+        divisor = scene.operation.preload_N if measure.over_preload else 1.0
+        for name, variable, kind in zip(
+            measure.extremes, measure.variables, measure.kinds, strict=True
+        ):
+            if kind == QUASISTATIC and not with_quasistatic:
                 continue
-            whole = scene.operation.preload_N if one.over_preload else 1.0
-            value = one.extreme(worse[variable]) / whole
-            each = [one.extreme(side[variable]) / whole for side in sides]
+            value = measure.extreme(worse[variable]) / divisor
+            by_side = [measure.extreme(side[variable]) / divisor for side in sides]
             bearing = 0
-            if len(each) == 2 and each[0] != each[1] and value in each:
-                bearing = 1 + each.index(value)
-            found[name] = {**where, "bearing": bearing, "value": value}
-    return found
+            if len(by_side) == 2 and by_side[0] != by_side[1] and value in by_side:
+                bearing = 1 + by_side.index(value)
+            extremes[name] = {**where, "bearing": bearing, "value": value}
+    return extremes
 
 
-def along(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extremes:
-    """Limited quantities from the first node of a life to the last one; what is not known of a node
-    between them is between what is known of others.
+def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extremes:
+    """Returns the extremes from the first node of a life to the last one, in one condition.
+
+    A value that is not known at a node between these is left out: neighbours know it.
     """
     last = len(nodes) - 1
-    each = []
+    by_node = []
     for k, node in enumerate(nodes):
         wear = NEW if k == 0 else AT_END_OF_LIFE if k == last else BETWEEN
-        found = state_extremes(scene, node.states, {**where, "wear": wear})
+        extremes = state_extremes(scene, node.states, {**where, "wear": wear})
         if wear == BETWEEN:
-            found = {name: one for name, one in found.items() if not math.isnan(one["value"])}
-        each.append(found)
-    return merged(each)
+            extremes = {
+                name: extreme
+                for name, extreme in extremes.items()
+                if not math.isnan(extreme["value"])
+            }
+        by_node.append(extremes)
+    return worst_extremes(by_node)
 
 
-def merged(each: Iterable[Extremes]) -> Extremes:
-    """The worst of each quantity."""
-    found: Extremes = {}
-    for extremes in each:
-        for name, one in extremes.items():
-            if name not in found or _is_worse(MEASURE_OF[name], one["value"], found[name]["value"]):
-                found[name] = one
-    return found
+def worst_extremes(parts: Iterable[Extremes]) -> Extremes:
+    """Returns the worst value of each quantity, with its condition."""
+    worst: Extremes = {}
+    for extremes in parts:
+        for name, extreme in extremes.items():
+            if name not in worst or _is_worse(name, extreme["value"], worst[name]["value"]):
+                worst[name] = extreme
+    return worst
 
 
-def _is_worse(measure: Measure, value: float, other: float) -> bool:
-    """Whether a value is worse than another, as one is that is not known."""
+def _is_worse(name: str, value: float, other: float) -> bool:
+    """Whether a value is worse than another; one that is not known is worse than any number."""
     if math.isnan(value) or math.isnan(other):
         return math.isnan(value) and not math.isnan(other)
-    return value < other if measure.falls else abs(value) > abs(other)
+    return value < other if MEASURE_OF[name].falls else abs(value) > abs(other)
 
 
 class _Unsolved(Exception):
@@ -151,17 +164,14 @@ class _Unsolved(Exception):
         self.status, self.where = status, where
 
 
-Solve = Callable[[Scene], States]
-
-
 def new_states(scene: Scene) -> States:
-    """Bearings as they are when new."""
+    """Solves bearings as they are when new."""
     solver = solver_of(scene, tolerance=WELL_BALANCED)
     return solver(solver.bearings.start)
 
 
 def worn_states(life: Life) -> Solve:
-    """Function from a scene, at another speed or temperature, to the bearings as a life left them.
+    """Returns a function that solves the bearings as a life left them, in other conditions.
 
     Worn grooves are those of the life, wherever the contacts then run in them.
     """
@@ -172,140 +182,165 @@ def worn_states(life: Life) -> Solve:
     return lambda scene: solver_of(scene, tolerance=WELL_BALANCED)(conditions)
 
 
-class Everywhere(NamedTuple):
-    """What limits look at beside a scene's own speed."""
+class OtherConditions(NamedTuple):
+    """The conditions beside a scene's own speed in which limits apply."""
 
     scene: Scene
     limits: Mapping[str, float]
     exactly: bool  # whether the worst speed is looked for however far a limit is
 
-    def beside(self, own: Extremes, solve: Solve, wear: str) -> OtherSpeeds:
-        """Extremes of the bearings in one state of wear, from those at the scene's own speed."""
-        found = _Speeds(self, solve, wear, {1.0: own})
-        try:
-            shares = FINE_SHARES if self.exactly and wear != NEW else SPEED_SHARES
-            for share in lower_speed_shares(self.scene, shares):
-                if found.is_lost:
-                    break
-                found.add(share)
-            for _ in range(_MOST_BETWEEN):
-                between = [
-                    share
-                    for share in self._between(found.known)
-                    if all(abs(share - missed) > _NARROW for missed in found.missed)
-                ]
-                if found.is_lost or not between:
-                    break
-                for share in between:
-                    found.add(share)
-            for place in cold_conditions(self.scene):
-                if not found.is_lost:
-                    found.add_place(place)
-        except _Unsolved as lost:
-            return OtherSpeeds({}, found.solves, lost.status, lost.where)
-        return OtherSpeeds(merged([*found.known.values(), *found.others]), found.solves)
+    def extremes(self, at_speed: Extremes, solve: Solve, wear: str) -> ConditionExtremes:
+        """Returns the extremes of bearings in one state of wear in all conditions.
 
-    def _between(self, speeds: Mapping[float, Extremes]) -> list[float]:
-        """Speeds at which a limited quantity may be worse than at those known."""
-        shares = sorted(speeds)
-        found = set()
+        at_speed: those at the scene's own speed, which are among them.
+        """
+        search = _ConditionSearch(self.scene, solve, wear, {1.0: at_speed})
+        try:
+            self._search(search, FINE_SHARES if self.exactly and wear != NEW else SPEED_SHARES)
+        except _Unsolved as unsolved:
+            return ConditionExtremes({}, search.solves, unsolved.status, unsolved.where)
+        parts = [*search.by_share.values(), *search.cold]
+        return ConditionExtremes(worst_extremes(parts), search.solves)
+
+    def _search(self, search: _ConditionSearch, shares: Sequence[float]) -> None:
+        """Solves lower speeds, those between where a value may be worse, and the cold conditions.
+
+        It ends where some bearing carries nothing, which breaks a limit by itself.
+        shares: of the way from the lowest speed to the full one.
+        """
+        for share in lower_speed_shares(self.scene, shares):
+            if search.is_unloaded:
+                return
+            search.add_share(share)
+        for _ in range(_MOST_ROUNDS):
+            between = [
+                share
+                for share in self._worse_shares(search.by_share)
+                if all(abs(share - unsolved) > _NARROW for unsolved in search.unsolved_shares)
+            ]
+            if search.is_unloaded or not between:
+                break
+            for share in between:
+                search.add_share(share)
+        for condition in cold_conditions(self.scene):
+            if not search.is_unloaded:
+                search.add_cold(condition)
+
+    def _worse_shares(self, by_share: Mapping[float, Extremes]) -> list[float]:
+        """Returns shares of the full speed at which a limited quantity may be worse than known."""
+        near = math.inf if self.exactly else NEAR_LIMIT
+        worse = set()
         for key, limit in self.limits.items():
-            one = LIMITED[key]
-            if not one.of_speed:
-                continue
-            for name in one.extremes:
-                known = [
-                    (share, speeds[share][name]["value"])
-                    for share in shares
-                    if name in speeds[share] and math.isfinite(speeds[share][name]["value"])
-                ]
-                share = _turn(one, known, math.inf if self.exactly else NEAR_LIMIT, limit)
+            measure = LIMITED[key]
+            for name in measure.extremes if measure.of_speed else ():
+                values = {
+                    share: extremes[name]["value"]
+                    for share, extremes in sorted(by_share.items())
+                    if name in extremes and math.isfinite(extremes[name]["value"])
+                }
+                share = _worse_share(measure, values, near, limit)
                 if share is not None:
-                    found.add(max(share, lowest_share(self.scene)))
-        return sorted(found - set(speeds))
+                    worse.add(max(share, lowest_share(self.scene)))
+        return sorted(worse - set(by_share))
 
 
 @dataclass
-class _Speeds:
-    """Extremes of the bearings in one state of wear at speeds and elsewhere, one after another."""
+class _ConditionSearch:
+    """Extremes of the bearings in one state of wear, in one condition after another."""
 
-    of: Everywhere
+    scene: Scene
     solve: Solve
     wear: str
-    known: dict[float, Extremes]  # by shares of the full speed
-    others: list[Extremes] = field(default_factory=list)
+    by_share: dict[float, Extremes]  # by shares of the full speed
+    cold: list[Extremes] = field(default_factory=list)
     solves: int = 0
-    missed: list[float] = field(default_factory=list)  # shares without a state
-    is_lost: bool = False  # whether some bearing carries nothing somewhere, which is enough to know
+    unsolved_shares: list[float] = field(default_factory=list)
+    is_unloaded: bool = False  # whether some bearing carries nothing in a condition
 
-    def add(self, share: float) -> None:
-        """Solve at a share of the full speed, or next to it where there is no state at that.
+    def add_share(self, share: float) -> None:
+        """Solves at a share of the full speed, or next to it where there is no state at that.
 
-        The speeds are as good as those beside them; at some the motion goes over to another one.
+        At some speeds the motion goes over to another one; those beside them are as good.
         """
         first = self._at_share(share)
         if first.status == code.OK:
             return
-        self.missed.append(share)
+        self.unsolved_shares.append(share)
         if first.status not in UNLOADED:
-            nearby = (max(share * (1.0 + move), _AS_SLOW) for move in _MOVES)
+            nearby = (max(share * (1.0 + step), _LEAST_SHARE) for step in _NEARBY_STEPS)
             if any(self._at_share(near).status == code.OK for near in dict.fromkeys(nearby)):
                 return
-        self.known[share] = self._without(first)
+        self.by_share[share] = self._unloaded(first)
 
-    def _at_share(self, share: float) -> OtherSpeeds:
-        """Extremes at a share of the full speed, which are kept if it was solved."""
-        found = self.at(OperatingCondition(at_share(self.of.scene, share)))
-        if found.status == code.OK:
-            self.known[share] = found.extremes
-        return found
+    def _at_share(self, share: float) -> ConditionExtremes:
+        """Returns the extremes at a share of the full speed; keeps them if it was solved."""
+        answer = self._in_condition(OperatingCondition(at_share(self.scene, share)))
+        if answer.status == code.OK:
+            self.by_share[share] = answer.extremes
+        return answer
 
-    def add_place(self, place: OperatingCondition) -> None:
-        """Solve at a speed and a temperature."""
-        found = self.at(place)
-        self.others.append(found.extremes if found.status == code.OK else self._without(found))
+    def add_cold(self, condition: OperatingCondition) -> None:
+        """Solves at mounting temperature."""
+        answer = self._in_condition(condition)
+        self.cold.append(answer.extremes if answer.status == code.OK else self._unloaded(answer))
 
-    def at(self, place: OperatingCondition) -> OtherSpeeds:
-        """Extremes at one speed and temperature, or how they were not solved."""
-        where = place.where(wear=self.wear)
+    def _in_condition(self, condition: OperatingCondition) -> ConditionExtremes:
+        """Returns the extremes in one condition, or how it was not solved."""
+        where = condition.where(wear=self.wear)
         self.solves += 1
-        states = self.solve(place.scene)
+        states = self.solve(condition.scene)
         status = next((state.status for state in states if state.status != code.OK), code.OK)
         if status == code.OK:
-            return OtherSpeeds(state_extremes(place.scene, states, where, own=False))
-        return OtherSpeeds({}, 1, status, where | {"status": code.STATUS_NAMES[status]})
+            return ConditionExtremes(
+                state_extremes(condition.scene, states, where, with_quasistatic=False)
+            )
+        return ConditionExtremes({}, 1, status, where | {"status": code.STATUS_NAMES[status]})
 
-    def _without(self, found: OtherSpeeds) -> Extremes:
-        """Extremes where some bearing carries nothing. Raises where that is not why."""
-        assert found.unsolved is not None
-        if found.status not in UNLOADED:
-            raise _Unsolved(found.status, found.unsolved)
-        self.is_lost = True
-        return {KEPT: found.unsolved | {"value": 0.0}}
+    def _unloaded(self, answer: ConditionExtremes) -> Extremes:
+        """Returns extremes with no preload kept, where some bearing carries nothing.
+
+        Raises _Unsolved where that is not the reason.
+        """
+        assert answer.unsolved is not None
+        if answer.status not in UNLOADED:
+            raise _Unsolved(answer.status, answer.unsolved)
+        self.is_unloaded = True
+        return {KEPT: answer.unsolved | {"value": 0.0}}
 
 
-def _turn(
-    one: Measure, known: Sequence[tuple[float, float]], near: float, limit: float
+class _LowestPoint(NamedTuple):
+    """The lowest point of a parabola."""
+
+    x: float
+    y: float
+
+
+def _worse_share(
+    measure: Measure, values: Mapping[float, float], near: float, limit: float
 ) -> float | None:
-    """The share of the speed at which a parabola through three neighbours is worst, if it says
-    that a quantity is worse there than anywhere known, by more than `SPEED_FOUND_TO`, or if they
-    are far from each other and it is nearly as bad; None where the worst is found.
+    """Returns the share of the full speed at which a value should be solved next, or None.
+
+    It is where a parabola through three neighbours is worse than all that is known, by more than
+    `SPEED_FOUND_TO`. Else it is beside a bad value whose neighbours are far from each other.
+
+    values: by shares, which rise.
+    near: margin of the limit up to which a share is looked for.
     """
-    if len(known) < 3:
+    if len(values) < 3:
         return None
-    sign = 1.0 if one.falls else -1.0
-    x = np.array([share for share, _ in known])
-    y = sign * np.array([value if one.falls else abs(value) for _, value in known])
+    sign = 1.0 if measure.falls else -1.0
+    x = np.array([*values])
+    y = sign * np.array([value if measure.falls else abs(value) for value in values.values()])
     least = y.min()
-    margin = abs(one.margin(sign * least, limit))
+    margin = abs(measure.margin(sign * least, limit))
     if margin > near:
         return None
     wide, close = (_WIDE, _CLOSE) if margin > _AT_LIMIT else (_WIDE / 8.0, _CLOSE / 8.0)
-    turns = [_vertex(x[k - 1 : k + 2], y[k - 1 : k + 2]) for k in range(1, len(x) - 1)]
-    new = [turn for turn in turns if turn and np.abs(turn[0] - x).min() > _NARROW]
-    place, value = min(new, key=lambda turn: turn[1], default=(math.nan, math.inf))
-    if value < least - SPEED_FOUND_TO * abs(least):
-        return place
+    lowest = [_lowest_point(x[k - 1 : k + 2], y[k - 1 : k + 2]) for k in range(1, len(x) - 1)]
+    new = [point for point in lowest if point and np.abs(point.x - x).min() > _NARROW]
+    best = min(new, key=lambda point: point.y, default=_LowestPoint(math.nan, math.inf))
+    if best.y < least - SPEED_FOUND_TO * abs(least):
+        return best.x
     worst = int(np.argmin(y))
     if worst == len(x) - 1 and x[worst] - x[worst - 1] > wide:
         return float(0.5 * (x[worst - 1] + x[worst]))  # it may turn just below the full speed
@@ -313,9 +348,9 @@ def _turn(
         if x[k + 1] - x[k - 1] <= (wide if k == worst else _WIDE):
             continue
         # neighbours so far away say little of what is between them
-        turn = turns[k - 1]
-        if turn and abs(turn[0] - x[k]) > close:
-            return turn[0]
+        point = lowest[k - 1]
+        if point and abs(point.x - x[k]) > close:
+            return point.x
         left, right = x[k] - x[k - 1], x[k + 1] - x[k]
         return float(x[k] - 0.5 * left if left > right else x[k] + 0.5 * right)
     return None
@@ -332,8 +367,8 @@ def _peaks(y: np.ndarray) -> list[int]:
     return sorted(peaks, key=lambda k: y[k])
 
 
-def _vertex(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
-    """Place and value of the lowest point of a parabola through three, if that is between them."""
+def _lowest_point(x: np.ndarray, y: np.ndarray) -> _LowestPoint | None:
+    """Returns the lowest point of a parabola through three; None if it is not between them."""
     (a, b, c), (f, g, h) = x.tolist(), y.tolist()
     first, second = (g - f) / (b - a), (h - g) / (c - b)
     bend = (second - first) / (c - a)
@@ -341,4 +376,4 @@ def _vertex(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
         return None
     place = 0.5 * (a + b - first / bend)
     value = f + first * (place - a) + bend * (place - a) * (place - b)
-    return (place, value) if a < place < c else None
+    return _LowestPoint(place, value) if a < place < c else None

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -46,15 +46,15 @@ from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.everywhere import (
-    Everywhere,
     Extremes,
+    OtherConditions,
     Solve,
-    along,
-    frequency,
-    merged,
+    extremes_of_life,
     new_states,
+    rotor_frequency,
     state_extremes,
     worn_states,
+    worst_extremes,
 )
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.warming import warm_up_extremes
@@ -75,33 +75,29 @@ MAP_AXES = table(
     Variable("preload", ("preload",), "N", "initial axial preload"),
 )
 
-_AND_LATER = "from new to the end of life"
+
+def _extreme_variables() -> list[Variable]:
+    """Returns the worst value of every limited measure, from new to the end of life."""
+    variables = []
+    for measure in LIMITED.values():
+        if measure.of_life:
+            continue
+        meaning, comment = measure.limit[0], measure.note or None
+        for name, kind in zip(measure.extremes, measure.kinds, strict=True):
+            parts = meaning[0].lower() + meaning[1:], kind, "from new to the end of life"
+            words = ", ".join(filter(None, parts))
+            variables.append(Variable(name, (), measure.si_unit, words, comment=comment))
+    return variables
 
 
-def _extremes() -> list[Variable]:
-    """Of every limited measure, the worst from new to the end of life."""
+def _start_and_end_variables() -> list[Variable]:
+    """Returns the values when new and at the end of life of measures in short tables."""
     return [
-        Variable(
-            name,
-            (),
-            one.si_unit,
-            ", ".join(filter(None, (one.limit[0][0].lower() + one.limit[0][1:], kind, _AND_LATER))),
-            comment=one.note or None,
-        )
-        for one in LIMITED.values()
-        if not one.of_life
-        for name, kind in zip(one.extremes, one.kinds, strict=True)
-    ]
-
-
-def _at_ends() -> list[Variable]:
-    """Of what stands in short tables, the value when new and at the end of life."""
-    return [
-        Variable(f"{name}_at_{moment}", (), one.si_unit, f"{one.words_of(name)} {when}")
-        for one in LIMITED.values()
-        if one.brief
-        for name in one.extremes
-        for moment, when in (("start", "when new"), ("end", "at the end of life"))
+        Variable(f"{name}_at_{end}", (), measure.si_unit, f"{measure.words_of(name)} {when}")
+        for measure in LIMITED.values()
+        if measure.brief
+        for name in measure.extremes
+        for end, when in (("start", "when new"), ("end", "at the end of life"))
     ]
 
 
@@ -118,8 +114,8 @@ POINT = table(
     Variable("residual_preload_at_start", (), "N", "running preload when new"),
     Variable("residual_preload_at_end", (), "N", "residual preload at the end of life"),
     Variable("loss_at_end", (), "m", "total wear depth at the end of life"),
-    *_at_ends(),
-    *_extremes(),
+    *_start_and_end_variables(),
+    *_extreme_variables(),
     Variable("impractical", (), "", "first warning of an impractical design, new or worn",
         dtype="i1", flags=("none", *IMPRACTICAL)),
     Variable("groove", (), "", "groove model used in the life calculation", dtype="i1",
@@ -128,34 +124,45 @@ POINT = table(
     Variable("hertzian_life", (), "h",
         "wear life at the same preload, computed with Hertzian grooves", scale=HOURS_PER_SECOND),
 )  # fmt: skip
-"""What a point of the map has: a life, and the extremes along it.
+"""Variables of a point of the map: a life, and the extremes along it.
 
 Numbers are NaN where the life was not solved.
 """
 
-MET_WHEN_NEW = EndOfLife(maximum_pressure_GPa=1e-9)
-"""An end that every bearing has met when new."""
+PointValues = dict[str, Any]
+"""Values of `POINT` by their names (SI), and of the keys of `NO_VARIABLES`."""
 
-_NEVER_MET = 1e-9  # thermal margin, but without a state beside the present one
-
-NO_LIFE: dict[str, Any] = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
-NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
-"""What a point has of whole numbers before any solve."""
-
-
-WARNED = "warnings"
-"""What a point has that is no variable of a map: warnings of an exact life with worn grooves."""
-
+POINT_WARNINGS = "warnings"
+"""Key of a point: warnings of an exact life with worn grooves, as JSON."""
 
 CASE_POINTS = "points"
-"""What a point of several cases has that is no variable: the point of each of them."""
+"""Key of a point of several cases: the point of each case, by its name."""
 
 NOT_SOLVED_AT = "unsolved"
-"""What a point has that is no variable: where, and with which status, something was not solved."""
+"""Key of a point: the condition that was not solved, and its status."""
+
+NO_VARIABLES = (POINT_WARNINGS, DECIDING, NOT_SOLVED_AT, CASE_POINTS)
+"""Keys of points that are no variables of a file."""
+
+NO_LIFE: PointValues = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
+NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
+"""Whole numbers of a point before any solve."""
+
+END_WHEN_NEW = EndOfLife(maximum_pressure_GPa=1e-9)
+"""An end of life that every bearing has met when new."""
+
+_UNREACHED_THERMAL_MARGIN = 1e-9  # ends no life, but makes states have the margin
 
 
-def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
-    """One life by the steady model at the scene's own speed, or over its duty, and its extremes.
+class _SolvedLife(NamedTuple):
+    """A life, and the values of its point."""
+
+    life: Life
+    values: PointValues
+
+
+def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
+    """Returns a life with Hertzian grooves at the scene's own speed, or one over its duty.
 
     slip_limit: gyroscopic slip share whose passing is timed.
 
@@ -166,59 +173,74 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     if scene.duty is not None:
         limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
         return _duty_point(scene, limits, quick=False)
-    return _hertzian_life(scene, slip_limit)[0]
+    return _hertzian_life(scene, slip_limit).values
 
 
-def _hertzian_life(scene: Scene, slip_limit: float | None) -> tuple[dict[str, Any], Life]:
-    """`life_point`, and the life that it is of."""
+def _hertzian_life(scene: Scene, slip_limit: float | None) -> _SolvedLife:
+    """Returns the life with Hertzian grooves at the scene's own speed."""
     lives = HertzianLives(scene)
-    one = lives(scene)
-    found: dict[str, Any] = {"status": one.status, "end_criterion": one.criterion}
-    if one.status == OK:
-        found |= {"life": one.last.time} | gone_through(scene, worse_states(one, scene))
+    life = lives(scene)
+    values: PointValues = {"status": life.status, "end_criterion": life.criterion}
+    if life.status == OK:
+        values |= {"life": life.last.time} | values_of_states(scene, worse_states(life, scene))
         if slip_limit is not None:
-            found["time_to_slip_limit"] = math.inf
-            if found[SLIP_SHARE] >= slip_limit:
-                # the same way, ended by the share
-                limited = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
-                found["time_to_slip_limit"] = lives(limited).last.time
-    found["solves"], found["failed_solves"] = lives.solver.solves, lives.solver.failed
-    return found, one
+            values["time_to_slip_limit"] = math.inf
+            if values[SLIP_SHARE] >= slip_limit:
+                values["time_to_slip_limit"] = lives(_ended_by_slip(scene, slip_limit)).last.time
+    values["solves"], values["failed_solves"] = lives.solver.solves, lives.solver.failed
+    return _SolvedLife(life, values)
+
+
+def _ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
+    """Returns a scene whose life ends by its gyroscopic slip share alone."""
+    return with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
+
+
+def _time_to_slip_limit(
+    scene: Scene, life: Life, values: PointValues, slip_limit: float | None
+) -> PointValues:
+    """Returns when a solved life exceeds a slip share, as a value of its point; {} without one."""
+    if slip_limit is None:
+        return {}
+    time = math.inf
+    if values[SLIP_SHARE] >= slip_limit:
+        time = life.time_to(Criteria(_ended_by_slip(scene, slip_limit)))
+    return {"time_to_slip_limit": time}
 
 
 def with_required_measures(scene: Scene, limits: DesignLimits) -> Scene:
-    """A scene whose states have what is required of them.
+    """Returns a scene whose states have all measures that limits need.
 
-    They have the thermal margin, which takes further solves, if it may end a life.
+    States have the thermal margin, which takes further solves, only if it may end a life.
     """
     end = scene.wear.end_of_life
     if limits.thermal_margin is None or end is None or end.thermal_margin is not None:
         return scene
-    never: dict[str, Any] = {"thermal_margin": _NEVER_MET}
+    never: dict[str, Any] = {"thermal_margin": _UNREACHED_THERMAL_MARGIN}
     return with_end(scene, replace(end, **never))
 
 
-def new_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
-    """Limited quantities of the new bearing (SI), wherever limits look; only its status and where
-    it was not solved, if not ok.
+def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
+    """Returns the limited quantities of the new bearing (SI) in all conditions of the limits.
+
+    Where the status is not ok: only that, and where it was not solved.
     """
     scene = with_required_measures(scene, limits)
     if scene.cases or scene.duty is not None:
-        each = {name: new_point(one, limits) for name, one in cases_of_use(scene).items()}
-        return worst_point(each)
-    limited = with_end(scene, MET_WHEN_NEW)
-    limited = with_required_measures(limited, limits)
-    one = HertzianLives(limited)(limited)
-    if one.status != OK:
-        return {"status": one.status, NOT_SOLVED_AT: _unsolved_at(scene, one.status, NEW)}
-    values = {"status": one.status} | _extremes_of(scene, worse_states(one, scene))
-    return _everywhere(scene, values, one, limits, exactly=False)
+        cases = cases_of_use(scene)
+        return worst_point({name: new_point(case, limits) for name, case in cases.items()})
+    ended = with_required_measures(with_end(scene, END_WHEN_NEW), limits)
+    life = HertzianLives(ended)(ended)
+    if life.status != OK:
+        return {"status": life.status, NOT_SOLVED_AT: _unsolved_at(scene, life.status, NEW)}
+    values = {"status": life.status} | _worst_values(scene, worse_states(life, scene))
+    return _with_all_conditions(scene, values, life, limits, exactly=False)
 
 
-def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> dict[str, Any]:
-    """`life_point` of the groove that `life` follows, and the life with the Hertzian one.
+def design_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> PointValues:
+    """Returns the life with the grooves that `life` follows, and the one with Hertzian grooves.
 
-    Extremes are those wherever limits look, new and worn.
+    Extremes are those in all conditions of the limits, new and worn.
 
     quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
         life with the Hertzian ones is left out.
@@ -226,143 +248,140 @@ def followed_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> d
     scene = with_required_measures(scene, limits)
     if scene.duty is not None:
         return _duty_point(scene, limits, quick)
-    each = {name: _case_point(one, limits, quick) for name, one in scene.in_cases.items()}
-    found = worst_point(each) if scene.cases else each[NOMINAL]
-    if math.isinf(found.get("life", 0.0)):
-        found["status"] = CRITERION_NOT_REACHED
-    return found
+    points = {name: _case_point(case, limits, quick) for name, case in scene.in_cases.items()}
+    values = worst_point(points) if scene.cases else points[NOMINAL]
+    if math.isinf(values.get("life", 0.0)):
+        values["status"] = CRITERION_NOT_REACHED
+    return values
 
 
-def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:
-    """`followed_point` over a duty: the worst of its cases along one life."""
+def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
+    """Returns `design_point` over a duty: the worst of its cases along one life."""
     over_duty = duty_life(scene, quick=quick)
-    each: dict[str, dict[str, Any]] = {}
+    points: dict[str, PointValues] = {}
     for name, life in over_duty.by_case.items():
-        one = scene.in_cases[name]
-        found: dict[str, Any] = NO_LIFE | {
+        case = scene.in_cases[name]
+        values: PointValues = NO_LIFE | {
             "status": life.status,
             "end_criterion": life.criterion,
             "groove": WORN_GROOVE if over_duty.is_worn else HERTZIAN_GROOVE,
             "hertzian_life": math.nan if over_duty.is_worn else life.last.time,
-            "solves": 0 if each else life.solves,
+            "solves": 0 if points else life.solves,
         }
         if life.status != OK:
-            return found | {NOT_SOLVED_AT: _unsolved_at(one, life.status, AT_END_OF_LIFE)}
-        found |= {"life": life.last.time} | gone_through(one, worse_states(life, one))
-        if limits.gyroscopic_slip_share is not None:
-            end = EndOfLife(gyroscopic_slip_share=limits.gyroscopic_slip_share)
-            is_passed = found[SLIP_SHARE] >= limits.gyroscopic_slip_share
-            first = life.time_to(Criteria(with_end(one, end))) if is_passed else math.inf
-            found["time_to_slip_limit"] = first
-        each[name] = _everywhere(one, found, life, limits, exactly=not quick)
-    worst = worst_point(each)
+            return values | {NOT_SOLVED_AT: _unsolved_at(case, life.status, AT_END_OF_LIFE)}
+        values |= {"life": life.last.time} | values_of_states(case, worse_states(life, case))
+        values |= _time_to_slip_limit(case, life, values, limits.gyroscopic_slip_share)
+        points[name] = _with_all_conditions(case, values, life, limits, exactly=not quick)
+    worst = worst_point(points)
     if worst["status"] != OK:
         return worst
     del worst[DECIDING]["life"]  # which is of all phases, and ends in one of them or in all
     if not over_duty.ends_in_all_cases:
         ending = over_duty.cycle.cases[over_duty.ending_case]
-        worst[DECIDING]["life"] = {**each[ending][DECIDING]["life"], "case": ending}
+        worst[DECIDING]["life"] = {**points[ending][DECIDING]["life"], "case": ending}
     return worst
 
 
-def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> dict[str, Any]:
-    """`followed_point` of one case; its life is infinite where nothing turns."""
+def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
+    """Returns `design_point` of one case; its life is infinite where nothing turns."""
     if not scene.operation.turns:
-        return _still_point(scene, limits)
-    found, life = _followed_life(scene, limits.gyroscopic_slip_share, quick)
+        return _standstill_point(scene, limits)
+    life, values = _case_life(scene, limits.gyroscopic_slip_share, quick)
     if life.status != OK:
-        return found | {NOT_SOLVED_AT: _unsolved_at(scene, life.status, AT_END_OF_LIFE)}
-    return _everywhere(scene, found, life, limits, exactly=not quick)
+        return values | {NOT_SOLVED_AT: _unsolved_at(scene, life.status, AT_END_OF_LIFE)}
+    return _with_all_conditions(scene, values, life, limits, exactly=not quick)
 
 
-def _followed_life(
-    scene: Scene, slip_limit: float | None, quick: bool
-) -> tuple[dict[str, Any], Life]:
-    """Values of a life at the scene's own speed, and that life."""
-    only_worn = quick and groove_choice(scene, "steady").follows
-    found, even = (dict(NO_LIFE), None) if only_worn else _hertzian_life(scene, slip_limit)
-    hertzian = found.get("life", math.nan)
-    found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
-    if even is not None and hertzian == 0.0:
-        return found, even  # beyond a limit when new, whatever the groove
+def _case_life(scene: Scene, slip_limit: float | None, quick: bool) -> _SolvedLife:
+    """Returns the life at the scene's own speed, with the grooves that `life` follows."""
+    hertzian = None
+    hertzian_values = dict(NO_LIFE)
+    if not (quick and groove_choice(scene, "steady").follows):
+        hertzian = _hertzian_life(scene, slip_limit)
+        hertzian_values = hertzian.values
+    hertzian_life = hertzian_values.get("life", math.nan)
+    hertzian_values |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian_life}
+    if hertzian is not None and hertzian_life == 0.0:
+        return hertzian  # beyond a limit when new, whatever the groove
     worn = worn_life_with_stiffness(scene, quick)
     if worn is None:
-        assert even is not None
-        return found, even
-    kept = {"hertzian_life": hertzian, "groove": WORN_GROOVE, "status": worn.status}
-    kept |= {"end_criterion": worn.criterion, "solves": found["solves"] + worn.solves}
-    kept["failed_solves"] = found["failed_solves"]
+        assert hertzian is not None
+        return hertzian
+    values = {
+        "hertzian_life": hertzian_life,
+        "groove": WORN_GROOVE,
+        "status": worn.status,
+        "end_criterion": worn.criterion,
+        "solves": hertzian_values["solves"] + worn.solves,
+        "failed_solves": hertzian_values["failed_solves"],
+    }
     if worn.status != OK:
-        return kept, worn
+        return _SolvedLife(worn, values)
     if not quick:
-        kept[WARNED] = json.dumps(_warnings_along(scene, worn))
-    kept["life"] = worn.last.time
-    kept |= gone_through(scene, worse_states(worn, scene))
-    if slip_limit is not None:
-        kept["time_to_slip_limit"] = math.inf
-        if kept[SLIP_SHARE] >= slip_limit:
-            share = EndOfLife(gyroscopic_slip_share=slip_limit)
-            kept["time_to_slip_limit"] = worn.time_to(Criteria(with_end(scene, share)))
-    return kept, worn
+        values[POINT_WARNINGS] = json.dumps(_life_warnings(scene, worn))
+    values |= {"life": worn.last.time} | values_of_states(scene, worse_states(worn, scene))
+    values |= _time_to_slip_limit(scene, worn, values, slip_limit)
+    return _SolvedLife(worn, values)
 
 
-def _still_point(scene: Scene, limits: DesignLimits) -> dict[str, Any]:
-    """A point of a scene in which nothing turns: its life is infinite, or over when new."""
+def _standstill_point(scene: Scene, limits: DesignLimits) -> PointValues:
+    """Returns the point of a scene in which nothing turns: its life is infinite or zero."""
     states = new_states(scene)
     status = next((state.status for state in states if state.status != OK), OK)
-    found: dict[str, Any] = NO_LIFE | {"status": status, "solves": 1}
+    values: PointValues = NO_LIFE | {"status": status, "solves": 1}
     if status != OK:
-        return found | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
+        return values | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
     met = np.flatnonzero(Criteria(scene).margins(states) <= 0.0)
     life = 0.0 if met.size else math.inf
-    found |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
-    found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
+    values |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
+    values |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
     if limits.gyroscopic_slip_share is not None:
-        found["time_to_slip_limit"] = math.inf
-    found |= gone_through(scene, [worse_state(states, scene)] * 2)
+        values["time_to_slip_limit"] = math.inf
+    values |= values_of_states(scene, [worse_state(states, scene)] * 2)
     node = Node(0.0, None, states, life)
-    return _everywhere(scene, found, Life([node], None, status=OK), limits, exactly=True)
+    standstill = Life([node], None, status=OK)
+    return _with_all_conditions(scene, values, standstill, limits, exactly=True)
 
 
-def _everywhere(
-    scene: Scene, values: dict[str, Any], life: Life, limits: DesignLimits, exactly: bool
-) -> dict[str, Any]:
-    """Values of a life at the scene's own speed with the extremes wherever limits look."""
-    here = OperatingCondition(scene)
-    own = along(scene, life.nodes, here.where())
-    at_rest = {
-        name: here.where(wear=NEW, value=values[name])
-        for one in LIMITED.values()
-        if one.resting
-        for name in one.extremes
-    }
-    worn = len(life.nodes) > 1
-    each = [own]
-    if not limits.at_speed_only and (worn or "life" not in values or values["life"] > 0.0):
-        looked = Everywhere(scene, limits.effective, exactly)
-        sides: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
-        sides += [(worn_states(life), AT_END_OF_LIFE, life.last)] if worn else []
-        for solve, wear, node in sides:
-            at_speed = state_extremes(scene, node.states, here.where(wear=wear))
-            beside = looked.beside(at_speed, solve, wear)
+def _with_all_conditions(
+    scene: Scene, values: PointValues, life: Life, limits: DesignLimits, exactly: bool
+) -> PointValues:
+    """Returns a point with the extremes in all conditions of the limits, and which ones decide.
+
+    values: those at the scene's own speed.
+    exactly: whether the worst speed is looked for however far a limit is.
+    """
+    condition = OperatingCondition(scene)
+    parts = [extremes_of_life(scene, life.nodes, condition.where())]
+    is_worn = len(life.nodes) > 1
+    if not limits.at_speed_only and (is_worn or "life" not in values or values["life"] > 0.0):
+        other_conditions = OtherConditions(scene, limits.effective, exactly)
+        ends: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
+        ends += [(worn_states(life), AT_END_OF_LIFE, life.last)] if is_worn else []
+        for solve, wear, node in ends:
+            at_speed = state_extremes(scene, node.states, condition.where(wear=wear))
+            answer = other_conditions.extremes(at_speed, solve, wear)
             if "solves" in values:
-                values["solves"] += beside.solves
-            if beside.status != OK:
-                return values | {"status": beside.status, NOT_SOLVED_AT: beside.unsolved}
-            each.append(beside.extremes)
-    if limits.warmup_s is not None and not _is_broken(merged(each), limits):
-        on_the_way = warm_up_extremes(scene, limits.warmup_s)
-        if on_the_way.status != OK:
-            return values | {"status": on_the_way.status, NOT_SOLVED_AT: on_the_way.unsolved}
-        each.append(on_the_way.extremes)
-    deciding = merged(each)
-    values |= {name: one["value"] for name, one in deciding.items()}
+                values["solves"] += answer.solves
+            if answer.status != OK:
+                return values | {"status": answer.status, NOT_SOLVED_AT: answer.unsolved}
+            parts.append(answer.extremes)
+    if limits.warmup_s is not None and not _breaks_limit(worst_extremes(parts), limits):
+        answer = warm_up_extremes(scene, limits.warmup_s)
+        if answer.status != OK:
+            return values | {"status": answer.status, NOT_SOLVED_AT: answer.unsolved}
+        parts.append(answer.extremes)
+    deciding = worst_extremes(parts)
+    values |= {name: extreme["value"] for name, extreme in deciding.items()}
     if "life" in values:
-        deciding["life"] = here.where(wear=AT_END_OF_LIFE, value=values["life"])
+        deciding["life"] = condition.where(wear=AT_END_OF_LIFE, value=values["life"])
+    resting = [name for measure in LIMITED.values() if measure.resting for name in measure.extremes]
+    at_rest = {name: condition.where(wear=NEW, value=values[name]) for name in resting}
     return values | {DECIDING: deciding | at_rest}
 
 
-def _is_broken(extremes: Extremes, limits: DesignLimits) -> bool:
+def _breaks_limit(extremes: Extremes, limits: DesignLimits) -> bool:
     """Whether a requirement on states is broken."""
     return any(
         LIMITED[key].margin(extremes[name]["value"], limit) < 0.0
@@ -373,106 +392,110 @@ def _is_broken(extremes: Extremes, limits: DesignLimits) -> bool:
 
 
 def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
-    """Where a life was not solved: at the scene's own speed."""
+    """Returns the scene's own speed as the condition that was not solved."""
     return OperatingCondition(scene).where(wear=wear, status=STATUS_NAMES[status])
 
 
-def worst_point(points: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Limited quantities of the worst of several cases by their names, and the shortest life.
+def worst_point(points: Mapping[str, PointValues]) -> PointValues:
+    """Returns the worst of each limited quantity over several cases, and the shortest life.
 
-    The first one that was not solved, where there is such a one.
+    points: by the names of cases. The first one that was not solved is returned if there is one.
     """
-    each = list(points.values())
-    counts = {
-        name: sum(point[name] for point in each)
+    case_points = list(points.values())
+    counts: PointValues = {
+        name: sum(point[name] for point in case_points)
         for name in ("solves", "failed_solves")
-        if name in each[0]
+        if name in case_points[0]
     }
-    for name, point in points.items():
+    for case, point in points.items():
         if point["status"] != OK:
-            return {**point, **counts, NOT_SOLVED_AT: {**point[NOT_SOLVED_AT], "case": name}}
-    lives = [point.get("life", math.inf) for point in each]
-    shortest = int(np.argmin(lives))
-    found = {**each[shortest], **counts}
+            return {**point, **counts, NOT_SOLVED_AT: {**point[NOT_SOLVED_AT], "case": case}}
+    shortest = int(np.argmin([point.get("life", math.inf) for point in case_points]))
+    worst = {**case_points[shortest], **counts}
     for name in ("life", "hertzian_life", "time_to_slip_limit"):
-        if name in found:
-            found[name] = min(point[name] for point in each)
-    for one in LIMITED.values():
-        for name in one.extremes:
-            for end in (name, f"{name}_at_start", f"{name}_at_end"):
-                if end in found:
-                    found[end] = one.extreme([point[end] for point in each])
-    if "impractical" in found:
-        found["impractical"] = max(point["impractical"] for point in each)
-    named = [
-        {quantity: {**one, "case": name} for quantity, one in point[DECIDING].items()}
-        for name, point in points.items()
+        if name in worst:
+            worst[name] = min(point[name] for point in case_points)
+    for measure in LIMITED.values():
+        for extreme in measure.extremes:
+            for name in (extreme, f"{extreme}_at_start", f"{extreme}_at_end"):
+                if name in worst:
+                    worst[name] = measure.extreme([point[name] for point in case_points])
+    if "impractical" in worst:
+        worst["impractical"] = max(point["impractical"] for point in case_points)
+    deciding = [
+        {name: {**where, "case": case} for name, where in point[DECIDING].items()}
+        for case, point in points.items()
     ]
-    lived = {"life": named[shortest]["life"]} if "life" in named[shortest] else {}
-    for of_case in named:
-        of_case.pop("life", None)
-    return found | {DECIDING: merged(named) | lived, CASE_POINTS: dict(points)}
+    lives = [extremes.pop("life", None) for extremes in deciding]
+    deciding_life = {"life": lives[shortest]} if lives[shortest] else {}
+    return worst | {DECIDING: worst_extremes(deciding) | deciding_life, CASE_POINTS: dict(points)}
 
 
 def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:
-    """Of the life and each measure that is known, the case that is the worst."""
+    """Returns the worst case of the life and of each measure that is known."""
     return {
-        name: one["case"] for name, one in point[DECIDING].items() if math.isfinite(one["value"])
+        name: where["case"]
+        for name, where in point[DECIDING].items()
+        if math.isfinite(where["value"])
     }
 
 
-def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
-    """Limited quantities of the states of a life."""
+def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
+    """Returns the values of `POINT` that follow from the states along a life."""
     new, worn = states[0], states[-1]
-    found: dict[str, Any] = {
+    values: PointValues = {
         "residual_preload_at_start": new["residual_preload"],
         "residual_preload_at_end": worn["residual_preload"],
         "loss_at_end": worn.loss,
-        "impractical": _impractical(scene, [new, worn]),
+        "impractical": _impractical_flag(scene, [new, worn]),
     }
-    for one in LIMITED.values():
-        for name in one.extremes if one.brief else ():
-            found |= {f"{name}_at_start": one.extreme(new[name])}
-            found |= {f"{name}_at_end": one.extreme(worn[name])}
-    return found | _extremes_of(scene, states)
+    for measure in LIMITED.values():
+        for name in measure.extremes if measure.brief else ():
+            values[f"{name}_at_start"] = measure.extreme(new[name])
+            values[f"{name}_at_end"] = measure.extreme(worn[name])
+    return values | _worst_values(scene, states)
 
 
-def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
-    """Of all that may be limited, the worst of some states."""
-    # each bearing's wear when new and at the end
-    wear = [state.values.get("losses", (state.loss,)) for state in states]
-    wear = [wear[0], wear[-1]][: len(wear)]
-    found, at_rest = {}, launch_values(scene, wear)
+def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
+    """Returns the worst value of every limited measure along the states of a life."""
+    # losses of each bearing when new and at the end
+    losses = [state.values.get("losses", (state.loss,)) for state in states]
+    losses = [losses[0], losses[-1]][: len(losses)]
+    at_rest = launch_values(scene, losses)
     if scene.drive is not None:
         at_rest = {**at_rest, "torque_margin": least_margin(scene, states)}
-    histories = [
-        state.with_values({"lowest_frequency": frequency(scene, state), **at_rest})
+    states = [
+        state.with_values({"lowest_frequency": rotor_frequency(scene, state), **at_rest})
         for state in states
     ]
-    for one in LIMITED.values():
-        for name, variable in () if one.of_life else zip(one.extremes, one.variables, strict=True):
-            ends = histories[0][variable], histories[-1][variable]
-            between = [state[variable] for state in histories[1:-1]]
-            # what is not known between is between what is known
-            known = [value for value in between if not np.isnan(value).any()]
-            extreme = one.extreme([*ends, *known])
-            found[name] = extreme / scene.operation.preload_N if one.over_preload else extreme
-    return found
+    worst = {}
+    for measure in LIMITED.values():
+        if measure.of_life:
+            continue
+        divisor = scene.operation.preload_N if measure.over_preload else 1.0
+        for name, variable in zip(measure.extremes, measure.variables, strict=True):
+            between = [state[variable] for state in states[1:-1]]
+            # a value that is not known between others lies between these
+            between = [value for value in between if not np.isnan(value).any()]
+            ends = states[0][variable], states[-1][variable]
+            worst[name] = measure.extreme([*ends, *between]) / divisor
+    return worst
 
 
-def _impractical(scene: Scene, states: Sequence[State]) -> int:
-    """Number of a warning in `IMPRACTICAL`, from one; zero without any.
+def _impractical_flag(scene: Scene, states: Sequence[State]) -> int:
+    """Returns one plus the index of the first warning of `IMPRACTICAL`; zero without any.
 
     States of a pair stand for its worse bearing.
     """
-    alone = scene.sides[0]
+    bearing = scene.sides[0]
     values = {"end_criterion": len(CRITERIA) - 1, **history_values(list(states))}
-    warned = warnings_of(alone, choice_for_life(alone), values)
-    return next((IMPRACTICAL.index(one["id"]) + 1 for one in warned if one["impractical"]), 0)
+    warnings = warnings_of(bearing, choice_for_life(bearing), values)
+    flags = (IMPRACTICAL.index(w["id"]) + 1 for w in warnings if w["impractical"])
+    return next(flags, 0)
 
 
-def _warnings_along(scene: Scene, life: Life) -> list[dict[str, Any]]:
-    """Warnings of a life with worn grooves, as `life` has them."""
+def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
+    """Returns the warnings of a life with worn grooves, as `life` has them."""
     values = life_values(scene.one_of_alike, life) | {"groove_depth": ((), ())}  # of both
     if scene.one_of_alike is not scene:
         values = joined([values, values])
@@ -480,12 +503,12 @@ def _warnings_along(scene: Scene, life: Life) -> list[dict[str, Any]]:
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
-    """The scene at a point of the map."""
+    """Returns the scene at a point of the map; with a film, its friction stays as it is."""
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
-    made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
+    held = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
     if scene.friction.film is not None:
-        return made
-    return replace(made, friction=replace(scene.friction, ball_race=mu))
+        return held
+    return replace(held, friction=replace(scene.friction, ball_race=mu))
 
 
 def map_part(
@@ -497,9 +520,9 @@ def map_part(
     slip_limit: float | None = None,
     thermal_margin: float | None = None,
 ) -> xr.Dataset:
-    """Step: lives over preload and speed, for one method and one friction coefficient.
+    """Step: returns lives over preload and speed, for one method and one friction coefficient.
 
-    Each is looked at at its own speed alone.
+    Limits apply at the speed of each life alone.
 
     slip_limit: gyroscopic slip share whose passing is timed [1].
     thermal_margin: required [1], whose value takes further solves; no other limit matters here.
@@ -509,49 +532,53 @@ def map_part(
     limits = DesignLimits(
         gyroscopic_slip_share=slip_limit, thermal_margin=thermal_margin, at_speed_only=True
     )
-    points = [followed_point(one, limits) for one in scenes_of_map(base, axes)]
-    return map_of(base, axes, limits, points)
+    points = [design_point(point_scene, limits) for point_scene in scenes_of_map(base, axes)]
+    return map_dataset(base, axes, limits, points)
 
 
 def scenes_of_map(base: Scene, axes: Sequence[Sequence[Any]]) -> list[Scene]:
-    """The scenes of a map, by values along each of `MAP_AXES`, the preload fastest."""
-    return [scene_at(base, *point) for point in itertools.product(*axes)]
+    """Returns the scenes of a map, by values along each of `MAP_AXES`, the preload fastest."""
+    return [
+        scene_at(base, method, mu, speed, preload)
+        for method, mu, speed, preload in itertools.product(*axes)
+    ]
 
 
-def map_of(
+def map_dataset(
     base: Scene,
     axes: Sequence[Sequence[Any]],
     limits: DesignLimits,
-    points: Sequence[Mapping[str, Any]],
+    points: Sequence[PointValues],
 ) -> xr.Dataset:
-    """A map from what `followed_point` gives for its scenes; of limits the slip share is kept."""
+    """Returns a map of the design points of its scenes; of the limits, it keeps the slip share."""
     methods, *numbers = axes
-    others: dict[str, Any] = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
+    other_limits: dict[str, Any] = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
-    return filled_points(
+    return dataset_of_points(
         dict(zip(MAP_AXES.values(), values, strict=True)),
         points,
         title=f"Design map: {base.name}",
         kind="design map",
         scene=base,
-        limits=json.dumps(replace(limits, **others).stored),
+        limits=json.dumps(replace(limits, **other_limits).stored),
     )
 
 
-NO_VARIABLES = (WARNED, DECIDING, NOT_SOLVED_AT, CASE_POINTS)
-"""What points have that is no variable of a file."""
-
-
-def filled_points(
+def dataset_of_points(
     axes: Mapping[Any, Any],
     points: Sequence[Mapping[str, Any]],
     more: Mapping[str, Variable] = MappingProxyType({}),
     **attributes: Any,
 ) -> xr.Dataset:
-    """`dataset_of_rows` with what `followed_point` gives, and further variables."""
-    points = [{name: p[name] for name in p if name not in NO_VARIABLES} for p in points]
-    timed = any("time_to_slip_limit" in point for point in points)
-    known = {name: one for name, one in POINT.items() if timed or name != "time_to_slip_limit"}
-    return dataset_of_rows(
-        {**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes
-    )
+    """Returns `dataset_of_rows` of design points, with further variables."""
+    rows = [
+        NO_LIFE | {name: point[name] for name in point if name not in NO_VARIABLES}
+        for point in points
+    ]
+    is_timed = any("time_to_slip_limit" in row for row in rows)
+    variables = {
+        name: variable
+        for name, variable in POINT.items()
+        if is_timed or name != "time_to_slip_limit"
+    }
+    return dataset_of_rows({**variables, **more}, axes, rows, **attributes)

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -30,7 +30,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.answers import Tell, Workers
 from bearingwear.studies.design.best import (
     EXACT_LIFE,
-    NEW_BEARING,
+    QUICK_LIFE,
     AnswersAt,
     PreloadLine,
     PreloadPoint,
@@ -55,10 +55,10 @@ from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     CASE_POINTS,
     MAP_AXES,
-    WARNED,
-    filled_points,
-    followed_point,
-    map_of,
+    POINT_WARNINGS,
+    dataset_of_points,
+    design_point,
+    map_dataset,
     scenes_of_map,
     worst_cases,
 )
@@ -86,11 +86,11 @@ WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
 
 ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
-"""What is found of a recommended preload and is no variable."""
+"""Keys of a recommended preload that are no variables of a file."""
 
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
-    """Step: the preload to take, by the requirements that a design map was made with."""
+    """Step: returns the preload to take by the requirements of a design map."""
     base, lives = life_scene(scene, films=True), load(design)
     if not is_of_scene(lives, base):
         raise CaseFileError(f"{design}: belongs to another scene")
@@ -100,7 +100,7 @@ def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
 def small_map(
     scene: Path, axes: Mapping[str, Any], limits: Mapping[str, Any], workers: int = 1
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Step: a map and the preload to take.
+    """Step: returns a map and the preload to take.
 
     axes, limits: `MapAxes` and `DesignLimits` by their names.
     """
@@ -119,10 +119,10 @@ def small_map(
 def preload_map(
     scene: Scene, axes: MapAxes, limits: DesignLimits, answers_at: AnswersAt = map
 ) -> xr.Dataset:
-    """Lives of a scene over the axes of a map, and the best preload of each line of it."""
+    """Returns the map of a scene over some axes, with the best preload of each line of it."""
     scenes = scenes_of_map(scene, axes.values)
-    lives = answers_at(partial(followed_point, limits=limits), scenes)
-    design = map_of(scene, axes.values, limits, list(lives))
+    lives = answers_at(partial(design_point, limits=limits), scenes)
+    design = map_dataset(scene, axes.values, limits, list(lives))
     return with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
 
 
@@ -133,8 +133,9 @@ def recommended(
     workers: int = 1,
     tell: Tell | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset | None]:
-    """The preload to take at the scene's own friction and speed and, where no requirement is given,
-    lives over preload beside it.
+    """Returns the preload to take at the scene's own friction and speed, and a map or None.
+
+    The map contains lives over preload, for a choice where no requirement is given.
 
     source: what error messages name.
     tell: given a line of text now and then.
@@ -144,18 +145,18 @@ def recommended(
         problem = f"got {scene.operation.preload_N:g}, expected a number > 0 to search around"
         raise SceneError("operation.preload_N", problem, source=source)
     with Workers(workers, "recommend", progress=False) as pool:
-        found = recommendation(scene, limits, pool.answers_at, tell)
+        dataset = recommendation(scene, limits, pool.answers_at, tell)
         if limits.given:
-            return found, None
+            return dataset, None
         mu = NO_FRICTION if scene.friction.film else scene.friction.coefficient
         axes = axes_around(scene, [mu], source, COARSE)
-        return found, preload_map(scene, axes, limits, pool.answers_at)
+        return dataset, preload_map(scene, axes, limits, pool.answers_at)
 
 
 def recommendation(
     scene: Scene, limits: DesignLimits, answers_at: AnswersAt = map, tell: Tell | None = None
 ) -> xr.Dataset:
-    """The preload to take by each method, and what would change the choice between them.
+    """Returns the preload to take by each method, and what would change the choice between them.
 
     Lives, at the preloads that are named, are those that `life` prints. Without a requirement no
     preload is recommended.
@@ -169,149 +170,155 @@ def recommendation(
         tell("lives over preload")
         search.run()
         best = [line.best(limits) for line in search.lines]
-    rows, none = [], {}
-    for line, one in zip(search.lines, best, strict=True):
-        if one is None:
+    rows: list[dict[str, Any]] = []
+    chosen: list[_ChosenPreload] = []
+    reasons: dict[str, str] = {}
+    for line, point in zip(search.lines, best, strict=True):
+        if point is None:
             rows.append({"active_limit": NO_PRELOAD, "status": -1})
-            none[line.method] = none_because(search, line) if limits.given else NO_LIMIT
+            reasons[line.method] = no_preload_reason(search, line) if limits.given else NO_LIMIT
         else:
-            rows.append(_row(search, line, one))
-    taken = [
-        (held_by(scene, line.method, one.preload), one.values)
-        for line, one in zip(search.lines, best, strict=True)
-        if one is not None
-    ]
-    if taken:
+            rows.append(_row(search, line, point))
+            held = held_by(scene, line.method, point.preload)
+            chosen.append(_ChosenPreload(held, point.values))
+    if chosen:
         tell("what would change the choice")
-    printed = iter([*answers_at(_printed, taken)])
+    answers = iter([*answers_at(_chosen_answers, chosen)])
     changes = changes_dataset(choice_changes(search, best))
-    for row, one in zip(rows, best, strict=True):
-        row |= {} if one is None else next(printed)
-    return _dataset(scene, limits, rows, none).merge(changes, combine_attrs="override")
+    for row, point in zip(rows, best, strict=True):
+        row |= {} if point is None else next(answers)
+    return _dataset(scene, limits, rows, reasons).merge(changes, combine_attrs="override")
 
 
-def none_because(search: PreloadSearch, line: PreloadLine) -> str:
-    """Why no preload of a line is allowed, and how near one comes; by exact lives where it counts.
+def no_preload_reason(search: PreloadSearch, line: PreloadLine) -> str:
+    """Returns why no preload of a line is allowed, and how near one comes.
 
-    A preload at which new bearings break a requirement stands with what these reach.
+    The preloads that it names have exact lives; those at which new bearings break a requirement
+    stand with the values of these.
     """
     limits = search.limits
+
+    def rough_preloads(other: PreloadLine) -> list[float]:
+        """Returns preloads that the reason would name by quick lives."""
+        points = line.points(limits) if other is line else []
+        violations, _ = least_violations(points, limits)
+        nearest = [points[k] for k in set(violations.values())]
+        return [point.preload for point in nearest if point.solved == QUICK_LIFE]
+
     for _ in line.grid:
-        order = line.in_order(limits)
-        failed, _ = least_violations(order, limits)
-        named = [order[k] for k in set(failed.values())]
-        rough = [one.preload for one in named if one.solved not in (NEW_BEARING, EXACT_LIFE)]
-        if not rough:
+        if not search.solve(rough_preloads, EXACT_LIFE):
             break
-        search.solve(lambda other, rough=rough: rough if other is line else [], EXACT_LIFE)  # type: ignore[misc]
-    return why_none(line.in_order(limits), limits, bool(search.scene.cases))
+    return why_none(line.points(limits), limits, bool(search.scene.cases))
 
 
 def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[str, Any]:
-    """A recommended preload, what holds it, and where it may be set."""
+    """Returns the values of a recommended preload, what holds it, and where it may be set."""
     row = dict(best.values) | {
         "preload": best.preload,
         "active_limit": search.active_limit(line, best),
     }
-    similar = search.similar(line)
-    if similar[0].solved == similar[-1].solved == EXACT_LIFE:
-        row |= {"least_preload": similar[0].preload, "most_preload": similar[-1].preload}
-    if one := line.beyond:
-        row |= {"beyond_preload": one.preload, "beyond_life": one.life}
+    settable = search.settable_points(line)
+    if settable[0].solved == settable[-1].solved == EXACT_LIFE:
+        row |= {"least_preload": settable[0].preload, "most_preload": settable[-1].preload}
+    if line.beyond:
+        row |= {"beyond_preload": line.beyond.preload, "beyond_life": line.beyond.life}
     return row
 
 
-def _printed(taken: tuple[Scene, Mapping[str, Any]]) -> dict[str, Any]:
-    """What stands beside a recommended preload, of a scene and what was found of it."""
-    scene, point = taken
-    return {**_as_printed(scene, point), MACHINE: machine_answers(scene)}
+class _ChosenPreload(NamedTuple):
+    """A scene at its recommended preload, and its design point."""
+
+    scene: Scene
+    point: Mapping[str, Any]
 
 
-def _as_printed(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
-    """What `life` says beside a life of the map: its numerical error, and the warnings.
+def _chosen_answers(chosen: _ChosenPreload) -> dict[str, Any]:
+    """Returns what stands beside a recommended preload: errors, warnings, and the machine's."""
+    return _life_answers(chosen.scene, chosen.point) | {MACHINE: machine_answers(chosen.scene)}
 
-    Of several cases the largest error, the warnings of all, and which is the worst.
+
+def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what `life` says beside the life of a point: its numerical error, and the warnings.
+
+    Of several cases: the largest error, the warnings of all, and which is the worst.
     """
-    if scene.duty is not None:
-        answer = life(scene)
-        error = answer.values.get("life_error_estimate", math.nan)
-        kept = {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
-        return kept | ({WORST_CASES: worst_cases(point)} if scene.cases else {})
-    if scene.cases:
+    worst = {WORST_CASES: worst_cases(point)} if scene.cases else {}
+    if scene.cases and scene.duty is None:
         points = point[CASE_POINTS]
-        parts = {name: _as_printed(one, points[name]) for name, one in scene.in_cases.items()}
-        errors = [parts[name]["life_error_estimate"] for name in cases_that_wear(scene)]
-        return {
-            "life_error_estimate": max(errors),
-            "warnings": _with_cases(merged_warnings(parts.values()), parts),
-            WORST_CASES: worst_cases(point),
-        }
-    grooves = groove_choice(scene, "steady").scene
-    if grooves is not None and WARNED in point:
-        found = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
-        error = found.get("life_error_estimate", math.nan)
-        return {"life_error_estimate": error, WARNED: point[WARNED]}
-    answer = life(scene)
-    error = answer.values.get("life_error_estimate", math.nan)
-    return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
+        answers = {name: _life_answers(case, points[name]) for name, case in scene.in_cases.items()}
+        errors = [answers[name]["life_error_estimate"] for name in cases_that_wear(scene)]
+        warnings = _warnings_with_cases(answers)
+        return {"life_error_estimate": max(errors), "warnings": warnings, **worst}
+    grooves = groove_choice(scene, "steady").scene if scene.duty is None else None
+    if grooves is not None and POINT_WARNINGS in point:
+        values = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
+        warnings = point[POINT_WARNINGS]
+    else:
+        answer = life(scene)
+        values, warnings = answer.values, answer.attrs["warnings"]
+    error = values.get("life_error_estimate", math.nan)
+    return {"life_error_estimate": error, "warnings": warnings, **worst}
 
 
-def _with_cases(gathered: str, parts: Mapping[str, Mapping[str, Any]]) -> str:
-    """Warnings of all cases, each with the names of those in which it stands."""
-    found = json.loads(gathered)
-    for one in found:
-        one["in_cases"] = [
+def _warnings_with_cases(answers: Mapping[str, Mapping[str, Any]]) -> str:
+    """Returns the warnings of all cases as JSON, each with the names of its cases."""
+    warnings = json.loads(merged_warnings(answers.values()))
+    for warning in warnings:
+        warning["in_cases"] = [
             name
-            for name, part in parts.items()
-            if any(one["id"] == other["id"] for other in warnings_in(part))
+            for name, answer in answers.items()
+            if any(warning["id"] == other["id"] for other in warnings_in(answer))
         ]
-    return json.dumps(found)
+    return json.dumps(warnings)
 
 
 def _dataset(
     scene: Scene,
     limits: DesignLimits,
     rows: Sequence[dict[str, Any]],
-    none: Mapping[str, str],
+    reasons: Mapping[str, str],
 ) -> xr.Dataset:
-    more = table(
+    """Returns a recommendation from its rows, one for each method.
+
+    reasons: why no preload is recommended, by the methods without one.
+    """
+    variables = table(
         RECOMMENDED_PRELOAD, ACTIVE_LIMIT, LIFE_ERROR, *BEYOND_RANGE.values(), *SETTABLE.values()
     )
     flags = [PRELOAD_METHODS.index(method) for method in PRELOAD_METHODS]
-    known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
-    axes = {MAP_AXES["preload_method"]: flags}
-    made = filled_points(
-        axes,
-        known,
-        more,
+    dataset = dataset_of_points(
+        {MAP_AXES["preload_method"]: flags},
+        [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows],
+        variables,
         title="Recommended preload",
         kind=RECOMMENDATION,
         scene=scene,
         limits=json.dumps(limits.stored),
     )
-    made["status"].attrs["missing"] = "-1: nothing to solve"
-    made.attrs["warnings"] = merged_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
+    dataset["status"].attrs["missing"] = "-1: nothing to solve"
+    attributes = dataset.attrs
+    attributes["warnings"] = merged_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
     if any(row.get(MACHINE) for row in rows):
-        made.attrs[MACHINE] = json.dumps([row.get(MACHINE, {}) for row in rows])
+        attributes[MACHINE] = json.dumps([row.get(MACHINE, {}) for row in rows])
     if scene.cases:
-        made.attrs[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
-    made.attrs[DECIDING] = json.dumps([row.get(DECIDING, {}) for row in rows])
-    made.attrs[CONDITIONS] = json.dumps(
+        attributes[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
+    attributes[DECIDING] = json.dumps([row.get(DECIDING, {}) for row in rows])
+    attributes[CONDITIONS] = json.dumps(
         conditions_of(scene, limits.at_speed_only, limits.warmup_s is not None)
     )
-    made.attrs[AT_SPEED_ONLY] = int(limits.at_speed_only)
-    return made.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
+    attributes[AT_SPEED_ONLY] = int(limits.at_speed_only)
+    return dataset.assign_attrs({NONE_BECAUSE: json.dumps(reasons)} if reasons else {})
 
 
-def is_of_scene(found: xr.Dataset, scene: Scene) -> bool:
+def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
     """Whether a file was computed for a scene: all agrees that decides a life."""
-    return decisive_data(json.loads(found.attrs["scene"])) == decisive_data(scene.to_dict())
+    return decisive_data(json.loads(dataset.attrs["scene"])) == decisive_data(scene.to_dict())
 
 
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
-    """The same, if it is the recommendation of this scene.
+    """Returns a dataset that is the recommendation of this scene.
 
-    CaseFileError: where it is not.
+    Raises CaseFileError where it is not.
     """
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("the recommended preload requires a recommendation file")
@@ -321,6 +328,6 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
 
 
 def best_method(recommendation: xr.Dataset) -> int | None:
-    """Number of the method with the longest recommended life; None if no preload is allowed."""
+    """Returns the number of the method with the longest life; None if no preload is allowed."""
     lives = recommendation["life"].values
     return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None

@@ -9,22 +9,22 @@ from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 from bearingwear.studies.design.conditions import NEW, WARMING, OperatingCondition
-from bearingwear.studies.design.everywhere import OtherSpeeds, merged, state_extremes
+from bearingwear.studies.design.everywhere import ConditionExtremes, state_extremes, worst_extremes
 
 
 @functools.lru_cache(maxsize=64)  # new bearings are looked at by several kinds of lives
-def warm_up_extremes(scene: Scene, seconds: float) -> OtherSpeeds:
-    """Extremes of new bearings from rest to the steady temperatures, or how they got lost.
+def warm_up_extremes(scene: Scene, seconds: float) -> ConditionExtremes:
+    """Returns extremes of new bearings from rest to steady temperatures, or where that failed.
 
     seconds: time of the ramp from rest to speed.
     """
-    warmed = warm_up(scene, ramp(seconds), tolerance=COARSER * STEP_TOLERANCE)
-    each, where = [], {}
-    for instant in warmed.instants:
-        place = OperatingCondition(at_share(scene, instant.share), WARMING)
-        where = place.where(wear=NEW, time_s=instant.time)
-        each.append(state_extremes(place.scene, instant.states, where, own=False))
-    if warmed.status != code.OK:
-        lost = where | {"status": code.STATUS_NAMES[warmed.status]}
-        return OtherSpeeds({}, len(each), warmed.status, lost)
-    return OtherSpeeds(merged(each), len(each))
+    warming = warm_up(scene, ramp(seconds), tolerance=COARSER * STEP_TOLERANCE)
+    parts, where = [], {}
+    for instant in warming.instants:
+        condition = OperatingCondition(at_share(scene, instant.share), WARMING)
+        where = condition.where(wear=NEW, time_s=instant.time)
+        parts.append(state_extremes(condition.scene, instant.states, where, with_quasistatic=False))
+    if warming.status != code.OK:
+        unsolved = where | {"status": code.STATUS_NAMES[warming.status]}
+        return ConditionExtremes({}, len(parts), warming.status, unsolved)
+    return ConditionExtremes(worst_extremes(parts), len(parts))

@@ -21,7 +21,7 @@ from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.sentences import recommended_points
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
-from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.map import design_point
 
 PLACE = "initial_axial_displacement"
 
@@ -141,7 +141,7 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
     assert low <= float(best["preload"]) <= high and low < high
     scene, limits = scene_from_dict(json.loads(dataset.attrs["scene"])), limits_of(dataset)
     for preload in (low, high):
-        point = followed_point(held_by(scene, name, preload), limits)
+        point = design_point(held_by(scene, name, preload), limits)
         assert min(map(float, limit_margins(point, limits))) >= 0.0
         assert point["life"] / 3600.0 >= SIMILAR * life
     text = f"{float(best['preload']):.7g} N"

@@ -23,7 +23,7 @@ from bearingwear.studies.design.best import (
 from bearingwear.studies.design.changes import _limit_change
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
 from bearingwear.studies.design.infeasible import why_none
-from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits, round_number
 from bearingwear.studies.design.recommend import recommendation
 
@@ -137,7 +137,7 @@ def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):
     made_up = MadeUp(scene, cliff)
     best = made_up.best_point()
-    similar = [item.preload for item in made_up.search.similar(made_up.line)]
+    similar = [item.preload for item in made_up.search.settable_points(made_up.line)]
     assert similar[0] >= 427.0 and cliff(similar[-1]) >= SIMILAR * best.life
     assert similar[-1] > 1.05 * best.preload
 
@@ -169,16 +169,16 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 def test_no_preload_within_the_limits_is_explained(scene):
     made_up = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, and at best at 9060 N
     made_up = MadeUp(scene, lambda p: 0.0)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert "criterion" in why and "new" in why
     made_up = MadeUp(scene, lambda p: math.nan)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.in_order(STIFF), STIFF, has_cases=False)
+    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why == "no life could be computed"
 
 
@@ -245,7 +245,7 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
     point = recommendation(scene, limits).isel(preload_method=0)
     lives = {}
     for beside in np.geomspace(106.0, 114.0, 9).tolist():
-        at = followed_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
+        at = design_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
         assert at["impractical"] == 0 and min(limit_margins(at, limits)) > 0.0
         lives[beside] = at["life"] / 3600.0
     assert float(point["life"]) > 0.99 * max(lives.values())
@@ -281,7 +281,5 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     values = life(taken).values
     assert float(point["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
-    less = followed_point(
-        held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"])), limits
-    )
+    less = design_point(held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"])), limits)
     assert min(limit_margins(less, limits)) < 0.0

@@ -13,7 +13,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.machine import MACHINE
-from bearingwear.studies.design.map import followed_point, new_point
+from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import WORST_CASES, recommendation
 
@@ -69,7 +69,7 @@ def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, re
         method, best = PRELOAD_METHODS[int(code)], 0.0
         for preload in np.geomspace(20.0, 120.0, 4).tolist():
             points = [
-                followed_point(o, LIMITS) for o in held_by(scene, method, preload).in_cases.values()
+                design_point(o, LIMITS) for o in held_by(scene, method, preload).in_cases.values()
             ]
             kept = all(min(map(float, limit_margins(item, LIMITS))) >= 0.0 for item in points)
             if kept and not any(one["impractical"] for one in points):
@@ -79,7 +79,7 @@ def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, re
             assert best == 0.0, method
             continue
         points = {
-            name: followed_point(case, LIMITS)
+            name: design_point(case, LIMITS)
             for name, case in held_by(scene, method, own).in_cases.items()
         }
         for name, point in points.items():

@@ -31,12 +31,12 @@ from bearingwear.studies.design.conditions import (
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.everywhere import (
     SPEED_FOUND_TO,
-    Everywhere,
+    OtherConditions,
     new_states,
     state_extremes,
     worn_states,
 )
-from bearingwear.studies.design.map import NOT_SOLVED_AT, followed_point, new_point
+from bearingwear.studies.design.map import NOT_SOLVED_AT, design_point, new_point
 from bearingwear.studies.design.plan import LEAST_KEPT, DesignLimits
 from bearingwear.studies.design.recommend import recommendation
 
@@ -85,7 +85,7 @@ PEAKED = {
 def test_slip_that_peaks_between_rest_and_speed_is_found_worn(given, preload):
     """At 0.46 of the speed, just before control goes over to the other race."""
     held = held_by(bearingwear.new(**given, speed=18000.0), "fixed_position", preload)
-    point = followed_point(held, DesignLimits(gyroscopic_slip_share=0.36))
+    point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
     states = [worn(at_share(held, share))[0] for share in np.linspace(0.02, 1.0, 50).tolist()]
     most = max(state["gyroscopic_slip_share"].max() for state in states if state.status == OK)
@@ -100,7 +100,7 @@ def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
         speed=18000.0, preload=120.0,
     )  # fmt: skip
     held = held_by(plain, "fixed_position", 250.0)
-    point = followed_point(held, DesignLimits(gyroscopic_slip_share=0.36))
+    point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
     shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
     most = max(worn(at_share(held, share))[0]["gyroscopic_slip_share"].max() for share in shares)
@@ -214,7 +214,7 @@ def test_standstill_is_a_case(spindle):
     scene = spindle.with_({"cases": {"rest": {"operation.shaft_speed_rpm": 0.0}}})
     held = held_by(scene, "constant_force", 400.0)
     point, alone = (
-        followed_point(item, STIFF) for item in (held, held_by(spindle, "constant_force", 400.0))
+        design_point(item, STIFF) for item in (held, held_by(spindle, "constant_force", 400.0))
     )
     assert point["life"] == alone["life"]
     assert point["status"] == OK and point[STIFFNESS] == alone[STIFFNESS]
@@ -236,7 +236,7 @@ def test_the_case_that_forbids_every_preload_is_named(spindle):
 def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
     limits = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
     assert limits.effective == limits.given and STIFF.effective["preload_kept"] == LEAST_KEPT
-    point = followed_point(held_by(spindle, "fixed_position", 20.0), limits)
+    point = design_point(held_by(spindle, "fixed_position", 20.0), limits)
     assert {item["speed_rpm"] for item in point[DECIDING].values()} == {18000.0}
     assert conditions_of(spindle, at_speed_only=True) == [
         {"case": "nominal", "speed_rpm": 18000.0, "temperature": "running"}
@@ -256,12 +256,12 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
-    looked = Everywhere(spindle, STIFF.effective, exactly=False)
+    other_conditions = OtherConditions(spindle, STIFF.effective, exactly=False)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
     from bearingwear.solvers.state import State
 
-    result = looked.beside(own, lambda scene: (State.unsolved(1, 0.0),), "new")
+    result = other_conditions.extremes(own, lambda scene: (State.unsolved(1, 0.0),), "new")
     assert result.status == 1 and result.unsolved["status"] == "not_converged"
     assert result.unsolved["speed_rpm"] == 0.0 and result.unsolved["wear"] == "new"
     words = condition_words(result.unsolved)
@@ -303,7 +303,7 @@ def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
 
 def test_where_nothing_is_solved_says_so(spindle):
     bad = held_by(spindle, "fixed_position", 0.001)
-    point = followed_point(bad, STIFF)
+    point = design_point(bad, STIFF)
     assert point["status"] == OK or point[NOT_SOLVED_AT]["status"]
 
 
@@ -312,13 +312,13 @@ def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
     scene = bearingwear.new(
         designation="7004C", speed=60000, preload_method="fixed_position", preload=55
     )
-    point = followed_point(scene, DesignLimits(maximum_pressure_GPa=2.0))
+    point = design_point(scene, DesignLimits(maximum_pressure_GPa=2.0))
     assert point["status"] == OK
     assert 0.25 < point[DECIDING]["preload_kept"]["value"] < 0.35
 
 
 def test_the_worst_speed_may_be_just_below_the_full_one():
     scene = held_by(bearingwear.load("config/scenes/gyro_s1.yaml"), "constant_force", 2.48)
-    worst = followed_point(scene, DesignLimits(gyroscopic_slip_share=0.3))[DECIDING]
+    worst = design_point(scene, DesignLimits(gyroscopic_slip_share=0.3))[DECIDING]
     # 0.300 at full speed
     assert worst["gyroscopic_slip_share"]["value"] == pytest.approx(0.3065, rel=5e-3)

@@ -15,7 +15,7 @@ from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.design.map import (
     HERTZIAN_GROOVE,
     WORN_GROOVE,
-    followed_point,
+    design_point,
     life_point,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
@@ -85,20 +85,20 @@ def test_the_map_is_of_lives_as_life_prints_them(scene, map_and_recommendation):
 
 def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
     paper = held_by(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
-    assert followed_point(paper, at_speed(0.1))["groove"] == HERTZIAN_GROOVE
+    assert design_point(paper, at_speed(0.1))["groove"] == HERTZIAN_GROOVE
     assert worn_life(paper) is None
     few = scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})
     assert worn_life(few) is None  # too little wear for the contact to feel
     # what is beyond a limit when new needs no groove
     slippery = scene.with_({"wear.end_of_life.gyroscopic_slip_share": 0.001})
-    assert followed_point(slippery, at_speed(None))["life"] == 0.0
+    assert design_point(slippery, at_speed(None))["life"] == 0.0
 
 
 def test_quick_lives_are_those_of_life(scene):
     """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the minimum stiffness."""
     for method in METHODS:
         at = held_by(scene, method, 7.0)
-        quick, whole = (followed_point(at, at_speed(0.12), q) for q in (True, False))
+        quick, whole = (design_point(at, at_speed(0.12), q) for q in (True, False))
         assert_allclose(quick["life"], whole["life"], rtol=3e-3)
         assert quick["end_criterion"] == whole["end_criterion"]
         assert_allclose(quick["axial_stiffness"], whole["axial_stiffness"], rtol=2e-2)
@@ -113,7 +113,7 @@ def test_one_march_has_the_lives_of_all_ends(scene):
     lived = lives_by_end(at, farthest)
     for changes in ({}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}):
         moved = at.with_({f"wear.end_of_life.{k}": v for k, v in changes.items()})
-        anew = followed_point(moved, at_speed(None))["life"]
+        anew = design_point(moved, at_speed(None))["life"]
         assert lived(moved.wear.end_of_life) == pytest.approx(anew, rel=3e-3)
     beyond = at.with_({"wear.end_of_life.gyroscopic_slip_share": 1e-4}).wear.end_of_life
     assert lived(beyond) == 0.0

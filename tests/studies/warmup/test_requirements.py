@@ -15,7 +15,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.conditions import DECIDING, WARMING, condition_words
-from bearingwear.studies.design.map import NOT_SOLVED_AT, followed_point, new_point
+from bearingwear.studies.design.map import NOT_SOLVED_AT, design_point, new_point
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import preload_map, recommendation
 
@@ -26,7 +26,7 @@ def spindle():
     return warm_spindle().with_(SLOW_HOUSING)
 
 
-@pytest.mark.parametrize("point", [new_point, followed_point])
+@pytest.mark.parametrize("point", [new_point, design_point])
 def test_the_margin_of_a_required_one_is_that_of_the_case(spindle, point):
     limits = DesignLimits(thermal_margin=1.5)
     result = point(spindle, limits)
@@ -39,7 +39,7 @@ def test_the_margin_of_a_required_one_is_that_of_the_case(spindle, point):
 def test_the_margin_of_rough_states_is_near(spindle):
     """A quick life balances its heat roughly, which a difference over a millikelvin would feel."""
     limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
-    quick, exact = (followed_point(spindle, limits, quick) for quick in (True, False))
+    quick, exact = (design_point(spindle, limits, quick) for quick in (True, False))
     assert_allclose(quick["thermal_margin"], exact["thermal_margin"], rtol=5e-3)
 
 
@@ -55,7 +55,7 @@ def test_the_margin_does_not_feel_jumps_of_the_heat():
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
     margins = [
-        followed_point(scene.with_({"operation.preload_N": preload}), limits)["thermal_margin"]
+        design_point(scene.with_({"operation.preload_N": preload}), limits)["thermal_margin"]
         for preload in (180.0, 190.0, 200.0, 220.0, 240.0, 260.0)
     ]
     assert np.all(np.diff(margins) < 0.0)
@@ -71,7 +71,7 @@ def test_the_margin_limits_the_preload():
     assert active == "thermal_margin"
     assert 6.25 <= float(one["thermal_margin"]) < 6.3
     more = held_by(scene, "fixed_position", 1.05 * float(one["preload"]))
-    longer = followed_point(more, limits)
+    longer = design_point(more, limits)
     assert longer["life"] > 3600.0 * float(one["life"]) and longer["thermal_margin"] < 6.25
 
 
@@ -87,7 +87,7 @@ def test_a_map_contains_the_margin_if_it_is_required():
     limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
     margins = preload_map(scene, axes, limits)["thermal_margin"].values.ravel()
     expected = [
-        followed_point(scene.with_({"operation.preload_N": preload}), limits)["thermal_margin"]
+        design_point(scene.with_({"operation.preload_N": preload}), limits)["thermal_margin"]
         for preload in preloads
     ]
     assert_allclose(margins, expected)
@@ -100,7 +100,7 @@ def test_the_margin_takes_no_solves_where_it_is_not_required(spindle):
 
 def test_a_required_margin_does_not_end_the_life(spindle):
     lives = [
-        followed_point(spindle, limits)["life"]
+        design_point(spindle, limits)["life"]
         for limits in (DesignLimits(), DesignLimits(thermal_margin=1e3))
     ]
     assert_allclose(lives[0], lives[1], rtol=1e-5)  # started from other states nearby
