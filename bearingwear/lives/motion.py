@@ -26,7 +26,7 @@ from bearingwear.solvers.race_control import RaceControl
 from bearingwear.solvers.rotor import half_of_pair
 from bearingwear.solvers.state import State, case_state
 from bearingwear.solvers.steady import Steady
-from bearingwear.solvers.warm import warm_scene, warmth_values
+from bearingwear.solvers.warm import warmed_for_motion, warmth_values
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Motion:
             scene = self.parts.worn_scene(worn)
         except SceneError:
             return Run(code.CRITERION_NOT_REACHED)
-        warm = warm_scene(scene, self.surfaces.bare)
+        warm = warmed_for_motion(scene, self.surfaces.bare)
         if warm.status != code.OK:
             return Run(warm.status, residual=warm.sentence)
         scene, warmth = warm.scene, warmth_values(scene, warm)

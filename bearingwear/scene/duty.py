@@ -114,9 +114,9 @@ def check_phases(scene: Scene) -> None:
     if scene.duty is None:
         return
     _check_starts(scene)
-    nominal = _values_of_wear(scene)
+    nominal = _fixed_over_duty(scene)
     for case, phase_scene in phase_cases(scene).items():
-        for block, value in _values_of_wear(phase_scene).items():
+        for block, value in _fixed_over_duty(phase_scene).items():
             if value != nominal[block]:
                 changes = (scene.cases or {})[case]
                 key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
@@ -141,10 +141,10 @@ def _check_starts(scene: Scene) -> None:
                 raise SceneError("duty.warmup", problem, ("thermal",))
 
 
-def _values_of_wear(scene: Scene) -> dict[str, Any]:
-    """Values that must be equal in all phases of a duty, by the blocks of a scene."""
+def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
+    """Returns what wear depends on and no phase of a duty may change, by the blocks of a scene."""
     arrangement, film = scene.arrangement, scene.friction.film
-    second_keys = (arrangement.second if arrangement else {}).items()
+    second = (arrangement.second if arrangement else None) or {}
     surfaces = {
         name: (
             None if material.film is None else material.film.thickness_um,
@@ -157,11 +157,12 @@ def _values_of_wear(scene: Scene) -> dict[str, Any]:
         "cage": scene.cage,
         "wear": scene.wear,
         "model": scene.model,
+        # whether there is one, and its thickness, which may be left out
         "friction.film": (film is None, None if film is None else film.thickness_um),
         "materials": surfaces,
         "arrangement": (
             None if arrangement is None else (arrangement.orientation, arrangement.tandem),
-            [(key, v) for key, v in second_keys if key.startswith(("bearing.", "wear."))],
+            [(key, v) for key, v in second.items() if key.startswith(("bearing.", "wear."))],
         ),
     }
 

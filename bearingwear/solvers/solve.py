@@ -15,7 +15,7 @@ from bearingwear.solvers.condition import Accuracy, CaseValues
 from bearingwear.solvers.effects.choice import Choice, choice
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.result import Result, not_finite
-from bearingwear.solvers.warm import network_values, warm_scene
+from bearingwear.solvers.warm import network_values, warmed_for_motion
 from kerneljit.interrupt import Interrupt
 
 Progress = Callable[[str], None]
@@ -59,7 +59,7 @@ def case_values(
     # its kernels take long to load, and the other models need none of them
     from bearingwear.solvers.dynamic.run import solve_dynamic
 
-    warm = warm_scene(scene)
+    warm = warmed_for_motion(scene)
     if warm.status != code.OK:
         return {"status": warm.status} | growth_values(warm.scene), {"residual": warm.sentence}
     values, attrs = solve_dynamic(warm.scene, restart=restart, progress=progress)

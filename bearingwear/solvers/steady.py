@@ -218,7 +218,7 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
         if perturbed_case.status != code.OK:
             return {}
         cases.append(perturbed_case)
-    as_solved, halved, twice = steady_answers(scene, problem, D, cases)
+    as_solved, halved, twice = steady_quantities(scene, problem, D, cases)
     return error_values(
         [regularisation_error(as_solved, halved), DOUBLED * relative_change(as_solved, twice)]
     )
@@ -242,18 +242,22 @@ def steady_torque_loss(problem: ThrustProblem, D: float, case: ThrustCase) -> di
     return torque_loss(float(torque), float(coulomb))
 
 
-def steady_answers(
+def steady_quantities(
     scene: Scene, problem: ThrustProblem, D: float, cases: list[ThrustCase]
 ) -> np.ndarray:
-    """Returns the quantities (n, QUANTITY_COUNT) of n states whose errors are estimated."""
-    n, films, answers = problem.g.n_balls, Films.of(scene), []
+    """Returns quantities of the whole bearing, a row for each case (len(cases), QUANTITY_COUNT).
+
+    They are those whose errors are estimated, in the order given at `QUANTITY_COUNT`.
+    """
+    balls, films, rows = problem.g.n_balls, Films.of(scene), []
     for case in cases:
-        contacts = case.contacts.T.tolist()
-        qv, heat = (n * sum(contacts[column]) for column in (summary.QV, summary.HEAT))
+        columns = case.contacts.T.tolist()
+        qv, heat = (balls * sum(columns[k]) for k in (summary.QV, summary.HEAT))
         *_, loss_rate = rates_when_new(scene, films, D, case.contacts)
-        torque, power = n * contacts[summary.TORQUE][0], heat + drag_power(problem, D, case)
-        answers.append([qv, axial_force(case, n), loss_rate, torque, power])
-    return np.array(answers)
+        shaft_torque = balls * columns[summary.TORQUE][0]  # of the inner contacts
+        power = heat + drag_power(problem, D, case)
+        rows.append([qv, axial_force(case, balls), loss_rate, shaft_torque, power])
+    return np.array(rows)
 
 
 def rates_when_new(

@@ -79,23 +79,26 @@ class Warm(Wrapper):
         return values, attrs
 
 
-def warm_scene(scene: Scene, bare: Bare = COVERED) -> Warmed:
-    """Returns a scene at the temperatures at which its motion is integrated in time.
+def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
+    """Finds the temperatures for a motion in time; the result has the scene at these.
 
-    Without a network they are its own. Otherwise they are those of the steady state under the
-    thrust alone, or of race control if there is none, because warming up takes a million turns.
+    A scene without a thermal network keeps its own. Otherwise they are those of the steady state
+    under the thrust alone or, where that is not solved, of race control: warming up in time takes
+    a million turns.
     """
     if scene.thermal is None:
         return Warmed.as_given(scene)
     loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
     solution = Warm(Steady(thrust_alone(scene)))(Condition(loss, bare))
-    if solution.status not in (code.OK, code.WARM_SEIZURE, code.NO_HEAT_BALANCE):
+    has_steady_state = solution.status in (code.OK, code.WARM_SEIZURE, code.NO_HEAT_BALANCE)
+    if not has_steady_state:
         race_control = Warm(RaceControl(scene))
         solution = race_control(race_control.start._replace(bare=bare))
     warmed = solution.warmed
     assert warmed is not None
+    # its scene may have the thrust alone: only the temperatures are taken over
     temperature = warmed.scene.temperature
-    if temperature is None:
+    if temperature is None:  # none was found, as the status says
         return replace(warmed, scene=scene)
     return replace(warmed, scene=replace(scene, temperature=temperature, thermal=None))
 

@@ -213,13 +213,16 @@ def test_balance_of_power_and_of_the_race(scene, name, method):
     assert values["stable"] == 1
 
 
-def test_life_has_it(scene):
-    both = [scene("gyro_s1", HERTZ | HELD | {"model.normal_balance": c}) for c in
-            ("with_traction", "frictionless")]  # fmt: skip
-    first, other = (life(s).values for s in both)
-    start = solve(both[0], "steady").values["residual_preload"]
-    assert_allclose(first["history_residual_preload"][0], start, rtol=1e-9)
-    assert abs(first["life"] / other["life"] - 1.0) > 1e-3
+def test_a_life_has_the_traction_in_its_normal_balance(scene):
+    """It begins at the steady state with traction, and is another than the one without."""
+    with_traction, frictionless = (
+        scene("gyro_s1", HERTZ | HELD | {"model.normal_balance": balance})
+        for balance in ("with_traction", "frictionless")
+    )
+    values, frictionless_values = life(with_traction).values, life(frictionless).values
+    preload_when_new = solve(with_traction, "steady").values["residual_preload"]
+    assert_allclose(values["history_residual_preload"][0], preload_when_new, rtol=1e-9)
+    assert abs(values["life"] / frictionless_values["life"] - 1.0) > 1e-3
 
 
 @pytest.mark.parametrize("name, most", [("gyro_s1", 1.1), ("turbopump", 2.0), ("bearing218", 1.5)])

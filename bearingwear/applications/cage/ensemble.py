@@ -31,7 +31,7 @@ from bearingwear.results.quantiles import INTERVAL
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import variant
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.solvers.warm import warm_scene
+from bearingwear.solvers.warm import warmed_for_motion
 from bearingwear.studies.answers import PROBLEM, Tell, Workers
 from bearingwear.studies.dataset import dataset_of_rows
 
@@ -83,7 +83,7 @@ def ensemble_scene(scene: Scene) -> Scene:
     if scene.cage is None:
         raise SceneError("cage", "got nothing, expected a cage")
     dynamic_scene = variant(scene, {"model.cage_results": True, "model.fidelity": "dynamic"})
-    warm = warm_scene(dynamic_scene)
+    warm = warmed_for_motion(dynamic_scene)
     if warm.status != OK:
         raise SceneError("thermal", f"got {warm.sentence}, expected a thermal balance")
     return warm.scene

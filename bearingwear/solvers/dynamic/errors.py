@@ -22,7 +22,7 @@ from bearingwear.solvers.estimates import (
     relative_change,
 )
 from bearingwear.solvers.start import Start, thrust_alone
-from bearingwear.solvers.steady import steady_answers
+from bearingwear.solvers.steady import steady_quantities
 from kerneljit.interrupt import Interrupt
 
 LOOSER = 10.0  # factor on the tolerance of a step that shows its error
@@ -105,7 +105,7 @@ def thrust_slip_error(scene: Scene, start: Start) -> np.ndarray:
     half_case = halved.solve(D, start=case.motion)
     if half_case.status != code.OK:
         return np.zeros(QUANTITY_COUNT)
-    return regularisation_error(*steady_answers(thrust, problem, D, [case, half_case]))
+    return regularisation_error(*steady_quantities(thrust, problem, D, [case, half_case]))
 
 
 def rerun_quantities(

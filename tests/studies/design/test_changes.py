@@ -47,11 +47,12 @@ def test_machines_at_equal_stiffness(chosen):
 
 
 @pytest.mark.parametrize("name", ["torque_margin", "gap_um"])
-def test_a_requirement_of_nothing_is_not_moved(name):
-    """As by `--torque-margin 0`: it has no factors."""
+def test_a_requirement_of_zero_is_not_varied(name):
+    """Other values are tried as factors of the present one: zero (`--torque-margin 0`) stays."""
     limits = DesignLimits(**{name: 0.0})
     search = SimpleNamespace(limits=limits, lines=["spring pair", "rigid pair"])
-    assert choice_changes(search, [None, SimpleNamespace(life=1.0)]) == []
+    no_spring_pair, rigid_pair = None, SimpleNamespace(life=1.0)
+    assert choice_changes(search, [no_spring_pair, rigid_pair]) == []
 
 
 def test_the_warmth_at_which_lives_are_equal(scene, chosen):

@@ -28,13 +28,19 @@ class Agreement(NamedTuple):
     unit: str = ""
 
     def holds(self, old: str, new: str) -> bool:
-        """Whether two cells agree; words must be the same."""
+        """Whether two cells agree; words must be the same.
+
+        A cell "< x" gives only an upper bound, and numbers below the floor do not matter: both
+        numbers are raised to the largest of bounds and floor before they are compared.
+        """
+        cells = old, new
         try:
-            numbers = [float(text.removeprefix("< ")) for text in (old, new)]
+            numbers = [float(cell.removeprefix("< ")) for cell in cells]
         except ValueError:
             return old == new
-        limits = [number for number, text in zip(numbers, (old, new), strict=True) if "<" in text]
-        low, high = sorted(max(number, self.floor, *limits) for number in numbers)
+        bounds = [number for number, cell in zip(numbers, cells, strict=True) if "<" in cell]
+        least = max([self.floor, *bounds])
+        low, high = sorted(max(number, least) for number in numbers)
         return high <= self.factor * low or math.isclose(low, high, abs_tol=_ROUNDING)
 
 
