@@ -210,7 +210,7 @@ if __name__ == "__main__":
     if __spec__:  # run as a module
         serve(sys.argv[1], int(sys.argv[2]))
     else:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored so far, lest it leave a traceback
         ended = run_job(sys.argv[1], sys.argv[2:])
         tell_of_silence(ended)
         sys.exit(ended)

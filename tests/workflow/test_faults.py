@@ -349,15 +349,15 @@ def test_results_cannot_be_written(done, undisturbed):
     unprivileged = () if os.geteuid() else WITHOUT_PRIVILEGES
     if unprivileged and shutil.which(unprivileged[0]) is None:
         pytest.skip("root may write everywhere, and there is no setpriv to take that right away")
-    case = done.case(CASES[0])
+    first_case = done.case(CASES[0])
     for case in CASES[:2]:  # its line: Snakemake itself removes what is left of one
         done.case(case).unlink()
     before = finished(done)
-    case.parent.chmod(0o555)
+    first_case.parent.chmod(0o555)
     run = done.run(prefix=unprivileged)
-    case.parent.chmod(0o755)
+    first_case.parent.chmod(0o755)
     assert run.status == 1 and "Traceback" not in run.text
-    name = case.relative_to(done.root)
+    name = first_case.relative_to(done.root)
     log = (done.root / f"logs/solve/gyro_s1/{LINES[0]}.log").read_text()
     assert log == f"{name}: cannot be written (Permission denied)\n"
     resumes(done, before, undisturbed)

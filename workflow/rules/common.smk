@@ -53,7 +53,7 @@ wildcard_constraints:
     loss=r"\d+\.\d+",
 
 
-# Rules call the command of this environment and package, in a fork of a process that has imported it; a pipe hides nothing.
+# Rules call the command of this environment, in a fork of a process that has imported it. An interrupt waits until Python runs.
 shell.prefix(
-    f'set -euo pipefail; bearingwear() ( exec "{sys.executable}" -I -S "{configuration.FORK_SERVER}" $PPID "$@" ); '
+    f'set -euo pipefail; bearingwear() ( trap "" INT; exec "{sys.executable}" -I -S "{configuration.FORK_SERVER}" $PPID "$@" ); '
 )
