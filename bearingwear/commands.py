@@ -469,8 +469,12 @@ def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
     try:
         return record(DesignLimits, {k: v for k, v in values.items() if v is not None})
     except SceneError as error:
-        option = LIMITED[error.key].option if error.key in LIMITED else "limits"
-        raise SceneError("", error.problem, source=option) from None
+        measure, option, problem = LIMITED.get(error.key), "limits", error.problem
+        if measure:
+            unit = measure.key_unit
+            option = measure.option
+            problem += " (a share: 0.36 for 36 %)" if unit == "1" else f" ({unit})"
+        raise SceneError("", problem, source=option) from None
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import re
 import pytest
 from support import only_line
 
+from bearingwear.atomic import SIGNATURE
 from bearingwear.cli import main
 from bearingwear.scene.new.scene_file import checked_scene, scene_text
 
@@ -107,13 +108,14 @@ BLOCKS = ("bearing", "materials", "operation", "friction")
 
 REFUSED_COMMANDS = {
     "slove a.yaml": "did you mean solve",
+    "check a.nc": "got a result file, which `bearingwear show` prints",
     "check b.yaml": "cannot be read (No such file or directory)",
     "check a.yaml --set preload_N=9": "did you mean operation.preload_N",
     "check a.yaml --set operation.preload_N=9,5": "write 9.5, with a decimal point",
     "check a.yaml --set operation.shaft_speed_rpm=18.000": "expected 18000 or 18",
-    "recommend a.yaml --slip 36": "--slip: got 36.0, expected a number > 0 and <= 1",
+    "recommend a.yaml --slip 36": "a share: 0.36 for 36 %",
     "recommend a.yaml --slip 0,36": "write 0.36, with a decimal point",
-    "recommend a.yaml --pressure 2000": "--pressure: got 2000.0, expected a number > 0 and <= 20",
+    "recommend a.yaml --pressure 2000": "expected a number > 0 and <= 20 (GPa)",
     "recommend a.yaml --stifness 20": "did you mean --stiffness",
     "recommend a.yaml --stiffness 20N/um": "write the number alone",
     "plot a.yaml": "expected a result file",
@@ -128,6 +130,7 @@ def scene(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text, _ = scene_text("", None, None, {}, designation="7008C", lubrication="starved")
     (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "a.nc").write_bytes(SIGNATURE + b"\xff")
     return text
 
 

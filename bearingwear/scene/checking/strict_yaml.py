@@ -14,6 +14,7 @@ from typing import Any
 
 import yaml
 
+from bearingwear.atomic import SIGNATURE
 from bearingwear.scene.checking.errors import (
     DEEPEST,
     SceneError,
@@ -73,6 +74,8 @@ def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
         problem = f"got more than {LARGEST_FILE} bytes, expected at most that many"
     except UnicodeDecodeError as error:
         problem = f"got bytes that are not text (byte {error.start}), expected UTF-8"
+        if data.startswith(SIGNATURE):
+            problem = "got a result file, which `bearingwear show` prints, expected a scene"
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         problem = f"got a file that cannot be read ({reason}), expected a {kind} file"
