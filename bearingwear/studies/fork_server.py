@@ -130,7 +130,13 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     client = listener.accept()[0]
     request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
     while not request.endswith(b"\n"):
-        request += client.recv(_MOST_BYTES)
+        received = client.recv(_MOST_BYTES)
+        if not received:  # the client was killed before it had sent all
+            client.close()
+            for file in files:
+                os.close(file)
+            return
+        request += received
     folder, arguments = json.loads(request)
     report_end, pipe_end = os.pipe()
     job = os.fork()

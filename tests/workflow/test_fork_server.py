@@ -1,0 +1,42 @@
+"""The process that runs the jobs of a study as forks of itself."""
+
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+from bearingwear import __version__
+from bearingwear.provenance import PACKAGE
+from bearingwear.studies import fork_server
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="jobs run alone where there is no pidfd")
+def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path):
+    snakemake = subprocess.Popen(["sleep", "60"])
+    folder = tmp_path / f".snakemake/bearingwear-{snakemake.pid}"
+    folder.mkdir(parents=True)
+    module = ["bearingwear.studies.fork_server", str(folder), str(snakemake.pid)]
+    server = subprocess.Popen([sys.executable, "-P", str(PACKAGE / "run_module.py"), *module])
+    try:
+        address = str(folder / "socket")
+        for _ in range(300):
+            with socket.socket(socket.AF_UNIX) as client:
+                if client.connect_ex(address) == 0:
+                    break  # and is closed without a word
+            time.sleep(0.1)
+        job = subprocess.run(
+            [sys.executable, "-I", "-S", fork_server.__file__, str(snakemake.pid), "--version"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+        assert job.returncode == 0 and __version__ in job.stdout
+        snakemake.kill()
+        snakemake.wait()
+        assert server.wait(timeout=30) == 0  # it ends with Snakemake
+    finally:
+        snakemake.kill()
+        server.kill()
