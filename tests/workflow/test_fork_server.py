@@ -4,6 +4,7 @@ import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -13,9 +14,10 @@ from bearingwear.studies import fork_server
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="jobs run alone where there is no pidfd")
-def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path):
+def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # the address of a socket must be short
     snakemake = subprocess.Popen(["sleep", "60"])
-    folder = tmp_path / f".snakemake/bearingwear-{snakemake.pid}"
+    folder = Path(f".snakemake/bearingwear-{snakemake.pid}")
     folder.mkdir(parents=True)
     module = ["bearingwear.studies.fork_server", str(folder), str(snakemake.pid)]
     server = subprocess.Popen([sys.executable, "-P", str(PACKAGE / "run_module.py"), *module])
@@ -28,7 +30,6 @@ def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path):
             time.sleep(0.1)
         job = subprocess.run(
             [sys.executable, "-I", "-S", fork_server.__file__, str(snakemake.pid), "--version"],
-            cwd=tmp_path,
             capture_output=True,
             text=True,
             timeout=60,

@@ -146,18 +146,7 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
         text += f"; it ends when the {end.words} {reaches} {printed_unit(limit)}"
         if scene.get("duty") and (ending := worst_condition(recommendation, point, "life")):
             text += f" in the case {ending['case']}"
-    return f"{text}.{_comparison(recommendation)}"
-
-
-def _comparison(recommendation: xr.Dataset) -> str:
-    """States how many times as long the best life is as that by the other method."""
-    best, *others = recommended_points(recommendation)
-    if not others or not others[0].life > 0.0:
-        return ""
-    other = others[0]
-    ratio = best.life / other.life
-    words = method_words(scene_of(recommendation), other.method)
-    return f" The life is {ratio:.3g} times that with a {words} at {preload_text(other.point)} N."
+    return f"{text}."
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
