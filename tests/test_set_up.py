@@ -18,23 +18,26 @@ WHERE = (
 )
 
 
+def tracked_files() -> list[str]:
+    """Files that git would put into a clone, with uncommitted ones; none where git cannot tell."""
+    if shutil.which("git") is None:
+        return []
+    listing = ["git", "ls-files", "-co", "--exclude-standard"]
+    done = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True)
+    return [name for name in done.stdout.split("\n") if name]
+
+
 class Clone:
     """A copy of the project with an environment of its own, which lends the libraries of ours."""
 
     def __init__(self, folder: Path) -> None:
         self.root, self.caches = folder / "clone", folder / "caches"
         self.root.mkdir()
-        names = subprocess.run(
-            ["git", "ls-files", "-co", "--exclude-standard"],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-        ).stdout.split("\n")
-        if (ROOT / ".git").exists():
-            for name in filter(None, names):
-                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(ROOT / name, self.root / name)
-        else:
+        names = tracked_files()
+        for name in names:
+            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, self.root / name)
+        if not names:
             ignore = shutil.ignore_patterns(*NOT_CLONED)
             shutil.copytree(ROOT, self.root, ignore=ignore, dirs_exist_ok=True)
         self.python = self.root / ".venv" / "bin" / "python"
