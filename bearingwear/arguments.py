@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -19,21 +18,28 @@ from bearingwear.options import (
     add_jobs,
     add_scene,
     file_name,
-    not_negative,
+    number_in,
     positive,
+    positive_count,
     scene_keys,
-    speed,
 )
-from bearingwear.scene.checking.errors import number_hint
+from bearingwear.scene.checking.errors import did_you_mean, number_hint
+from bearingwear.scene.checking.records import Key, Part
 from bearingwear.scene.coefficients import LUBRICATIONS
-from bearingwear.scene.new.assumed import CLASSES
+from bearingwear.scene.new.assumed import BORE, CLASSES, OUTSIDE
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
-from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
+from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS, key_of_scene
 
 AS_IN_DUTY = object()
 """In place of the time of a ramp to full speed: that of the duty, if there is one."""
+
+_CLEARANCE = Part("number", Key("", "um", "(0, 2000]"))
+_FRICTION = Part("number", Key("", "1", "(0, 2]"))
+_SECONDS = Part("number", Key("", "s", "[0, 1e9]"))
+_DURATION = Part("number", Key("", "s", "(0, 1e9]"))
+"""Numbers that options take."""
 
 STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustness")
 """Studies of the workflow: rules that collect what belongs together."""
@@ -60,12 +66,9 @@ class _Parser(argparse.ArgumentParser):
                 message = f"{message[: match.start()]}got {match[1]!r}, expected {expected}{hint}"
         if match := _CHOICE.search(message):
             choices = match[2].replace("'", "").split(", ")
-            by_letters = {choice.lower(): choice for choice in choices}
-            similar = difflib.get_close_matches(match[1].lower(), by_letters, n=2, cutoff=0.7)
-            advice = f"; did you mean {' or '.join(by_letters[name] for name in similar)}"
             message = (
                 f"{message[: match.start()]}got {match[1]!r}, expected {', '.join(choices)}"
-                f"{advice if similar else ''}"
+                f"{did_you_mean(match[1], choices)}"
             )
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
@@ -226,13 +229,15 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         help="use the balls, grooves, preload classes and speed limits of this maker's bearing")
     new.add_argument("--list", nargs="+", metavar=("MAKER", "SERIES"),
         help="list the known bearings of a maker, or only those in SERIES, and exit")
-    new.add_argument("--bore", type=float, metavar="MM",
+    new.add_argument("--bore", type=number_in(BORE), metavar="MM",
         help="bore diameter, if no designation is given")
-    new.add_argument("--outside", type=float, metavar="MM",
+    new.add_argument("--outside", type=number_in(OUTSIDE), metavar="MM",
         help="outside diameter, if no designation is given")
     for option, key, metavar, text in OPTIONS:
-        kind: Callable[[str], float] = int if key == "bearing.ball_count" else float
-        kind = speed if key.endswith("_rpm") else kind
+        part = key_of_scene(key)
+        assert part is not None
+        number = number_in(part, key.rpartition(".")[2])
+        kind: Callable[[str], float] = int if part.kind == "integer" else number
         text = f"{text} (assumed if omitted)"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument("--preload-class", choices=CLASSES,
@@ -242,7 +247,8 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     clearance.add_argument("--clearance", choices=CLEARANCES,
         help="radial clearance group of a deep groove bearing, from which its free contact angle "
         "is computed (default: CN)")
-    clearance.add_argument("--radial-clearance-um", dest="clearance", type=float, metavar="UM",
+    clearance.add_argument("--radial-clearance-um", dest="clearance", type=number_in(_CLEARANCE),
+        metavar="UM",
         help="radial clearance, as an alternative to --clearance")
     new.add_argument("--lubrication", choices=LUBRICATIONS,
         help="sets wear and friction coefficients and their spread from the table in "
@@ -266,11 +272,12 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
             unit, metavar = "", "SHARE"
         if measure.unit == "1":
             unit, metavar = "", "RATIO"
-        sub.add_argument(measure.option, dest=key, type=not_negative if measure.base else positive,
-            metavar=metavar, help=f"{text}{unit}")
+        part = Part("number", Key("", measure.key_unit, measure.limit[1]))
+        sub.add_argument(measure.option, dest=key, type=number_in(part), metavar=metavar,
+            help=f"{text}{unit}")
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
-    sub.add_argument("--warmup", dest="warmup_s", type=not_negative, nargs="?",
+    sub.add_argument("--warmup", dest="warmup_s", type=number_in(_SECONDS), nargs="?",
         const=AS_IN_DUTY, metavar="S", help="apply the requirements to the new bearings during the "
         "warm-up, too; S is the time from rest to full speed (default: duty.start_s, else at once)")
 
@@ -292,16 +299,16 @@ def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     """Adds the arguments of `uncertainty`."""
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    sub.add_argument("--friction", nargs="+", type=float, default=[], metavar="MU",
+    sub.add_argument("--friction", nargs="+", type=number_in(_FRICTION), default=[], metavar="MU",
         help="ball-race friction coefficients (default: the value in the scene)")
     sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, default=[], metavar="METHOD",
         help=f"{' or '.join(PRELOAD_METHODS)}, or both (default: the method in the scene)")
-    sub.add_argument("--samples", type=int, metavar="N",
+    sub.add_argument("--samples", type=positive_count, metavar="N",
         help="number of bearings, bearings of a batch, and batches sampled, a power of two "
         "(default: 128)")
     sub.add_argument("--seed", type=int, default=1, metavar="N",
         help="random seed (default: 1)")
-    sub.add_argument("-j", "--jobs", type=int, metavar="N",
+    sub.add_argument("-j", "--jobs", type=positive_count, metavar="N",
         help="number of parallel processes (default: one per core)")
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no life could be computed")
@@ -318,7 +325,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         "to recompute (results/...); default: the main study")
     study.add_argument("-o", "--output", type=Path, metavar="FOLDER",
         help="folder for the study of a scene (default: the name of the scene file)")
-    study.add_argument("-j", "--jobs", type=int, metavar="N",
+    study.add_argument("-j", "--jobs", type=positive_count, metavar="N",
         help="number of parallel jobs (default: one per core)")
     _add_limits(study)
     study.epilog = (
@@ -332,7 +339,7 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
     add_scene(sub)
     add_case(sub)
     ramp = sub.add_mutually_exclusive_group()
-    ramp.add_argument("--seconds", type=not_negative, default=None, metavar="S",
+    ramp.add_argument("--seconds", type=number_in(_SECONDS), default=None, metavar="S",
         help="time from rest to full speed, at constant acceleration (default: duty.start_s, else "
         "at once)")
     ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
@@ -340,7 +347,7 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
     ramp.add_argument("--limit", nargs="+", type=_limit_of_ramp, metavar="NAME=VALUE",
         help="find the shortest ramp that keeps pressure=GPA or preload=N from rest to the steady "
         "temperatures")
-    sub.add_argument("--duration", type=positive, metavar="S",
+    sub.add_argument("--duration", type=number_in(_DURATION), metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
         help="the file to write (default: SCENE-warmup.nc)")

@@ -460,21 +460,12 @@ def _trial_lines(path: str) -> list[str]:
 def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
     """Returns the limits that the options give for a scene."""
     from bearingwear.arguments import AS_IN_DUTY
-    from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
 
     values = {name: getattr(args, name) for name in LIMITED}
     warmup_s = scene.start_s if args.warmup_s is AS_IN_DUTY else args.warmup_s
     values |= {"at_speed_only": args.at_speed_only, "warmup_s": warmup_s}
-    try:
-        return record(DesignLimits, {k: v for k, v in values.items() if v is not None})
-    except SceneError as error:
-        measure, option, problem = LIMITED.get(error.key), "limits", error.problem
-        if measure:
-            unit = measure.key_unit
-            option = measure.option
-            problem += " (a share: 0.36 for 36 %)" if unit == "1" else f" ({unit})"
-        raise SceneError("", problem, source=option) from None
+    return DesignLimits(**values)
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

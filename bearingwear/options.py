@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import math
+import contextlib
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.scene.checking.errors import SceneError, check_thousands, number_hint
+from bearingwear.scene.checking.check import fits, option_misfit
+from bearingwear.scene.checking.errors import SceneError, check_thousands
+from bearingwear.scene.checking.records import Key, Part
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -68,40 +70,47 @@ def output_of(args: argparse.Namespace, ending: str) -> Path:
     return Path(args.output or scene.with_name(f"{scene.stem}{ending}"))
 
 
-def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan  # within nothing
-    if not within(value):
-        hint = number_hint(text)
-        hint = f" ({hint})" if hint else ""
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}{hint}")
-    return value
+def number_in(part: Part, key: str = "") -> Callable[[str], float]:
+    """Return the reader of a number of an option.
+
+    part: range and unit of the number.
+    key: its name in a scene, where it has one.
+    """
+
+    def read(text: str) -> float:
+        value: float | str = text
+        with contextlib.suppress(ValueError):
+            value = float(text)
+        if part.unit == "r/min":
+            try:
+                check_thousands("", text)
+            except SceneError as error:
+                raise argparse.ArgumentTypeError(error.problem) from None
+        if isinstance(value, str) or not fits(value, part):
+            raise argparse.ArgumentTypeError(option_misfit(text, part, key))
+        return value
+
+    return read
 
 
-def speed(text: str) -> float:
-    """Read a speed [r/min], which has no separator of thousands."""
-    try:
-        check_thousands("", text)
-    except SceneError as error:
-        raise argparse.ArgumentTypeError(error.problem) from None
-    return _number(text, math.isfinite, "in r/min")
+_POSITIVE = Part("number", Key("", "-", "(0, inf)"))
+_SHARE = Part("number", Key("", "1", "[0, 1)"))
+_NOT_NEGATIVE = Part("number", Key("", "-", "[0, inf)"))
 
 
 def positive(text: str) -> float:
     """Read a number above 0."""
-    return _number(text, lambda value: 0.0 < value < math.inf, "> 0")
+    return number_in(_POSITIVE)(text)
 
 
 def not_negative(text: str) -> float:
     """Read a number of at least 0."""
-    return _number(text, lambda value: 0.0 <= value < math.inf, ">= 0")
+    return number_in(_NOT_NEGATIVE)(text)
 
 
 def share_below_one(text: str) -> float:
     """Read a number from 0 to below 1."""
-    return _number(text, lambda value: 0.0 <= value < 1.0, ">= 0 and < 1")
+    return number_in(_SHARE)(text)
 
 
 def file_name(text: str) -> Path:

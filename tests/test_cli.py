@@ -565,7 +565,7 @@ def test_recommend_fails_where_nothing_could_be_solved(capsys):
         (["--stiffness", "0"], "argument --stiffness: got '0', expected a number > 0"),
         (
             ["--pressure", "2000"],
-            "--pressure: got 2000.0, expected a number > 0 and <= 20",
+            "--pressure: got '2000', expected a number > 0 and <= 20",
         ),
         (
             ["--set", "operation.rotating_load_N=1"],

@@ -23,11 +23,20 @@ REFUSED_OF_NEW = {
     "7008C --contact-angle 0": "because 7008C is an angular contact bearing",
     "7008C --contact-angle 15°": "write the number alone",
     "7008C --contact-angle 0.26rad": "write 14.897, which is it in degrees",
-    "7008C --ball-diameter 5/16": "expected a number",
+    "7008C --ball-diameter 5/16": "write 7.9375, which is it in mm",
+    "7008C --ball-diameter 0.0084": "(mm; if it is in m, write 8.4)",
     "7008C --ball-diameter 0.3125in": "write 7.9375, which is it in mm",
     "7008C --ball-diameter 7,938": "write 7938 or 7.938, without a comma",
     "7008C --pitch-diameter 5.4": "expected a number > 48.4 and < 59.6",
-    "--bore 0.040 --outside 0.068": "expected a number from 0.1",
+    "--bore 0.040 --outside 0.068": "(mm; if it is in m, write 40)",
+    "--bore 40 --outside 0.068": "(mm; if it is in m, write 68)",
+    "--bore 1.5748in --outside 68": "write 40, which is it in mm",
+    "7008C --speed 1885rad/s": "write 18000, which is it in r/min",
+    "7008C --speed 300Hz": "write 18000, which is it in r/min",
+    "7008C --speed '18 000 rpm'": "write the number alone: 18000",
+    "7008C --speed 18krpm": "write 18000, which is it in r/min",
+    "7008C --preload 0.14kN": "write 140, which is it in N",
+    "7008C --preload 14kgf": "write 137.29, which is it in N",
     "--bore 68 --outside 40": "expected a number > 68, the bore",
     "--bore 40": "--outside: got nothing",
     "7008C --balls 15.5": "expected a whole number",
@@ -37,11 +46,12 @@ REFUSED_OF_NEW = {
     "7008C --lubrication greese": "did you mean grease",
     "7008C --film mos2": "it is now --lubrication",
     "7008C --lubricaton oil": "did you mean --lubrication",
-    "7008C --preload-method spring": "expected constant_force, fixed_position",
+    "7008C --preload-method spring": "did you mean constant_force",
     "7008C --preload-class Light": "did you mean light",
     "7010C --maker nsk": "did you mean NSK",
     "7008C --maker SKF": "expected NSK, SNFA, GMN",
-    "7008C --ball-material ceramic": "expected bearing_steel, silicon_nitride",
+    "7008C --ball-material ceramic": "did you mean silicon_nitride",
+    "7008C --preload-method rigid": "did you mean fixed_position",
     "7008C 7208C": "expected one",
     "NU1008": "or --bore, --outside and --contact-angle",
     "7008D": "for another angle, 7008 with --contact-angle",
@@ -65,28 +75,35 @@ REFUSED_IN_A_SCENE = {
     "shaft_speed_rpm: 18.000": "expected 18000 or 18",
     "shaft_speed_rpm: 18,000": "write 18000 or 18, without a comma",
     "shaft_speed_rpm: 18_000": "write 18000",
-    "shaft_speed_rpm: 18000 rpm": "write the number alone, in r/min",
+    "shaft_speed_rpm: 18000 rpm": "write the number alone: 18000",
     "preload_N: 7,5": "write 7.5, with a decimal point",
     "preload_N: 22 lbf": "write 97.861, which is it in N",
     "preload_N: 0.14 kN": "write 140, which is it in N",
-    "preload_N: -140": "expected a number from 0",
+    "preload_N: -140": "expected a number from 0 to 10000000 (N)",
+    "preload_lbf: 30": "got an unknown key; write preload_N: 133.45",
+    "shaft_speed_rad_s: 1885": "got an unknown key; write shaft_speed_rpm: 18000",
+    "ball_diameter_in: 0.3125": "got an unknown key; write ball_diameter_mm: 7.9375",
+    "contact_angle_rad: 0.2618": "got an unknown key; write contact_angle_deg: 15",
+    "youngs_modulus_MPa: 208000": "got an unknown key; write youngs_modulus_GPa: 208",
+    "density_g_cm3: 7.8": "got an unknown key; write density_kg_m3: 7800",
     "preload_N:": "got nothing",
     "preload: 140": "did you mean preload_N",
     "\tpreload_N: 140": "a tab on line",
-    "contact_angle_deg: 15°": "write the number alone, in degree",
-    "ball_diameter_mm: 0.0084": "expected a number from 0.1",
-    "pitch_diameter_mm: 0.054": "expected a number from 0.2",
+    "contact_angle_deg: 15°": "write the number alone: 15",
+    "ball_diameter_mm: 0.0084": "(mm; if it is in m, write 8.4)",
+    "pitch_diameter_mm: 0.054": "(mm; if it is in m, write 54)",
     "ball_count: 150": "expected at most 20",
     "ball_cout: 15": "did you mean ball_count",
-    "youngs_modulus_GPa: 208000": "expected a number from 0.001 to 2000",
-    "density_kg_m3: 7.8": "expected a number from 10",
+    "youngs_modulus_GPa: 208000": "(GPa; if it is in MPa, write 208)",
+    "density_kg_m3: 7.8": "(kg/m3; if it is in g/cm3, write 7800)",
     "poisson_ratio: 0,3": "write decimals with a point, not a comma",
-    "brinell_hardness_GPa: 660": "expected a number from 0.001 to 100",
+    "brinell_hardness_GPa: 660": "(GPa; if it is in HB, write 6.4724)",
     "wear_coefficient: -5e-6": "expected a number > 0",
-    "thermal_expansion_1_K: 11.5": "expected a number from 0 to",
+    "thermal_expansion_1_K: 11.5": "(1/K; if it is in 1e-6/K, write 1.15e-05)",
     "inner_groove_factor: 52": "expected a number > 0.5",
     "ball_material: steel": "expected bearing_steel",
-    "preload_method: spring": "expected constant_force or fixed_position",
+    "preload_method: spring": "did you mean constant_force",
+    "preload_method: rigid": "did you mean fixed_position",
     "gravity_m_s2: 9.81": "expected a list of three numbers",
     "ball_race: 8%": "write 0.08, as a share",
     "end_of_life: {preload_fraction: 40}": "expected a number > 0 and < 1",
@@ -115,12 +132,16 @@ REFUSED_COMMANDS = {
     "check a.yaml --set operation.shaft_speed_rpm=18.000": "expected 18000 or 18",
     "recommend a.yaml --slip 36": "a share: 0.36 for 36 %",
     "recommend a.yaml --slip 0,36": "write 0.36, with a decimal point",
-    "recommend a.yaml --pressure 2000": "expected a number > 0 and <= 20 (GPa)",
+    "recommend a.yaml --pressure 2000": "> 0 and <= 20 (GPa; if it is in MPa, write 2)",
+    "recommend a.yaml --pressure 2000MPa": "write 2, which is it in GPa",
+    "recommend a.yaml --stiffness 2e7": "(N/um; if it is in N/m, write 20)",
+    "recommend a.yaml --stiffness -20": "expected a number > 0 and <= 10000 (N/um)",
+    "recommend a.yaml --life 5years": "write 43830, which is it in h",
     "recommend a.yaml --stifness 20": "did you mean --stiffness",
-    "recommend a.yaml --stiffness 20N/um": "write the number alone",
+    "recommend a.yaml --stiffness 20N/um": "write the number alone: 20",
     "plot a.yaml": "expected a result file",
     "export a.yaml --speeds 1000-5000 -o a.csv": "expected LOW:HIGH:COUNT",
-    "margin a.yaml --drive 20mNm": "write the number alone",
+    "margin a.yaml --drive 20mNm": "write 0.02, which is it in N m",
 }
 
 
@@ -134,6 +155,15 @@ def scene(tmp_path, monkeypatch):
     return text
 
 
+MEANT = {
+    "preload": "preload_N", "ball_cout": "ball_count", "preload_lbf": "preload_N",
+    "shaft_speed_rad_s": "shaft_speed_rpm", "ball_diameter_in": "ball_diameter_mm",
+    "contact_angle_rad": "contact_angle_deg", "youngs_modulus_MPa": "youngs_modulus_GPa",
+    "density_g_cm3": "density_kg_m3",
+}  # fmt: skip
+"""Keys of a scene by what is typed for them."""
+
+
 def typed(text):
     """The words of a line, of which a quoted one may have spaces."""
     return [a or b for a, b in re.findall(r"'([^']*)'|(\S+)", text)]
@@ -142,7 +172,7 @@ def typed(text):
 def with_line(text, line):
     """A scene with a line, or a part of one, in place of its own of the same or the nearest key."""
     key = line.strip().partition(":")[0]
-    key = {"preload": "preload_N", "ball_cout": "ball_count"}.get(key, key)
+    key = MEANT.get(key, key)
     inline = re.compile(rf"(?<=[{{ ]){key}: (?:\[[^]]*\]|[^,\]}}\n#]*)")
     if line.startswith("\t"):
         return re.sub(rf"^ +{key}: .*$", line.replace("\\", ""), text, count=1, flags=re.M)

@@ -99,9 +99,15 @@ def test_nothing_is_replaced(tmp_path, capsys):
             [*SIZE, "--contact-angle", "15", "--clearance", "CN"],
             "only allowed without a contact angle",
         ),
-        (["608", "--radial-clearance-um", "0"], "--radial-clearance-um: got 0, expected a number"),
-        (["--bore", "0", "--outside", "9"], "--bore: got 0, expected a number > 0"),
-        ([*SIZE, "--speed", "fast"], "--speed: got 'fast', expected a number in r/min;"),
+        (
+            ["608", "--radial-clearance-um", "0"],
+            "--radial-clearance-um: got '0', expected a number",
+        ),
+        (["--bore", "0", "--outside", "9"], "--bore: got '0', expected a number from 0.5"),
+        (
+            [*SIZE, "--speed", "fast"],
+            "--speed: got 'fast', expected a number from 0 to 10000000 (r/min);",
+        ),
         (["--bore", "40", "--outside", "30"], "--outside: got 30, expected a number > 40"),
         ([*SIZE, "--ball-diameter", "14"], "--ball-diameter: got 14, expected"),
         ([*SIZE, "--balls", "22"], "--balls: got 22, expected at most 20"),
@@ -111,7 +117,7 @@ def test_nothing_is_replaced(tmp_path, capsys):
             "--contact-angle: got 0, expected a number > 0, because",
         ),
         (["7008C", "--maker", "NSK", "--contact-angle", "0"], "--contact-angle: got 0, expected a"),
-        ([*SIZE, "--contact-angle", "90"], "--contact-angle: got 90, expected a number from 0"),
+        ([*SIZE, "--contact-angle", "90"], "--contact-angle: got '90', expected a number from 0"),
     ],
 )
 def test_bad_numbers_take_one_line(argv, problem, tmp_path, capsys):

@@ -22,6 +22,7 @@ from typing import Any
 from bearingwear.scene.checking.errors import (
     DEEPEST,
     SceneError,
+    did_you_mean,
     key_path,
     number_hint,
     short,
@@ -29,6 +30,7 @@ from bearingwear.scene.checking.errors import (
     yaml_number,
 )
 from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, file_part, keys, part_at
+from bearingwear.scene.checking.units import converted, meant_words
 
 MOST_FAULTS = 10  # of one file that are reported together
 _LARGEST = 1.7976931348623157e308  # a whole number of YAML may be larger
@@ -146,8 +148,49 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
 
 def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
     """Returns the fault of a value that a part does not take."""
-    problem = f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}"
-    return rank, SceneError(path, problem)
+    return rank, SceneError(path, misfit_words(value, part, path.rpartition(".")[2]))
+
+
+def misfit_words(value: Any, part: Part, key: str = "") -> str:
+    """States a value that a part does not take, what it takes, and what was probably meant.
+
+    key: the name of the key, without its block.
+    """
+    return (
+        f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}{_note(value, part, key)}"
+    )
+
+
+def option_misfit(text: str, part: Part, key: str = "") -> str:
+    """States the text of an option that stands for no number that a part takes, as `misfit_words`.
+
+    key: the name of the key that the option sets, without its block.
+    """
+    try:
+        note = _note(float(text), part, key)
+    except ValueError:
+        note = _in_brackets(part.unit, number_hint(text.strip(), part.unit))
+    return f"got {text!r}, expected {part.allowed}{note}"
+
+
+def _note(value: Any, part: Part, key: str) -> str:
+    """Returns the unit of a part, and the unit or choice that was probably meant."""
+    number = part.item if part.kind == "list" else part
+    if part.kind == "choice":
+        return did_you_mean(value, part.key.choices)
+    if number.kind not in ("integer", "number"):
+        return ""
+    meant = ""
+    if number.kind == "number" and _is_number(value):
+        meant = meant_words(value, number.unit, lambda other: _is_permitted(other, number), key)
+    return _in_brackets(number.unit, meant)
+
+
+def _in_brackets(unit: str, advice: str) -> str:
+    """Returns a unit and advice on a value in brackets; "" without both."""
+    unit = "" if unit in ("1", "-", "as the value") else unit
+    words = "; ".join(filter(None, (unit, advice)))
+    return f" ({words})" if words else ""
 
 
 FORMER_KEYS = {
@@ -180,6 +223,8 @@ def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) ->
     """Returns advice on an unknown key: a similar key of its block or of another one."""
     if unknown.isdigit():  # {poisson_ratio: 0,3}
         return "write decimals with a point, not a comma"
+    if key_in_its_unit := _in_its_unit(unknown, values[unknown], block):
+        return f"write {key_in_its_unit}"
     similar = difflib.get_close_matches(unknown, block.below, n=2)
     if similar := similar or [name for name in block.below if len(unknown) > 2 and unknown in name]:
         return f"did you mean {' or '.join(similar)}"
@@ -195,6 +240,30 @@ def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) ->
         return f"did you mean {' or '.join(p for p in meant if p.count('.') == depth)}"
     unused = [name for name in block.below if name not in values]
     return f"expected one of {', '.join(unused or block.below)}"
+
+
+_SHORTEST_STEM = 3  # characters of a key without its unit, by which another is found
+
+
+def _in_its_unit(unknown: str, value: Any, block: Part) -> str:
+    """Returns the key of a block that is meant by one with another unit; "" if there is none.
+
+    The value of `preload_lbf: 30` is converted: `preload_N: 133.45`.
+    """
+    for split in re.finditer("_", unknown):
+        stem, typed = unknown[: split.start()], unknown[split.end() :].replace("_", "/")
+        if len(stem) < _SHORTEST_STEM:
+            continue
+        for name, part in block.below.items():
+            _, stem_found, own = name.rpartition(f"{stem}_")
+            if not stem_found or converted(1.0, own.replace("_", "/"), part.unit) != 1.0:
+                continue
+            if converted(1.0, typed, part.unit) is None:
+                continue
+            if not _is_number(value):
+                return f"{name}, in {part.unit}"
+            return f"{name}: {converted(float(value), typed, part.unit):.5g}"
+    return ""
 
 
 def _is_name(name: str, mapping: Part) -> bool:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
+
+from bearingwear.scene.checking.units import converted
 
 DEEPEST = 20  # blocks within blocks; a scene has three
 LONGEST = 60  # characters of a text that a message repeats
@@ -83,14 +86,10 @@ def shown(value: Any) -> str:
 
 
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:[ _'\u00a0\u202f]\d{3})+(?:\.\d*)?")
-_WITH_UNIT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.,+-].*)")
-
-_CONVERTED = {
-    "lbf": (4.4482216, "N"), "lb": (4.4482216, "N"), "kgf": (9.80665, "N"), "kN": (1e3, "N"),
-    "in": (25.4, "mm"), "inch": (25.4, "mm"), '"': (25.4, "mm"),
-    "rad": (180.0 / math.pi, "degrees"),
-}  # fmt: skip
-"""Units that are typed for those of a scene, by their factors."""
+_WITH_UNIT = re.compile(
+    r"([-+]?(?:\d[\d., _'\u00a0\u202f]*|[.,]\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.,+-].*)"
+)
+_INCHES = re.compile(r"(\d+)/(\d+)(?:\s*(?:in|inch|\"))?")
 
 
 def number_hint(text: str, unit: str = "") -> str:
@@ -105,14 +104,26 @@ def number_hint(text: str, unit: str = "") -> str:
         return f"write {text.replace(',', '.')}, with a decimal point"
     if _THOUSANDS.fullmatch(text):
         return f"write {re.sub(r'[^-+.0-9]', '', text)}, without separators"
+    if (match := _INCHES.fullmatch(text)) and unit in ("mm", "um") and float(match[2]):
+        return _unit_hint(float(match[1]) / float(match[2]), "in", unit)
     if match := _WITH_UNIT.fullmatch(text):
-        if match[2] == "%":
-            return f"write {float(match[1]) / 100.0:.6g}, as a share"
-        if match[2] in _CONVERTED:
-            factor, unit_of_scene = _CONVERTED[match[2]]
-            return f"write {factor * float(match[1]):.5g}, which is it in {unit_of_scene}"
-        return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
+        try:
+            return _unit_hint(float(match[1].replace(" ", "")), match[2].strip(), unit)
+        except ValueError:  # 18,000 rpm
+            return number_hint(match[1].strip(), unit)
     return ""
+
+
+def _unit_hint(number: float, typed: str, unit: str) -> str:
+    """Returns how to write a number that was typed with a unit."""
+    value = converted(number, typed, unit or "1")
+    if value is None:
+        return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
+    if typed == "%":
+        return f"write {value:.6g}, as a share"
+    if value == number:
+        return f"write the number alone: {number:.7g}"
+    return f"write {value:.5g}, which is it in {unit}{'s' if unit == 'degree' else ''}"
 
 
 def check_thousands(path: str, text: str, source: str = "scene") -> None:
@@ -121,6 +132,30 @@ def check_thousands(path: str, text: str, source: str = "scene") -> None:
         units, thousands = text.partition(".")[0], text.replace(".", "")
         problem = f"got {text}, which may be a thousand times more, expected {thousands} or {units}"
         raise SceneError(path, problem, source=source)
+
+
+_MEANT = {
+    "rigid": "fixed_position", "fixed": "fixed_position", "spacer": "fixed_position",
+    "displacement": "fixed_position", "position": "fixed_position", "spring": "constant_force",
+    "constant": "constant_force", "force": "constant_force", "springs": "constant_force",
+    "pair": "rigid_pair", "ceramic": "silicon_nitride", "hybrid": "silicon_nitride",
+    "si3n4": "silicon_nitride", "steel": "bearing_steel", "100cr6": "bearing_steel",
+    "52100": "bearing_steel", "suj2": "bearing_steel", "440c": "bearing_steel",
+    "moly": "mos2", "solid": "mos2", "vacuum": "mos2", "none": "dry", "time": "dynamic",
+    "transient": "dynamic", "quasistatic": "steady", "static": "steady",
+}  # fmt: skip
+"""What people type for choices of scenes and options."""
+
+
+def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
+    """Returns advice on a text that is none of the choices, after a semicolon; "" without any."""
+    by_letters = {choice.lower(): choice for choice in choices}
+    plain_text = re.sub(r"[\s-]+", "_", str(typed).strip().lower())
+    if (meant := _MEANT.get(plain_text)) in by_letters.values():
+        return f"; did you mean {meant}"
+    similar = difflib.get_close_matches(plain_text, by_letters, n=2, cutoff=0.7)
+    names = " or ".join(by_letters[name] for name in similar)
+    return f"; did you mean {names}" if names else ""
 
 
 def short(text: str) -> str:

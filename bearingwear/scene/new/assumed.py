@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from bearingwear.scene.checking.check import fits, misfit_words
 from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import Key, Part
 from bearingwear.scene.new.catalogue import (
     MAKERS,
     MAKERS_CLASSES,
@@ -26,6 +28,10 @@ from bearingwear.scene.new.designations import (
     of_catalogue,
 )
 from bearingwear.scene.new.letters import CLASS_OF_LETTER, PAIR, letters_of, maker_of
+
+BORE = Part("number", Key("", "mm", "[0.5, 5000]"))
+OUTSIDE = Part("number", Key("", "mm", "[1, 10000]"))
+"""Diameters of a bearing without a designation."""
 
 GROOVES = (0.52, 0.53)
 """Groove radius of the inner and the outer race over the ball diameter that is assumed."""
@@ -141,9 +147,10 @@ def size_of(
             problem = "got nothing, expected a designation such as 7008C, or --bore and --outside"
             raise SceneError("", problem, source=option)
     assert bore is not None and outside is not None
-    if not 0.0 < bore < math.inf:
-        raise refused_option("--bore", bore, "a number > 0")
-    if not bore < outside < math.inf:
+    for option, diameter, part in (("--bore", bore, BORE), ("--outside", outside, OUTSIDE)):
+        if not fits(diameter, part):
+            raise SceneError("", misfit_words(diameter, part), source=option)
+    if not bore < outside:
         raise refused_option("--outside", outside, f"a number > {bore:g}, the bore")
     return Designation(bore, outside)
 

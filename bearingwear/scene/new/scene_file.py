@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.arrangement import PAIRS
-from bearingwear.scene.checking.check import fits
+from bearingwear.scene.checking.check import fits, misfit_words
 from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.coefficients import Rubbing, rubbing
@@ -361,7 +361,8 @@ def _check_range(key: str, value: float) -> None:
     """Refuses a number that its key of the scene does not allow; the error names the option."""
     part = key_of_scene(key)
     if part is not None and not fits(value, part):
-        raise refused_option(_option(key), value, part.allowed)
+        problem = misfit_words(value, part, key.rpartition(".")[2])
+        raise SceneError("", problem, source=_option(key))
 
 
 def _line(key: str, origin: Origin) -> str:
