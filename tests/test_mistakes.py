@@ -101,7 +101,8 @@ REFUSED_IN_A_SCENE = {
     "wear_coefficient: -5e-6": "expected a number > 0",
     "thermal_expansion_1_K: 11.5": "(1/K; if it is in 1e-6/K, write 1.15e-05)",
     "inner_groove_factor: 52": "expected a number > 0.5",
-    "ball_material: steel": "expected bearing_steel",
+    "ball_material: steel": "did you mean bearing_steel",
+    "ball_material: ceramic": "--ball-material silicon_nitride` writes a block",
     "preload_method: spring": "did you mean constant_force",
     "preload_method: rigid": "did you mean fixed_position",
     "gravity_m_s2: 9.81": "expected a list of three numbers",
@@ -121,7 +122,13 @@ DOUBTED = {
 }
 """Lines that are allowed, and what `check` says of them."""
 
-BLOCKS = ("bearing", "materials", "operation", "friction")
+BLOCKS = {
+    "bearing": "{ball_count: 15, ball_diameter_mm: 8.4, pitch_diameter_mm: 54,",
+    "materials": "{bearing_steel: {youngs_modulus_GPa: 208,",
+    "operation": "{shaft_speed_rpm: 18000, preload_method: constant_force, preload_N: 140}",
+    "friction": "{ball_race: 0.08}",
+}
+"""Blocks that are left out, and the example in the one line."""
 
 REFUSED_COMMANDS = {
     "slove a.yaml": "did you mean solve",
@@ -139,7 +146,12 @@ REFUSED_COMMANDS = {
     "recommend a.yaml --life 5years": "write 43830, which is it in h",
     "recommend a.yaml --stifness 20": "did you mean --stiffness",
     "recommend a.yaml --stiffness 20N/um": "write the number alone: 20",
-    "plot a.yaml": "expected a result file",
+    "plot a.yaml": "as `bearingwear solve a.yaml -o a.nc` writes one",
+    "show a.yaml a.nc": "as `bearingwear solve a.yaml -o a.nc` writes one",
+    "recommend README.md --stiffness 20": "got a .md file, expected a scene, such as `bearingwear",
+    "recommend design.yaml": "got a file without any block of a scene (scenes)",
+    "check a": "did you mean a.yaml",
+    "life 7008C": "`bearingwear new 7008C` writes a scene",
     "export a.yaml --speeds 1000-5000 -o a.csv": "expected LOW:HIGH:COUNT",
     "margin a.yaml --drive 20mNm": "write 0.02, which is it in N m",
 }
@@ -151,6 +163,8 @@ def scene(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text, _ = scene_text("", None, None, {}, designation="7008C", lubrication="starved")
     (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "README.md").write_text("# Bearings: all of them\n\n- angle: 15, speed: 20\n")
+    (tmp_path / "design.yaml").write_text("scenes: {a: {limits: {}}}\n", encoding="utf-8")
     (tmp_path / "a.nc").write_bytes(SIGNATURE + b"\xff")
     return text
 
@@ -212,9 +226,10 @@ def test_sixty_mistakes(scene, tmp_path, capsys):
     for line, problem in REFUSED_IN_A_SCENE.items():
         file.write_text(with_line(scene, line), encoding="utf-8")
         expect(line, problem, refused(["check", "x.yaml"], capsys))
-    for block in BLOCKS:
+    for block, example in BLOCKS.items():
         file.write_text(re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene, flags=re.M))
-        expect(block, f"{block}: got nothing, expected", refused(["check", "x.yaml"], capsys))
+        problem = f"{block}: got nothing, expected a block, such as {example}"
+        expect(block, problem, refused(["check", "x.yaml"], capsys))
     for line, problem in DOUBTED.items():
         file.write_text(with_line(scene, line), encoding="utf-8")
         assert main(["check", "x.yaml"]) == 0, line

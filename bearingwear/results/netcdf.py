@@ -11,6 +11,7 @@ import itertools
 import os
 import threading
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from bearingwear.results.entries import (
 )
 from bearingwear.results.labels import named_data
 from bearingwear.results.variables import TIME
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -272,6 +274,9 @@ def damaged_file_error(path: str | os.PathLike[str], error: BaseException) -> Ca
 
 def foreign_file_error(path: str | os.PathLike[str]) -> CaseFileError:
     """Returns the error for a file that bearingwear did not write."""
-    return CaseFileError(
-        f"{os.fspath(path)}: got a file not written by {SOURCE}, expected a result file"
-    )
+    name = os.fspath(path)
+    what, advice = f"a file not written by {SOURCE}", ""
+    if name.endswith(SCENE_SUFFIXES):
+        what = "a scene"
+        advice = f", as `bearingwear solve {name} -o {Path(name).with_suffix('.nc')}` writes one"
+    return CaseFileError(f"{name}: got {what}, expected a result file{advice}")

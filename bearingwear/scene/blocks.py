@@ -54,8 +54,10 @@ class Bearing:
     outer_groove_factor: float = setting("Ratio of the groove radius of the outer race to the "
         "ball diameter", "1",
         "(0.5, 1]", example="0.53")
-    ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
-    race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
+    ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL,
+        example="bearing_steel")
+    race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL,
+        example="bearing_steel")
     bore_mm: float | None = setting(
         "Bore of the inner ring, used to compute its growth at speed and to warn of high hoop "
         "stress", "mm",
@@ -146,7 +148,7 @@ class Operation:
     outer_speed_rpm: float = setting("Speed of the outer race, in either direction", "r/min",
         "[-1e7, 1e7]", default=0.0)
     preload_method: str = setting("Preload method: spring or fixed position",
-        choices=PRELOAD_METHODS)
+        choices=PRELOAD_METHODS, example="constant_force")
     preload_N: float = setting("Initial (static, unworn) axial preload (of a set in tandem, "
         "the force of each side, not the preload of a pair: see arrangement.tandem)", "N",
         "[0, 1e7]", example="140")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import difflib
 import os
 import re
 from collections.abc import Iterable, Mapping
@@ -19,8 +21,8 @@ from bearingwear.scene.checking.check import (
     fits,
     record,
 )
-from bearingwear.scene.checking.errors import DEEPEST, SceneError, shown
-from bearingwear.scene.checking.records import NAME, file_part, keyed, setting
+from bearingwear.scene.checking.errors import DEEPEST, SceneError, short, shown
+from bearingwear.scene.checking.records import NAME, SCENE_SUFFIXES, file_part, keyed, setting
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.duty import check_phases
 from bearingwear.scene.scene import IS_CHECKED, EndOfLife, Scene, key_of_scene, plain_data
@@ -164,12 +166,55 @@ def scene_files(path: str | os.PathLike[str]) -> list[str]:
     return _read(path).files
 
 
+_A_SCENE = "expected a scene, such as `bearingwear new mine.yaml 7008C` writes"
+
+
+def _blocks() -> set[str]:
+    """Returns the names of the blocks of a scene."""
+    return {name for name, part in file_part(Scene).below.items() if part.kind != "text"}
+
+
+def _no_scene(error: SceneError, source: str) -> SceneError:
+    """Returns the error of a file that is no YAML, with what was probably meant."""
+    path = Path(source)
+    with contextlib.suppress(OSError, ValueError):
+        if not path.exists():
+            return _no_file(error, path)
+        if path.is_file() and path.suffix not in SCENE_SUFFIXES and "not YAML" in error.problem:
+            kind = f"a {path.suffix} file" if path.suffix else "text"
+            problem = f"got {kind}, {_A_SCENE}"
+            return SceneError("", problem, source=source)
+    return error
+
+
+def _no_file(error: SceneError, path: Path) -> SceneError:
+    """Returns the error of a file that does not exist, with the names of similar ones."""
+    scenes = [file.name for file in path.parent.glob("*") if file.suffix in SCENE_SUFFIXES]
+    similar = [name for name in scenes if Path(name).stem == path.name]
+    similar = similar or difflib.get_close_matches(path.name, scenes, n=2)
+    advice = ""
+    if similar:
+        advice = f"; did you mean {' or '.join(str(path.with_name(name)) for name in similar)}"
+    elif not path.suffix and re.search(r"\d\d\d", path.name):
+        advice = (
+            f"; `bearingwear new {path.name}` writes a scene of a bearing with this designation"
+        )
+    return SceneError("", f"{error.problem}{advice}", source=error.source)
+
+
 def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
     """Returns the data of a scene file, completed by those it is based on, and the files read."""
     source = os.fspath(path)
-    data = data_of(text_of(path), source)
+    try:
+        data = data_of(text_of(path, "scene"), source)
+    except SceneError as error:
+        raise _no_scene(error, source) from None
     if not isinstance(data, dict):
         problem = f"got {shown(data)}, expected a scene, which is a block of keys"
+        raise SceneError("", problem, source=source)
+    if data and not data.keys() & (_blocks() | {"based_on"}):
+        names = ", ".join(short(str(name)) for name in [*data][:3])
+        problem = f"got a file without any block of a scene ({names}), {_A_SCENE}"
         raise SceneError("", problem, source=source)
     if "based_on" not in data:
         stem = Path(source).stem

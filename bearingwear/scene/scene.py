@@ -31,7 +31,7 @@ from bearingwear.scene.blocks import (
     Wear,
 )
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
-from bearingwear.scene.checking.errors import SceneError, leaves
+from bearingwear.scene.checking.errors import SceneError, did_you_mean, leaves
 from bearingwear.scene.checking.records import (
     NAME,
     Part,
@@ -108,7 +108,9 @@ class Scene:
         allowed="text of at most 4000 characters without control characters", default="")
     bearing: Bearing = setting("Nominal, unworn geometry and materials of the bearing")
     materials: Mapping[str, Material] = setting("Materials, each in a block under its own name",
-        least=1, each="One material, under a name of your choice (letters, digits, _ and -)")
+        least=1, each="One material, under a name of your choice (letters, digits, _ and -)",
+        example="{bearing_steel: {youngs_modulus_GPa: 208, poisson_ratio: 0.3, "
+        "density_kg_m3: 7800, brinell_hardness_GPa: 6.6, wear_coefficient: 5.0e-6}}")
     cage: Cage | None = setting(
         "The cage (none if omitted; a cage alone does not require the dynamic model)",
         default=None)
@@ -128,7 +130,7 @@ class Scene:
     fits: Fits | None = setting(
         "Fits of the rings on their seats (if omitted, the rings expand freely)",
         default=None)
-    friction: Friction = setting("Friction")
+    friction: Friction = setting("Friction", example="{ball_race: 0.08}")
     lubricant: Lubricant = setting("Lubricant (no drag if omitted)", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
@@ -388,9 +390,20 @@ def _check_materials(scene: Scene) -> None:
             if key.endswith("material") and name is not None and name not in scene.materials:
                 problem = (
                     f"got {name!r}, which is not under materials, "
-                    f"expected {', '.join(scene.materials)}"
+                    f"expected {', '.join(scene.materials)}{_material_advice(name, scene)}"
                 )
                 raise SceneError(f"{block}.{key}", problem, ("materials",))
+
+
+def _material_advice(name: str, scene: Scene) -> str:
+    """Returns advice on the name of a material that the scene lacks, after a semicolon."""
+    if advice := did_you_mean(name, scene.materials):
+        return advice
+    if "silicon_nitride" in did_you_mean(name, ("silicon_nitride",)):
+        return (
+            "; `bearingwear new --ball-material silicon_nitride` writes a block of silicon nitride"
+        )
+    return ""
 
 
 def most_balls(diameter: float, pitch_diameter: float) -> int:

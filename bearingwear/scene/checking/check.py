@@ -211,8 +211,10 @@ def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part)
         yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
     for name, field in block.below.items():
         if field.required and name not in values and not unknown:  # not a mistyped one
-            suggestion = f", such as {field.key.example}" if field.key.example else ""
-            problem = f"got nothing, expected {field.allowed}{suggestion}"
+            is_block = field.kind in ("block", "mapping") and field.example
+            allowed = "a block" if is_block else field.allowed
+            suggestion = f", such as {field.example}" if field.example else ""
+            problem = f"got nothing, expected {allowed}{suggestion}"
             yield _MISSING, SceneError(key_path(path, name), problem)
     for name, value in values.items():
         if name in block.below:

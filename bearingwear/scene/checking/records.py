@@ -133,6 +133,14 @@ class Part:
         return self.key.allowed or _in_words(self)
 
     @property
+    def example(self) -> str:
+        """A value for a required key that is missing; of a block, one for its required keys."""
+        if self.key.example or self.kind != "block":
+            return self.key.example
+        values = [f"{name}: {part.example}" for name, part in self.below.items() if part.required]
+        return f"{{{', '.join(values)}}}" if values else ""
+
+    @property
     def unit(self) -> str:
         """Unit of a value; `-` for what has none."""
         return self.key.unit or ("1" if self.kind in ("integer", "number") else "-")
