@@ -18,15 +18,16 @@ from bearingwear.results.netcdf import CaseFileError, dataset
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
+from bearingwear.scene.checking.errors import did_you_mean
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import LUBRICATIONS
 from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
-from bearingwear.scene.new.scene_file import BALL_MATERIALS
+from bearingwear.scene.new.scene_file import BALL_MATERIALS, PAIR_KINDS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
-from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
 from bearingwear.studies.sweep import sweep
 
@@ -59,6 +60,8 @@ CHOICES: Mapping[str, Collection[str]] = {
     "maker": tuple(MAKERS),
     "clearance": CLEARANCES,
     "lubrication": LUBRICATIONS,
+    "pair": tuple(PAIR_KINDS),
+    "preload_method": PRELOAD_METHODS,
 }
 """Choices of the options of `new`."""
 
@@ -417,7 +420,7 @@ def new(
         Further values, named like the options of the command: `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
-        `ball_material`, `preload_method` and `lubrication`.
+        `ball_material`, `preload_method`, `lubrication` and `pair`.
 
     Returns
     -------
@@ -444,7 +447,8 @@ def new(
     for option, choices in CHOICES.items():
         text = known.get(option)
         if isinstance(text, str) and text not in choices:
-            problem = f"got {text!r}, expected {', '.join(choices)}"
+            advice = did_you_mean(text, choices)
+            problem = f"got {text!r}, expected {', '.join(choices)}{advice}"
             raise SceneError("", problem, source=option)
     if RADIAL_CLEARANCE in known:
         if "clearance" in known:

@@ -29,7 +29,7 @@ from bearingwear.scene.coefficients import LUBRICATIONS
 from bearingwear.scene.new.assumed import BORE, CLASSES, OUTSIDE
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
-from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
+from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS, PAIR_KINDS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS, key_of_scene
 
 AS_IN_DUTY = object()
@@ -253,6 +253,9 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("--lubrication", choices=LUBRICATIONS,
         help="sets wear and friction coefficients and their spread from the table in "
         "docs/coefficients.md; mos2 is a sputtered film (default: assumed coefficients)")
+    new.add_argument("--pair", choices=tuple(PAIR_KINDS),
+        help="two of these bearings on one rotor, preloaded by a spring or by a spacer (rigid); "
+        "sets arrangement and the preload method (default: one bearing)")
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 

@@ -36,7 +36,7 @@ FULL_DISK, INTERRUPTED = 74, 130
 RENAMED = {"compare": "show A.nc B.nc"}
 """What is typed today in place of commands that are gone."""
 
-RENAMED_OPTIONS = {"--film": "--lubrication", "--pair": "--lubrication"}
+RENAMED_OPTIONS = {"--film": "--lubrication"}
 """Options of earlier versions."""
 
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default

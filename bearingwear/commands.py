@@ -66,7 +66,9 @@ def new(args: argparse.Namespace) -> int:
     path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     given_values = {key: value for key, value in values.items() if value is not None}
-    names = "bore outside clearance ball_material preload_method preload_class maker lubrication"
+    names = (
+        "bore outside clearance ball_material preload_method preload_class maker lubrication pair"
+    )
     options = {name: getattr(args, name) for name in names.split()}
     check_folder(Path(path))
     tell_of_new_folder(Path(path))

@@ -306,3 +306,22 @@ def test_written_fits_change_no_number(rings):
     fitted, free = solve(scene).values, solve(scene.with_({"fits": None})).values
     for name, value in free.items():
         assert (fitted[name] == value).all() if hasattr(value, "all") else fitted[name] == value
+
+
+@pytest.mark.parametrize(
+    ("designation", "pair", "expected"),
+    [
+        ("7008C", "spring", ("spring_pair", "constant_force", "back_to_back")),
+        ("7008CDF", "rigid", ("rigid_pair", "fixed_position", "face_to_face")),
+        ("NSK7010CDBL", "spring", ("spring_pair", "constant_force", "back_to_back")),
+    ],
+)
+def test_a_pair_is_written(designation, pair, expected):
+    """A maker's class of preload is that of a rigid pair, unless a spring is asked for."""
+    text, lines = scene_text("mine", None, None, {}, designation=designation, pair=pair)
+    scene = scene_from_dict(data_of(text, "mine"), "mine")
+    arrangement = scene.arrangement
+    found = (arrangement.kind, scene.operation.preload_method, arrangement.orientation)
+    assert found == expected
+    assert not any("one bearing of it" in line for line in lines)
+    assert solve(scene).status == "ok"

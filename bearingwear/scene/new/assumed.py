@@ -27,7 +27,7 @@ from bearingwear.scene.new.designations import (
     designation_of,
     of_catalogue,
 )
-from bearingwear.scene.new.letters import CLASS_OF_LETTER, PAIR, letters_of, maker_of
+from bearingwear.scene.new.letters import CLASS_OF_LETTER, PAIR, WORDS, letters_of, maker_of
 
 BORE = Part("number", Key("", "mm", "[0.5, 5000]"))
 OUTSIDE = Part("number", Key("", "mm", "[1, 10000]"))
@@ -139,9 +139,9 @@ def size_of(
         if maker is None and not (
             maker_in_text in MAKERS and has_bearing(maker_in_text, plain_designation)
         ):
-            return designation_of(plain_designation)
+            return _without_words(designation_of(plain_designation))
         entry, ignored = entry_of(maker or maker_in_text, plain_designation, angle)
-        return of_catalogue(entry, letters_of("", ignored, PAIR))
+        return _without_words(of_catalogue(entry, letters_of("", ignored, PAIR)))
     for option, diameter in (("--bore", bore), ("--outside", outside)):
         if diameter is None:
             problem = "got nothing, expected a designation such as 7008C, or --bore and --outside"
@@ -153,6 +153,15 @@ def size_of(
     if not bore < outside:
         raise refused_option("--outside", outside, f"a number > {bore:g}, the bore")
     return Designation(bore, outside)
+
+
+def _without_words(size: Designation) -> Designation:
+    """Returns the size; refuses words behind its designation that an option has to say."""
+    for word in size.letters.ignored.split():
+        if option := WORDS.get(word):
+            problem = f"got {word.lower()}, expected {size.name} {option}"
+            raise SceneError("", problem, source="designation")
+    return size
 
 
 def numbers_of(

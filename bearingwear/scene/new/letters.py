@@ -54,6 +54,9 @@ _PAIRS = {
     "CB": f"one bearing {_ANY}, with axial clearance",
     "CC": f"one bearing {_ANY}, with large clearance",
 }  # fmt: skip
+OPPOSED = ("DB", "DF", "DD", "FF", "DU", "DG")
+"""Letters of a pair whose bearings preload each other."""
+
 _SETS = {"T": "three bearings, see tandem", "Q": "four bearings, see tandem"}
 """Sets by their first letter: TBT, TFT, TT, QBC, QFC, QBT, QFT, QT."""
 
@@ -76,6 +79,17 @@ PAIR_ALONE = (re.compile(r"\b(?P<pair>DB|DF|DT)(?P<load>)\b"),)
 """Those of deep groove bearings, whose DU and DDU are seals."""
 
 
+WORDS = {
+    "PAIR": "--pair spring or --pair rigid", "PAIRED": "--pair spring or --pair rigid",
+    "DUPLEX": "--pair spring or --pair rigid", "SET": "--pair spring or --pair rigid",
+    "SPRING": "--pair spring", "RIGID": "--pair rigid", "HYBRID": "--ball-material silicon_nitride",
+    "CERAMIC": "--ball-material silicon_nitride", "SI3N4": "--ball-material silicon_nitride",
+    "MOS2": "--lubrication mos2", "GREASE": "--lubrication grease", "OIL": "--lubrication oil",
+    "DRY": "--lubrication dry", "RPM": "--speed", "DEG": "--contact-angle",
+}  # fmt: skip
+"""Options that say what words behind a designation mean, which are no maker's letters."""
+
+
 class Letters(NamedTuple):
     """Meaning of the letters of a designation."""
 
@@ -85,15 +99,20 @@ class Letters(NamedTuple):
     pair: str = ""  # letters of the arrangement
     ignored: str = ""  # what changes no number of a scene
 
-    @property
-    def meanings(self) -> list[str]:
-        """A clause for each group of letters that has a meaning."""
+    def meanings(self, is_in_pair: bool = False) -> list[str]:
+        """Returns a clause for each group of letters that has a meaning.
+
+        is_in_pair: whether the scene holds both bearings of a pair.
+        """
         clauses = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
         if self.pair:
             meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
-            pair_note = "; the scene holds one bearing of it, and `arrangement` as a comment"
-            if meaning.startswith("one"):
-                pair_note = ""
+            pair_note = ""
+            if not (is_in_pair or meaning.startswith("one")):
+                other = "`arrangement` as a comment"
+                if self.pair in OPPOSED:
+                    other = "both with --pair spring or --pair rigid"
+                pair_note = f"; the scene holds one bearing of it, and {other}"
             clauses.append(f"{self.pair}: {meaning}{pair_note}")
         if self.load:
             clauses.append(f"{self.load}: class of preload")

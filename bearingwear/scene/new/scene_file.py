@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.scene.arrangement import PAIRS
+from bearingwear.scene.arrangement import METHODS, PAIRS
 from bearingwear.scene.checking.check import fits, misfit_words
 from bearingwear.scene.checking.errors import SceneError, yaml_number
 from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
@@ -45,6 +45,9 @@ if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
 
 BALL_MATERIALS = ("bearing_steel", "silicon_nitride")
+
+PAIR_KINDS = {"spring": "spring_pair", "rigid": "rigid_pair"}
+"""Kinds of an arrangement by their names in `new --pair`."""
 
 BALLS_ASSUMED = "bearing.ball_material: bearing_steel"
 
@@ -104,6 +107,7 @@ def scene_text(
     preload_class: str | None = None,
     maker: str | None = None,
     lubrication: str | None = None,
+    pair: str | None = None,
 ) -> tuple[str, list[str]]:
     """Writes a commented scene file as text, and a line for each assumption in it.
 
@@ -117,6 +121,7 @@ def scene_text(
         [um].
     lubrication: of `coefficients.LUBRICATIONS`: wear, friction and their spread come from its
         sources.
+    pair: of `PAIR_KINDS`: two of these bearings on one rotor, with the preload method of that pair.
 
     Returns `text`: to be checked by `checked_scene`.
     SceneError: one line that names the option, what was given and what is allowed.
@@ -129,6 +134,7 @@ def scene_text(
         raise refused_option("--ball-material", ball_material or "", expected)
     for key in given:
         _check_range(key, given[key])
+    preload_method = _method_of_pair(pair, preload_method, letters.pair)
     # a maker's class of preload is that of a rigid pair
     rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
     method = preload_method or ("fixed_position" if rigid else "constant_force")
@@ -139,12 +145,30 @@ def scene_text(
     if rubs.film:
         del numbers[_BALL_RACE]
     _check_room(numbers)
-    text = _filled_template(name, size, numbers, ball_material, preload_method, method, rubs)
+    text = _filled_template(name, size, numbers, ball_material, preload_method, method, rubs, pair)
     lubricated = f"lubrication: {rubs.summary}"
     return text, [
         lubricated,
-        *_assumption_lines(size, numbers, ball_material, preload_method, method),
+        *_assumption_lines(size, numbers, ball_material, preload_method, method, pair),
     ]
+
+
+def _method_of_pair(pair: str | None, preload_method: str | None, letters: str) -> str | None:
+    """Returns the preload method of a pair, or that given for a single bearing.
+
+    letters: those of the arrangement in the designation.
+    """
+    if pair is None:
+        return preload_method
+    method = METHODS[PAIR_KINDS[pair]]
+    if preload_method not in (None, method):
+        raise refused_option("--preload-method", preload_method or "", f"{method} in a {pair} pair")
+    if letters == "DT":
+        problem = (
+            "only allowed without DT (tandem): the two bearings share a force, and none preloads"
+        )
+        raise refused_option("--pair", pair, f"{problem} the other")
+    return method
 
 
 def _rubbing(
@@ -176,10 +200,11 @@ def _assumption_lines(
     ball_material: str | None,
     preload_method: str | None,
     method: str,
+    pair: str | None,
 ) -> list[str]:
     """Returns a line for each value that was not given."""
     lines = []
-    notes = size.letters.meanings
+    notes = size.letters.meanings(is_in_pair=pair is not None)
     load = size.letters.load
     if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
         notes.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
@@ -275,6 +300,7 @@ def _filled_template(
     preload_method: str | None,
     method: str,
     rubs: Rubbing,
+    pair: str | None,
 ) -> str:
     """Fills in the template of a scene."""
     D, dm, Z = _balls(numbers)
@@ -299,6 +325,7 @@ def _filled_template(
         preload_method=method,
         method_given=preload_method is not None,
         pair_kind=PAIRS[method],
+        is_pair=pair is not None,
         seat_range=_seat_range(size.bore),
         housing=_housing_line(size.outside) if size.outside > dm + D else "0.0",
         materials=dict.fromkeys(
