@@ -275,7 +275,8 @@ def test_a_limit_is_in_words_and_letters(name):
 
 @of_limits
 def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
-    monkeypatch.setattr("bearingwear.studies.design.everywhere.lowest_frequency", lambda *_: np.nan)
+    unknown_frequency = "bearingwear.studies.design.condition_extremes.lowest_frequency"
+    monkeypatch.setattr(unknown_frequency, lambda *_: np.nan)
     measure, result = LIMITED[name], ended_by("skid_ratio")
     if measure.of_life:
         assert set(measure.extremes) <= POINT.keys()

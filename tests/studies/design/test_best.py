@@ -252,7 +252,7 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
 
 
 def test_a_required_life_decides_what_is_feasible():
-    """It is 1.4 h at best with the stiffness that is required; 0.2 h: test_everywhere.py."""
+    """It is 1.4 h at best with the stiffness that is required."""
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
     recommended = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=20.0, life_h=1e4))
     assert recommended["life"].isnull().all()

@@ -18,6 +18,13 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.slip import at_share
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.choice import limit_margins
+from bearingwear.studies.design.condition_extremes import (
+    SPEED_FOUND_TO,
+    OtherConditions,
+    new_states,
+    state_extremes,
+    worn_states,
+)
 from bearingwear.studies.design.conditions import (
     AT_SPEED_ONLY,
     CONDITIONS,
@@ -29,13 +36,6 @@ from bearingwear.studies.design.conditions import (
     conditions_of,
 )
 from bearingwear.studies.design.document.sheets import preload_document
-from bearingwear.studies.design.everywhere import (
-    SPEED_FOUND_TO,
-    OtherConditions,
-    new_states,
-    state_extremes,
-    worn_states,
-)
 from bearingwear.studies.design.map import NOT_SOLVED_AT, design_point, new_point
 from bearingwear.studies.design.plan import LEAST_KEPT, DesignLimits
 from bearingwear.studies.design.recommend import recommendation
