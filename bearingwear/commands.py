@@ -299,7 +299,7 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
-        limits = _limits(args, scene)
+        limits = _design_limits(args, scene)
         recommendation, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(recommendation, lives)
     if lives is not None and not (lives["status"] == 0).any():
@@ -393,7 +393,7 @@ def study(args: argparse.Namespace) -> int:
         if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
-            write_study(file, folder, _limits(args, load_scene(file)))
+            write_study(file, folder, _design_limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
         print_text(f"page: {page}")
@@ -457,7 +457,7 @@ def _trial_lines(path: str) -> list[str]:
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
-def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
+def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
     """Returns the limits that the options give for a scene."""
     from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.scene.checking.check import record
@@ -469,12 +469,16 @@ def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
     try:
         return record(DesignLimits, {k: v for k, v in values.items() if v is not None})
     except SceneError as error:
-        measure, option, problem = LIMITED.get(error.key), "limits", error.problem
-        if measure:
-            unit = measure.key_unit
-            option = measure.option
-            problem += " (a share: 0.36 for 36 %)" if unit == "1" else f" ({unit})"
-        raise SceneError("", problem, source=option) from None
+        raise _error_of_option(error) from None
+
+
+def _error_of_option(error: SceneError) -> SceneError:
+    """Returns an error in a design limit as one of its option, with the unit of the option."""
+    measure = LIMITED.get(error.key)
+    if measure is None:
+        return SceneError("", error.problem, source="limits")
+    unit = "a share: 0.36 for 36 %" if measure.key_unit == "1" else measure.key_unit
+    return SceneError("", f"{error.problem} ({unit})", source=measure.option)
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

@@ -20,9 +20,9 @@ from bearingwear.arguments import command_parser
 from bearingwear.cli import _parsed, main
 from bearingwear.kernels import status as code
 from bearingwear.lives import life as life_model
+from bearingwear.lives.ends import NO_CRITERION
 from bearingwear.results.netcdf import load
 from bearingwear.results.warnings import warnings_in
-from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
 
@@ -172,7 +172,7 @@ def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
 
 def test_failed_life(tmp_path, monkeypatch):
     def lived(scene, fidelity, progress):
-        return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": len(CRITERIA) - 1})
+        return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": NO_CRITERION})
 
     monkeypatch.setattr(life_model, "life", lived)
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]

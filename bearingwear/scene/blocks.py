@@ -213,7 +213,7 @@ class EndOfLife(_CRITERIA):
 
 
 CRITERIA = (*ENDS, "none")
-"""What may end a life, in the order of the flags."""
+"""What may end a life, in the order of the flags; the last one is that nothing does."""
 
 
 @keyed

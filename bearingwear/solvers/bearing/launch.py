@@ -473,7 +473,7 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
     axial_g = random["axial"].largest_g if "axial" in random else launch.axial_g
     radial_g = random["radial"].largest_g if "radial" in random else launch.radial_g
     forces = launch_forces(axial_g * weight, radial_g * weight)
-    limit = min((yield_pressure(side) for side in scene.sides), key=lambda limit: limit.GPa)
+    weakest = min(map(yield_pressure, scene.sides), key=lambda limit: limit.GPa)
     return LaunchResult(
         loads=tuple(LaunchLoad(name, *F, rest.under(*F)) for name, F in forces.items()),
         axial_g=axial_g,
@@ -481,9 +481,9 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
         random=random,
         frequencies=frequencies,
         opening_g=rest.axial_rotor.opening_force / weight,
-        denting_g=rest.denting_force(limit.GPa * GPA) / weight,
-        pressure=limit.GPa * GPA,
-        source=limit.source,
+        denting_g=rest.denting_force(weakest.GPa * GPA) / weight,
+        pressure=weakest.GPa * GPA,
+        source=weakest.source,
     )
 
 

@@ -233,8 +233,8 @@ class WornBearing:
         forces = self.seat.inner, self.seat.outer
         if not all(force.Q > 0.0 for force in forces):
             return False
-        given = [contact_approach(force.hertz.K, force.Q) for force in forces]
-        self.reference = self._lengths(self.seat, p.g, D) - given
+        approaches = [contact_approach(force.hertz.K, force.Q) for force in forces]
+        self.reference = self._lengths(self.seat, p.g, D) - approaches
         self._forget()
         return True
 
@@ -305,9 +305,10 @@ class WornBearing:
         for _ in range(_MOST_ON_THE_WAY):
             to = min(share + step, 1.0)
             pressures = [race.pressure.copy() for race in self.races]
-            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
-            if found[0].status not in _FAR:
-                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
+            grooves = mean + to * (wear.grooves - mean)
+            seat, u, _, _ = self._settled(p, D, replace(wear, grooves=grooves))
+            if seat.status not in _FAR:
+                self.seat, self.u, share, step = seat, u, to, 2.0 * step
                 if share == 1.0:
                     break
                 self._counted_anew(code.OK, p, D, wear)
