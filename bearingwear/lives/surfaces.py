@@ -49,7 +49,7 @@ class Coating:
 
     @property
     def thickness(self) -> np.ndarray:
-        """Unworn thickness of the films that are left; 0 where none is [m]."""
+        """Returns the unworn thickness of the films that are left; 0 where none is [m]."""
         return np.where(self.is_left, self.new_thickness, 0.0)
 
     def share_left(self, depths: np.ndarray) -> np.ndarray:
@@ -81,7 +81,7 @@ class EvenWear:
 
     @property
     def loss_range(self) -> float:
-        """Further loss that can be followed [m]."""
+        """Returns the further loss that can be followed [m]."""
         return self.largest_loss - self.present_loss
 
     def condition(self, worn: np.ndarray) -> Condition:

@@ -447,12 +447,12 @@ class KeyRow(NamedTuple):
 
     @property
     def block(self) -> str:
-        """The block of the scene that contains the key, in words."""
+        """Returns the block of the scene that contains the key, in words."""
         return self.label.partition(": ")[0]
 
     @property
     def label_in_block(self) -> str:
-        """The label without the block."""
+        """Returns the label without the block."""
         return self.label.partition(": ")[2] or self.label
 
 

@@ -139,7 +139,7 @@ class DutyGrooves(_DutyWear, Grooves):
             for way in self.ways:
                 if way is not widest:
                     for side, shared in zip(way.sides, widest.sides, strict=True):
-                        side.bearing.lie_on(shared.bearing)
+                        side.bearing.take_grids_of(shared.bearing)
             self.start = widest.start
 
     @property

@@ -87,7 +87,7 @@ class Letters(NamedTuple):
 
     @property
     def meanings(self) -> list[str]:
-        """A clause for each group of letters that has a meaning."""
+        """Returns a clause for each group of letters that has a meaning."""
         clauses = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
         if self.pair:
             meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]

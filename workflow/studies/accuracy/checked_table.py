@@ -59,7 +59,7 @@ class CheckedTable:
 
     @property
     def block(self) -> Block:
-        """The table as a block of a document."""
+        """Returns the table as a block of a document."""
         column_units = {name: agreement.unit for name, agreement in self.columns.items()}
         units = dict.fromkeys(self.axes, "") | column_units
         title = self.title[0].upper() + self.title[1:]
@@ -67,7 +67,7 @@ class CheckedTable:
 
     @property
     def text(self) -> str:
-        """The table as Markdown, for a larger text."""
+        """Returns the table as Markdown, for a larger text."""
         return block_markdown(self.block, "**{}**")
 
     def differences(self, text: str) -> Iterator[str]:
