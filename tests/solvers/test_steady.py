@@ -232,7 +232,7 @@ def test_both_races_turning_together(scene):
     assert_allclose(v["total_qv"], 0.0, atol=1e-9)
 
 
-def test_contact_lost_is_said(scene):
+def test_a_lost_contact_has_its_status(scene):
     """Fixed position, worn far beyond the preload, at speed: the ball leaves the inner race."""
     changes = {"operation.preload_method": "fixed_position", "wear.ball_diameter_loss_um": 60.0}
     assert solve(scene("gyro_s1", changes)).status == "contact_lost"

@@ -340,7 +340,7 @@ def test_the_docs_hold_every_row_of_a_run(trade, cages):
         assert numerical and not [line for line in numerical if line.endswith("missing")]
 
 
-def test_cells_have_the_digits_that_are_known():
+def test_table_cells_have_only_significant_digits():
     row = ["a", "b", 1.23456, 0.0, math.nan, Rough(1.2345), Rough(7.77), 0.00012, "yes"]
     units = ["", "", "", "", "", "%", ""]
     columns = {f"{k}": Agreement(unit=unit) for k, unit in enumerate(units)}

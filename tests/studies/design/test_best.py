@@ -142,7 +142,7 @@ def test_a_preload_may_be_set_where_the_life_is_similar(scene):
     assert similar[-1] > 1.05 * best.preload
 
 
-def test_what_nobody_would_build_is_not_recommended(scene):
+def test_an_impractical_preload_is_not_recommended(scene):
     made_up = MadeUp(scene, falling, practical=lambda p: p > 251.3)
     best = made_up.best_point()
     assert 251.3 < best.preload < 1.01 * 251.3

@@ -118,7 +118,7 @@ def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
     )
 
 
-def test_what_decides_is_where_it_is_the_worst(spindle):
+def test_the_deciding_condition_is_the_worst_one(spindle):
     """Against speeds 1 % apart, new; what is said of the place is what a solve finds there."""
     held = held_by(spindle, "fixed_position", 60.0)
     point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
@@ -301,7 +301,7 @@ def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
     assert LIMITED["preload_kept"].extremes == ("preload_kept",)
 
 
-def test_where_nothing_is_solved_says_so(spindle):
+def test_a_point_without_a_state_names_the_unsolved_condition(spindle):
     bad = held_by(spindle, "fixed_position", 0.001)
     point = design_point(bad, STIFF)
     assert point["status"] == OK or point[NOT_SOLVED_AT]["status"]
