@@ -80,7 +80,7 @@ def _look_for_garbage_rarely() -> None:
 
 def _status(argv: Sequence[str]) -> int:
     try:
-        return _run(_parsed(argv))
+        return _run(_parsed_arguments(argv))
     except SystemExit as stop:
         if isinstance(stop.code, str):  # of a library
             sys.stderr.write(one_line(stop.code))
@@ -92,7 +92,7 @@ def _drop(stream: TextIO) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def _parsed(argv: Sequence[str]) -> argparse.Namespace:
+def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
     if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
         import argcomplete
 

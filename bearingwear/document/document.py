@@ -136,7 +136,7 @@ class Document:
         """Returns the first heading line."""
         return self.heading[0] if self.heading else ""
 
-    def placed(self, *places: str) -> list[Block]:
+    def blocks_in(self, *places: str) -> list[Block]:
         """Returns the blocks whose place is one of `places`."""
         return [block for block in self.blocks if block.place in places]
 

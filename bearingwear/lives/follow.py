@@ -104,7 +104,7 @@ class Method:
                 break
         return nodes
 
-    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
+    def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
         """Returns the nodes of a finished step that its life keeps."""
         return step.nodes
 
@@ -260,7 +260,7 @@ def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) ->
                 bound = zero.x  # up to there and no further
                 if bound < step.end:
                     continue
-        kept = [] if failed or step.is_rough else method.nodes_kept(step)
+        kept = [] if failed or step.is_rough else method.kept_nodes(step)
         failed = failed or _first_failed(kept)
         if failed:
             life.fail(failed)

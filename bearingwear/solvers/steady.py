@@ -201,7 +201,9 @@ class Steady:
                 values["status"] = code.NO_STEADY_STATE
         return values, attrs
 
-    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+    def with_motion_of_case(
+        self, solution: SolvedBearing, values: dict[str, Any]
+    ) -> SolvedBearing | None:
         if "orbit_speed" not in values:
             return None
         u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])

@@ -70,11 +70,11 @@ class RestingSide(NamedTuple):
 
     @property
     def touch(self) -> float:
-        """Returns the axial displacement at which its last ball comes off, without radial load."""
+        """Returns the axial displacement [m] at which the last ball loses its load."""
         return self._displacement_at(0.0)
 
-    def dented(self, pressure: float) -> float:
-        """Returns the axial displacement at which a ball first has this peak pressure [Pa] [m]."""
+    def denting_displacement(self, pressure: float) -> float:
+        """Returns the axial displacement [m] at which a ball first has this peak pressure [Pa]."""
         return self._displacement_at(
             (pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0)
         )
@@ -283,7 +283,7 @@ class RotorAtRest:
 
     def denting_force(self, pressure: float) -> float:
         """Returns the least axial force, in either direction, that causes a peak pressure [Pa]."""
-        first, second = (seat.dented(pressure) for seat in self.seats)
+        first, second = (seat.denting_displacement(pressure) for seat in self.seats)
         return max(
             min(self.axial_rotor.external(0, first), -self.axial_rotor.external(1, second)), 0.0
         )

@@ -318,12 +318,12 @@ class WornBearing:
         self._reset_pressures()
         mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
         for _ in range(_MOST_ON_THE_WAY):
-            to = min(share + step, 1.0)
+            next_share = min(share + step, 1.0)
             pressures = [race.pressure.copy() for race in self.races]
-            grooves = mean + to * (wear.grooves - mean)
+            grooves = mean + next_share * (wear.grooves - mean)
             seat, u, _, _ = self._state_in_cells(p, D, replace(wear, grooves=grooves))
             if seat.status not in _FAR:
-                self.seat, self.u, share, step = seat, u, to, 2.0 * step
+                self.seat, self.u, share, step = seat, u, next_share, 2.0 * step
                 if share == 1.0:
                     break
                 self._start_at_present_loads(code.OK, p, D, wear)
